@@ -1,5 +1,5 @@
 """pkgen from Python: models as objects, runs as arrays, kernels on any number of states.
 
-`prepare` is the road from options to a run, which the command line takes as well. Called by `cli`
-and by whoever imports pkgen.
+`prepare` compiles a model and settles the settings of a run from options; the command line uses it
+too. `cli` and users of the Python package call this package.
 """

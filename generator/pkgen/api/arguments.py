@@ -1,4 +1,4 @@
-"""Arguments of the Python API: the values that each takes, and the options that they become."""
+"""Arguments of the Python API: their types, and their conversion to options of `pkgen run`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 Names = str | Sequence[str]
 Weights = str | Sequence[str] | Sequence[float]
 NUMBERS = ("until", "every", "step", "max_step", "rtol", "atol")
-# Options of `pkgen run` that a call has none for.
+# Options of `pkgen run` that an API call may leave out, with their defaults.
 DEFAULTS = {
     **dict.fromkeys((*NUMBERS, "method", "record", "at", "ensemble", "threads", "diagnose")),
     **dict.fromkeys(("no_reduce", "output", "unroll", "watch")),
@@ -60,7 +60,7 @@ def _is_text(x: object) -> bool:
 
 
 def _some(one: Check) -> Check:
-    """One, or a sequence of them."""
+    """Returns a check for one value, or a sequence of such values."""
 
     def check(x: object) -> bool:
         if one(x) or not isinstance(x, Collection) or isinstance(x, Mapping | bytes):
@@ -84,7 +84,7 @@ def _is_input(x: object) -> bool:
 
 
 _VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"
-# Each argument: what it may be, and the words for that.
+# For each argument: the check of its type, and the words for the type in messages.
 ALLOWED: dict[str, tuple[Check, str]] = {
     "path": (is_path, "a text or a path"),
     "sizes": (_named(_is_whole), "a dictionary of whole numbers by name, as {'N': 64}"),
@@ -101,7 +101,7 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     **dict.fromkeys(("record", "diagnose"), (_some(_is_text), "a name, or a list of names")),
     **dict.fromkeys(("max_steps", "threads"), (_is_whole, "a whole number")),
 }
-REQUIRED = ("path", "iteration", "max_steps")  # None is no value of them
+REQUIRED = ("path", "iteration", "max_steps")  # arguments that must not be None
 
 
 def checked(**given: object) -> None:
@@ -119,7 +119,7 @@ def brief(x: object) -> str:
 
 
 def text(value: Value) -> str:
-    """Raises UsageError."""
+    """Returns a value as the text of an option. Raises UsageError."""
     try:
         return value if isinstance(value, str) else repr(float(value))
     except OverflowError:
@@ -127,7 +127,7 @@ def text(value: Value) -> str:
 
 
 def arrays(**given: object) -> list[numpy.ndarray]:
-    """Raises ArrayError."""
+    """Returns the arguments as arrays of floats. Raises ArrayError."""
     import numpy
 
     made = []
@@ -145,8 +145,8 @@ def several(given: Any) -> list[Any]:
 
 
 def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
-    """The options of `pkgen run` for this call. Raises UsageError, or TypeError for an argument
-    that there is not."""
+    """Returns the options of `pkgen run` for a call. Raises UsageError, or TypeError for an unknown
+    argument."""
     start, inputs = given.pop("start", None), given.pop("inputs", None)
     unknown = given.keys() - DEFAULTS.keys()
     if unknown:
@@ -167,7 +167,7 @@ def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
     return made
 
 
-# Options that are no argument of a call, or are items of one.
+# Options that have no argument of the same name, and options that are items of an argument.
 _CALLS = {"ensemble": "ensemble()", "set": "params and inputs", "size": "sizes", "output": "rows"}
 _ITEMS = {"set": "inputs", "size": "sizes", "start": "start"}
 _ITEM = re.compile(r"--(set|start|size) ([A-Za-z_][\w.\[\]']*)")
@@ -175,14 +175,14 @@ _OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)(?: (?=[^\s:]+(?: \[[^\]]*\])?(?::|
 
 
 def worded(said: str) -> str:
-    """A message about options of the command line, about arguments: `until=` for `--until`."""
+    """Rewrites a message about options so that it names arguments: `until=` for `--until`."""
     said = _ITEM.sub(lambda found: f"{_ITEMS[found[1]]}[{found[2]!r}]", said)
     return _OPTION.sub(lambda x: _CALLS.get(x[1], x[1].replace("-", "_") + "="), said)
 
 
 @contextmanager
 def in_words() -> Iterator[None]:
-    """Errors within it speak of arguments."""
+    """Within it, messages of errors name arguments of the API instead of options."""
     try:
         yield
     except ModelError as error:

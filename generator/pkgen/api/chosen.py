@@ -1,4 +1,5 @@
-"""What a promise of accuracy was kept by, as plain data: who goes on measures nothing again."""
+"""The method and settings chosen for a promised accuracy, as plain data for checkpoints: a resumed
+run does not choose again."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ def data(settings: Settings) -> dict[str, Any]:
 
 
 def settled(settings: Settings, said: Any) -> Settings:
-    """The settings that `said` is of. Raises UsageError where it is nothing of the kind."""
+    """Returns the settings with the choice in `said`, from data(). Raises UsageError if invalid."""
     try:
         found = {name: _is(said[name], str) for name in TEXTS}
         found |= {name: _number(said[name]) for name in NUMBERS}

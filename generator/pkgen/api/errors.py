@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions. All are in `pkgen` by name."""
+"""The exceptions of the Python API. All are also names in `pkgen`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["BuildError", "ModelError", "NumericsFailed", "RunError", "UsageError
 
 
 class ArrayError(UsageError, ValueError):
-    """An array has another shape than is asked for, or is no array of numbers."""
+    """An array has a wrong shape, or is not an array of numbers."""
 
 
 class RunError(NumericsFailed):
     """The numerics of a run failed. `status` is the runtime's (PK_STEP_UNDERFLOW, ...),
-    `last_valid` the last time up to which its rows hold, `result` what there is of it, None of an
+    `last_valid` the time up to which its rows are valid, `result` the rows up to there; None for an
     integrator."""
 
     def __init__(self, message: str, status: str, last_valid: float, result: Result | None):

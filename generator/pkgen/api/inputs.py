@@ -19,27 +19,27 @@ if TYPE_CHECKING:
 
 Function = Callable[[float, Any, Any], float]
 Table = tuple[Any, ...]
-SMALL = 1e-12
-MOST = 10_000_000  # samples
+SMALL = 1e-12  # relative rounding of a stop
+MOST = 10_000_000  # most samples of an input
 
 
 @record(eq=False)
 class Law:
-    """An input at a time and state. Steps end at `stops`, where forces jump or bend. `held`: it is
-    asked there alone."""
+    """An input as a function of time and state. Steps end at `stops`, where it jumps or has a kink.
+    `held`: it is evaluated only there."""
 
     at: Function
     stops: numpy.ndarray
     held: bool = False
 
 
-EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}  # families that keep their order where u depends on q, v
+EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}  # families that keep their order if u depends on q, v
 
 
 class Computed:
-    """The inputs of `given` that are functions f(t, q, v), or tables (t, values) joined by straight
-    lines, (t, values, "hold") by steps. `hold`: functions are called at its multiples, and held in
-    between; `linear`: joined by straight lines, and called as f(t, None, None)."""
+    """The inputs in `given`: functions f(t, q, v), tables (t, values) with linear interpolation, or
+    (t, values, "hold"), piecewise constant. `hold`: functions are sampled at its multiples and held
+    in between. `linear`: sampled at its multiples as f(t, None, None) and interpolated linearly."""
 
     def __init__(self, given: Mapping[str, Any], hold: float | None, linear: float | None):
         if hold is not None and linear is not None:
@@ -49,11 +49,12 @@ class Computed:
         for name, step in (("hold", hold), ("linear", linear)):
             if step is not None and not (functions and step > 0):
                 raise UsageError(f"{name}={step!r}: a time between samples of an input's function")
-        # Whether they may depend on the state at every evaluation.
+        # Whether inputs may depend on the state at every evaluation.
         self.needs_explicit = functions and hold is None and linear is None
 
     def settings(self, prepared: Prepared, errors: list[BaseException]) -> dict[str, Any]:
-        """Members of the runtime's settings. Raises UsageError."""
+        """Returns members of pk_run_settings. Exceptions of functions go to `errors`. Raises
+        UsageError."""
         import numpy
 
         compilation, settings = prepared.compilation, prepared.settings
@@ -86,7 +87,7 @@ class Computed:
                 for i, law in laws:
                     if stop or not law.held:
                         values[i] = law.at(t, q, v)
-            except BaseException as error:  # nothing may go through C
+            except BaseException as error:  # no exception may pass through C
                 errors.append(error)
             return len(errors)
 
@@ -101,7 +102,7 @@ class Computed:
         }
 
     def _law(self, name: str, until: float) -> Law:
-        """Raises UsageError."""
+        """Returns the law of an input. Raises UsageError."""
         import numpy
 
         x = self.given[name]

@@ -1,4 +1,4 @@
-"""A motion step by step, as for a controller in Python."""
+"""Step by step integration, for example for a controller in Python."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 class Integrator:
-    """A motion that goes on when it is told to: `to(t)`, or by `step()`. t is the time, q and v are
-    the coordinates and rates in the order of the model, arrays that change with each call. `u` are
-    the inputs, which are constant during a call and may be set before it. `stopped`: an event of
-    the model has stopped it."""
+    """A motion that calls of `to(t)` and `step()` advance. `t` is the time, `q` and `v` are the
+    coordinates and rates in the order of the model: arrays that change with each call. `u` holds
+    the inputs, constant during a call, to be set before it. `stopped`: an event of the model has
+    stopped the motion."""
 
     def __init__(self, prepared: Prepared, run: Run):
         import numpy
@@ -40,13 +40,13 @@ class Integrator:
         return float(self._state[0])
 
     def to(self, t: float) -> None:
-        """Integrates to the time t. Raises RunError where the numerics fail."""
+        """Integrates to the time t. Raises RunError if the numerics fail."""
         status = self._advance(t, 0)
         if status:
             self._told(status)
 
     def step(self, limit: float = float("inf")) -> None:
-        """One step of the method, not beyond `limit`. Raises RunError."""
+        """Makes one step of the method, not beyond the time `limit`. Raises RunError."""
         status = self._advance(min(limit, 1e300), 1)
         if status:
             self._told(status)

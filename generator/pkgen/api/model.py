@@ -50,20 +50,20 @@ def load(
     sizes: Mapping[str, int] | None = None,
     allow_path: Sequence[str | os.PathLike[str]] = (),
 ) -> Model:
-    """A model's file, and one of its scenes. `sizes` are the lengths of families, where they are to
-    be others than the file's; `allow_path` folders, besides its own, that it may name files of.
-    Raises ModelError with the places of all that is wrong in it."""
+    """Loads a model's file, with one of its scenes or none. `sizes` are lengths of families that
+    replace the file's; `allow_path` are folders, besides its own, whose files it may name. Raises
+    ModelError with the places of its errors."""
     return Model(path, scene, {} if sizes is None else sizes, allow_path)
 
 
 class Model:
     """A model, and one scene of it or none. `params` are its parameters.
 
-    Kernels (`M`, `f`, `acceleration`, ...) are those of the whole model, whatever the scene leaves
-    of it, at the values of `params`. q and v have the model's coordinates and rates along their
-    last axis, in the order of `coordinates` and `rates`, in SI. u has the inputs in the order of
-    `inputs`, or is a dictionary of them; those that are not given are 0. All other axes, those of t
-    too, are any that NumPy broadcasts.
+    Kernels (`M`, `f`, `acceleration`, ...) are those of the whole model, without the scene's
+    reductions, at the values of `params`. q and v have the model's coordinates and rates along
+    their last axis, in the order of `coordinates` and `rates`, in SI. u has the inputs in the order
+    of `inputs`, or is a dictionary of them; inputs that are not given are 0. All other axes, and
+    those of t, are broadcast as by NumPy.
     """
 
     @in_words()
@@ -81,13 +81,13 @@ class Model:
         self._made: dict[object, Compilation] = {}
         self._warned: set[str] = set()
         self.params = Parameters(self)
-        if scene is not None:  # errors are told now
+        if scene is not None:  # raises errors of the scene now
             chosen(self.compilation.declared, scene)
         self.compilation  # noqa: B018
 
     @cached_property
     def compilation(self) -> Compilation:
-        """The whole model, compiled."""
+        """The compiled whole model."""
         return self._compiled(argparse.Namespace(scene=None), unroll=lengths.UNROLL)
 
     def _compiled(self, options: argparse.Namespace, **how: Any) -> Compilation:
@@ -116,7 +116,7 @@ class Model:
 
     @property
     def rates(self) -> tuple[str, ...]:
-        """Rates of the coordinates, then first-order variables."""
+        """The rates of the coordinates, then the first-order variables."""
         return tuple(named.coordinates(self.compilation, rates=True).names())
 
     @property
@@ -147,18 +147,18 @@ class Model:
         tableau: Files = (),
         composition: Weights = (),
     ) -> Result:
-        """Integrate, by what the scene says where nothing is said here: each argument is the option
-        of `pkgen run` of that name. Numbers are in SI, or carry a unit: `until="2 [min]"`.
-        `tableau` (a file or several) and `composition` (its weights) bring methods; the first of
-        them is taken unless `method` names one.
+        """Integrates. Each argument is the option of `pkgen run` of that name; the scene's settings
+        are the defaults. Numbers are in SI, or have a unit: `until="2 [min]"`. `tableau` (one file
+        or several) and `composition` (weights) define methods; the first of them is the default of
+        `method`.
 
-        An input is a value, a table (t, values) joined by straight lines, (t, values, "hold"), or a
-        function of (t, q, v): called at each evaluation of an explicit method (dop853 where none is
-        named), at multiples of `hold` and held in between, or as f(t, None, None) at multiples of
-        `linear` and joined by straight lines.
+        An input is a value, a table (t, values) with linear interpolation, a table (t, values,
+        "hold") that is piecewise constant, or a function of (t, q, v). Explicit methods (default
+        dop853) call it at each evaluation. With `hold`, it is called at multiples of `hold` and
+        held in between; with `linear`, as f(t, None, None) at multiples, and interpolated linearly.
 
-        Raises UsageError for what cannot be asked, RunError where the numerics fail (its `result`
-        has the rows up to the last valid time), and KeyboardInterrupt.
+        Raises UsageError for invalid arguments, RunError if the numerics fail (its `result` has the
+        rows up to the last valid time), and KeyboardInterrupt.
         """
         given = {k: x for k, x in locals().items() if k not in ("self", "hold", "linear")}
         arguments.checked(inputs=inputs, hold=hold, linear=linear)
@@ -171,9 +171,9 @@ class Model:
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any
     ) -> Result:
-        """Many trajectories side by side: `table` has what differs from member to member, a column
-        for each parameter, input, coordinate or rate (a dictionary of arrays, a data frame, a
-        structured array, or the name of a CSV file). `more` as in `run`."""
+        """Integrates many trajectories. `table` has a column for each parameter, input, coordinate
+        or rate that differs between members: a dictionary of arrays, a data frame, a structured
+        array, or the name of a CSV file. `more` are arguments of `run`."""
         options = arguments.options(self, {"until": until, "threads": threads, **more})
         if arguments.is_path(table):
             options.ensemble = os.fspath(table)
@@ -186,7 +186,7 @@ class Model:
         self, options: argparse.Namespace, table: Any = None, computed: Computed | None = None
     ) -> Result:
         if computed is not None:
-            options.no_reduce = "all"  # q and v are the model's
+            options.no_reduce = "all"  # functions get q and v of the whole model
         prepared = prepare(options, self._compiled, table).built()
         assert prepared.library is not None
         made = prepared.compilation, prepared.library, prepared.settings, prepared.ensemble
@@ -216,8 +216,8 @@ class Model:
         return result
 
     def show(self, path: str | os.PathLike[str] | None = None) -> Page:
-        """Writes the model's live page, NAME.html or `path`: it moves there, with its parameters at
-        hand (`pkgen show`). In a notebook the page is shown. Raises UsageError."""
+        """Writes the model's live page, NAME.html or `path`: an animation with controls of its
+        parameters (`pkgen show`). A notebook shows the page. Raises UsageError."""
         return shown(self, Path(path or f"{self.name}.html"))
 
     def integrator(
@@ -231,8 +231,7 @@ class Model:
         start: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Value] | None = None,
     ) -> Integrator:
-        """A motion from the start that goes on step by step; arguments as in `run`. Raises
-        UsageError."""
+        """Returns an integrator at the start; arguments as in `run`. Raises UsageError."""
         given = {k: x for k, x in locals().items() if k != "self"}
         with in_words():
             options = arguments.options(self, {**given, "until": 1.0})
@@ -246,7 +245,7 @@ class Model:
 
     @cached_property
     def _handle(self) -> Run:
-        """What kernels are called through, with the parameters as they are."""
+        """An idle run with the current parameters, through which kernels are called."""
         compilation = self.compilation
         values = [f"{name}={value!r}" for name, value in self.params._set.items()]
         options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=values)
@@ -260,7 +259,7 @@ class Model:
         return tuple(named.inputs(self.compilation).names())
 
     def _inputs(self, u: U) -> NDArray[Any]:
-        """The inputs, of shape (..., inputs); those that are not named are 0."""
+        """Returns the inputs, of shape (..., inputs); inputs that are not named are 0."""
         import numpy
 
         names = self.inputs
@@ -288,7 +287,7 @@ class Model:
             shape = numpy.broadcast_shapes(*others)
         except ValueError as error:
             raise ArrayError(f"q, v, t and u: {error}") from None
-        count = math.prod(shape)  # -1 is not for a model of rotations alone, without coordinates
+        count = math.prod(shape)  # reshape(-1, n) fails for n = 0: rotations alone
         found = self._handle.evaluate(
             what,
             numpy.broadcast_to(times, shape).reshape(-1),
@@ -303,12 +302,11 @@ class Model:
     def acceleration(
         self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None
     ) -> NDArray[Any]:
-        """q'' (and x' of first-order variables), of shape (..., n); not a number where M is
-        singular."""
+        """q'' (and x' of first-order variables), of shape (..., n); NaN where M is singular."""
         return self._kernel("acceleration", q, v, t, u)
 
     def f(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
-        """The force, M a = f, of shape (..., n)."""
+        """The force f of M a = f, of shape (..., n)."""
         return self._kernel("force", q, v, t, u)
 
     def M(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
@@ -333,15 +331,15 @@ class Model:
 
     @property
     def start(self) -> NDArray[Any]:
-        """The model's start, coordinates then rates: y at t = 0 of `rhs`."""
+        """The model's start, coordinates then rates: the initial y of `rhs`."""
         import numpy
 
         given = self._handle.given()
         return numpy.array([*given["q"], *given["v"]])
 
     def rhs(self, t: float, y: ArrayLike) -> NDArray[Any]:
-        """y' of y = (q, v), for solvers of first-order equations: `solve_ivp(m.rhs, ...)`. y is of
-        shape (n,), or (n, count) as `vectorized=True` has it."""
+        """y' of y = (q, v), for solvers of first-order equations: `solve_ivp(m.rhs, ...)`. y has
+        the shape (n,), or (n, count) for `vectorized=True`."""
         import numpy
 
         state, times = arguments.arrays(y=y, t=t)
@@ -351,22 +349,22 @@ class Model:
         q, v = state[:n].T, state[n:].T
         return numpy.concatenate([state[n : 2 * n], self.acceleration(q, v, t).T])
 
-    # -- looks --------------------------------------------------------------------------------
+    # -- equations ----------------------------------------------------------------------------
 
     def sympy(self) -> Symbolic:
-        """L, M and f of M a = f, and the symbols q and v, as SymPy has them."""
+        """L, M and f of M a = f, and the symbols q and v, as SymPy objects."""
         from .symbols import symbolic
 
         return symbolic(self._compiled(argparse.Namespace(scene=None), unroll=None))
 
     def equations(self) -> Typeset:
-        """M a = f as LaTeX, which a notebook shows."""
+        """M a = f as LaTeX, which a notebook renders."""
         from .symbols import typeset
 
         return typeset(self.sympy())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy, also in another process, reads the same file and has the same values."""
+        """Pickles path, scene, sizes and parameters: a copy reads the same file again."""
         given = self.path, self.scene, self._sizes, self._allowed, dict(self.params._set)
         return _again, given
 
@@ -388,7 +386,7 @@ def _again(
 
 
 def _members(compilation: Compilation, table: Any) -> Ensemble:
-    """Of a table in memory, its columns by name. Raises UsageError."""
+    """Makes an ensemble of a table in memory, with columns by name. Raises UsageError."""
     import numpy
 
     from ..run import members_file

@@ -14,7 +14,7 @@ from . import arguments
 
 
 class Page:
-    """A file that opens in a browser."""
+    """An HTML file for a browser; a notebook shows it."""
 
     def __init__(self, path: Path):
         self.path = path
@@ -28,7 +28,7 @@ class Page:
 
 
 def shown(model: Any, target: Path) -> Page:
-    """Written by `pkgen show`. Raises UsageError."""
+    """Writes the page by `pkgen show`. Raises UsageError."""
     command = [sys.executable, "-m", "pkgen", "show", os.fspath(model.path), "-o", str(target)]
     command += ["--scene", model.scene] if model.scene else []
     command += [f"--size={name}={length}" for name, length in model._sizes.items()]

@@ -13,8 +13,8 @@ from .arguments import Value, in_words
 
 
 class Parameters(MutableMapping[str, float]):
-    """Values of parameters in SI, by name (`m1`, `k[2]`). What is set may carry a unit: `"2 [kg]"`.
-    Raises KeyError for a name that the model has not, UsageError for a value that cannot be."""
+    """Values of parameters in SI, by name (`m1`, `k[2]`). Values to set may have units: `"2 [kg]"`.
+    Raises KeyError for an unknown name, UsageError for an invalid value."""
 
     def __init__(self, model: Any):
         self._model = model
@@ -41,7 +41,7 @@ class Parameters(MutableMapping[str, float]):
         self._model._forget()
 
     def __delitem__(self, name: str) -> None:
-        """Back to the model's own value."""
+        """Resets a parameter to the model's own value."""
         self._known(name)
         self._set.pop(name, None)
         self._model._forget()

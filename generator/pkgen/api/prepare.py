@@ -1,4 +1,4 @@
-"""From the options of a run to what is run: compiled, its settings settled, a method chosen."""
+"""Prepares a run from its options: compiles the model, settles the settings, chooses a method."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from . import chosen as already
 
 @record
 class Prepared:
-    """What is run: a model, its settings, and the members of an ensemble if it is one."""
+    """A prepared run: a model, its settings, and the members of an ensemble or None."""
 
     compilation: Compilation
     settings: Settings
     ensemble: Ensemble | None
     threads: int | None
     scene: Scene | None
-    notes: tuple[str, ...] = ()  # what there is to say before it runs
-    chosen: dict[str, Any] | None = None  # where the scene promises an accuracy: what keeps it
+    notes: tuple[str, ...] = ()  # messages to print before the run
+    chosen: dict[str, Any] | None = None  # the choice for a scene's promised accuracy
     library: Path | None = None
 
     def built(self) -> Prepared:
-        """With the library of the model. Raises BuildError."""
+        """Returns the run with the built library of the model. Raises BuildError."""
         return replace(self, library=build(self.compilation, self.settings, self.ensemble))
 
 
@@ -48,9 +48,9 @@ def prepare(
     table: Callable[[Compilation], Ensemble] | None = None,
     kept: dict[str, Any] | None = None,
 ) -> Prepared:
-    """`compiled(options, **how)` compiles the model; `table` makes the members of an ensemble that
-    is no file; `kept` is what was chosen when this was begun, if it was. Raises UsageError,
-    ModelError, BuildError or NumericsFailed."""
+    """Prepares a run. `compiled(options, **how)` compiles the model; `table` makes the members of
+    an ensemble that is not a file; `kept` is the choice in the checkpoint of a resumed run. Raises
+    UsageError, ModelError, BuildError or NumericsFailed."""
     options = taken(options)
     swarm = scene_run.is_swarm(options)
     several = swarm or options.ensemble is not None
@@ -76,7 +76,7 @@ def prepare(
         if table:
             ensemble = table(compilation)
         else:
-            from ..run import members_file  # with NumPy
+            from ..run import members_file  # imports NumPy
 
             ensemble = members_file.read(options.ensemble, compilation)
     count = scene_run.count(compilation.declared, of_swarm) if of_swarm is not None else None

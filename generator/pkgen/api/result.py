@@ -1,4 +1,4 @@
-"""What came of a run: rows as arrays, and how it went."""
+"""The result of a run: rows as arrays, and the report."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-SHOWN = 5  # rows at either end of a table in a notebook
+SHOWN = 5  # rows shown at either end of a table in a notebook
 
 
 class Result:
     """The rows of a run.
 
-    `t` are their times, `r["theta1"]` a column of them, `units` the unit of each column, `report`
-    how the run went (docs/commands.md), `events` the times of each event, `expects` what came of
-    the scene's expectations, `messages` what there was to say. Of an ensemble `member` says of
-    which one a row is, and `by_member("theta1")` has a row for each.
+    `t` has their times, `r["theta1"]` is a column, `units` has the unit of each column, `report` is
+    the run's report (docs/commands.md), `events` has the times of each event, `expects` has the
+    verdicts on the scene's expectations, `messages` has the messages of the run. In an ensemble,
+    `member` has the member of each row, and `by_member("theta1")` has a row for each member.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Result:
 
     @property
     def member(self) -> numpy.ndarray:
-        """The member that each row is of, of shape (rows,). Raises KeyError without members."""
+        """The member of each row, of shape (rows,). Raises KeyError for a single trajectory."""
         if not self._several:
             raise KeyError("member")
         return self._rows[:, 0].astype(int)
@@ -61,7 +61,7 @@ class Result:
 
     @property
     def events(self) -> dict[str, list[float]]:
-        """The times of each event, the first thousand; of an ensemble those of its first ones."""
+        """The first thousand times of each event; in an ensemble, the first time in each member."""
         return {e["name"]: e.get("times", e.get("first", [])) for e in self.report["events"]}
 
     def __getitem__(self, name: str) -> numpy.ndarray:
@@ -71,9 +71,8 @@ class Result:
         return self._rows[:, self._index[name]]
 
     def plot(self, *names: str, kind: str = "") -> Figure:
-        """A picture of columns over time, or of all; `kind`: phase, path, spectrum or drift, as
-        options of `pkgen plot`. A matplotlib figure. Raises
-        UsageError."""
+        """Draws columns (default: all) over time, or as `kind`: phase, path, spectrum or drift, as
+        the options of `pkgen plot`. Returns a matplotlib figure. Raises UsageError."""
         from ..plot import compose, draw
         from ..plot.table import Table
         from ..plot.view import KINDS, View
@@ -94,11 +93,11 @@ class Result:
         return iter(self._index)
 
     def __len__(self) -> int:
-        """How many rows there are."""
+        """The number of rows."""
         return len(self._rows)
 
     def by_member(self, name: str) -> numpy.ndarray:
-        """A column, of shape (members, rows of one); not a number where a member ended before."""
+        """A column, of shape (members, rows of a member); NaN after the end of a member."""
         import numpy
 
         members, counts = numpy.unique(self.member, return_counts=True)
@@ -108,7 +107,7 @@ class Result:
         return found
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The rows, units in `attrs`; the index is time. Needs pandas."""
+        """The rows with time as index; `attrs` has the units. Needs pandas."""
         import pandas
 
         frame = pandas.DataFrame({name: self[name] for name in self}).set_index("t")
@@ -116,8 +115,8 @@ class Result:
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
-        """A variable for each column with its unit, over `t`. An ensemble has them over `member`
-        and `t`, or over `member` and `row` where members have times of their own. Needs xarray."""
+        """A variable for each column with its unit, over `t`. In an ensemble they are over `member`
+        and `t`, or over `member` and `row` if members have different times. Needs xarray."""
         import numpy
         import xarray
 

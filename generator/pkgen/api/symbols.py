@@ -1,4 +1,4 @@
-"""A model's Lagrangian and equations as objects of SymPy, and as LaTeX for a notebook."""
+"""A model's Lagrangian and equations as SymPy objects, and as LaTeX for a notebook."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import sympy
 
 
-_LONGEST = 100_000  # operations, written out
+_LONGEST = 100_000  # most operations of an expression without shared subexpressions
 
 
 class Symbolic(NamedTuple):
@@ -29,7 +29,7 @@ class Symbolic(NamedTuple):
 
 
 class Typeset:
-    """The equations of motion, one a coordinate; a notebook shows them."""
+    """The equations of motion in LaTeX, one per coordinate; a notebook renders them."""
 
     def __init__(self, rows: list[str]):
         self.rows = rows
@@ -46,7 +46,8 @@ class Typeset:
 
 
 def symbolic(compilation: Compilation) -> Symbolic:
-    """Raises UsageError for a model without a Lagrangian of its coordinates."""
+    """Returns the equations as SymPy objects. Raises UsageError for a model with constraints or
+    rotations, or with states alone."""
     import sympy as sp
 
     e = compilation.equations

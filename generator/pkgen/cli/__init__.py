@@ -1,4 +1,4 @@
-"""The commands: options of the command line to calls, results to the terminal.
+"""The commands: they turn options of the command line into calls, and print the results.
 
-Only this folder prints and exits. Nothing imports it but `__main__`.
+Only this package prints and exits. Only `__main__` imports it.
 """

@@ -1,4 +1,4 @@
-"""Options that several commands have, so that each means the same everywhere."""
+"""Options that several commands share, with the same meaning in all."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 
 
 def of_a_motion(parser: argparse.ArgumentParser, until: str) -> None:
-    """Which motion of the model; `until` is what its duration is by default."""
+    """Adds options that select a motion; `until` is the text of its default duration."""
     add = parser.add_argument
     add("--scene", metavar="NAME", help="one scene of the model; options override it")
     add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
@@ -15,7 +15,7 @@ def of_a_motion(parser: argparse.ArgumentParser, until: str) -> None:
 
 
 def own_methods(parser: argparse.ArgumentParser) -> None:
-    """Methods of the author's own; several may be given."""
+    """Adds options that define methods; each may be given several times."""
     add = parser.add_argument
     help_ = "a method by its tableau: rows of A, weights b, perhaps bhat"
     add("--tableau", action="append", default=[], metavar="FILE", help=help_)
@@ -57,7 +57,7 @@ def no_reduce(parser: argparse.ArgumentParser) -> None:
 
 
 def of_a_model(parser: argparse.ArgumentParser) -> None:
-    """How it is compiled."""
+    """Adds options for compiling a model."""
     add = parser.add_argument
     add("--size", action="append", default=[], metavar="N=64", help="length of a family")
     add("--max-seconds", metavar="S", help="CPU time that compiling may take")
@@ -66,7 +66,7 @@ def of_a_model(parser: argparse.ArgumentParser) -> None:
 
 
 def unrolling(parser: argparse.ArgumentParser) -> None:
-    """Of families: see lengths.unroll()."""
+    """Adds the options for unrolling families; see lengths.unroll()."""
     one = parser.add_mutually_exclusive_group()
     help_ = "write families out, of any size (default: up to 16 coordinates)"
     one.add_argument("--unroll", action="store_const", const="all", help=help_)
@@ -75,7 +75,7 @@ def unrolling(parser: argparse.ArgumentParser) -> None:
 
 
 def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
-    """What is drawn of rows; `by_itself` is what is drawn without any of these."""
+    """Adds options that select what to draw; `by_itself` is the text of the default."""
     add = parser.add_argument
     add("--columns", metavar="a,b", help=f"these over time (default: {by_itself})")
     add("--phase", action="append", metavar="a,a'", help="phase plane; a alone: and its rate")
@@ -86,14 +86,14 @@ def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
 
 
 def of_a_map(parser: argparse.ArgumentParser) -> None:
-    """Of a sweep."""
+    """Adds options for the map of a sweep."""
     add = parser.add_argument
     add("--map", metavar="a,b", help="the axes of a sweep's map (default: the first two)")
     add("--columns", metavar="NAME", help="what is kept that it shows (default: the first)")
 
 
 def of_a_look(parser: argparse.ArgumentParser) -> None:
-    """What is asked of a picture that pkgen measures for: pictures.look_of()."""
+    """Adds options for pictures of charts and maps; pictures.look_of() reads them."""
     add = parser.add_argument
     add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
     add("--format", default="svg,png", metavar="LIST", help="of the picture: svg,png,pdf,pgf")
@@ -115,8 +115,8 @@ def of_a_run(parser: argparse.ArgumentParser) -> None:
 
 
 def of_an_integration(parser: argparse.ArgumentParser) -> None:
-    """All of a run but where its rows go."""
-    from ..run.diagnostics import NAMES  # for a run alone: `pkgen methods` compiles nothing
+    """Adds all options of a run except those for its output."""
+    from ..run.diagnostics import NAMES  # slow import that `pkgen methods` does not need
 
     add = parser.add_argument
     of_a_motion(parser, "10")
@@ -148,7 +148,7 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
 
 
 def as_of_a_run(parser: argparse.ArgumentParser) -> None:
-    """What a command has no options for is as in a run."""
+    """Sets the defaults of `pkgen run` for all of its options that the command lacks."""
     of_run = argparse.ArgumentParser()
     of_a_run(of_run)
     parser.set_defaults(**vars(of_run.parse_args([])))

@@ -1,4 +1,4 @@
-"""`pkgen build`: a program of its own for a model or one of its scenes."""
+"""`pkgen build`: builds a standalone program for a model or one of its scenes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         print(note, file=sys.stderr)
     settings = what.settings
     if what.scene is None or what.scene.record is None or what.scene.record.every is None:
-        settings = replace(settings, every=None)  # a part of whatever duration is given
+        settings = replace(settings, every=None)  # default: a fraction of the duration
     library = load(library_of(what.compilation, settings, None))
     build_program(
         what.compilation.files,

@@ -1,4 +1,4 @@
-"""`pkgen chart`: from its options to its files and its exit code."""
+"""`pkgen chart`: charts of accuracy against cost."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from .pictures import look_of
 
 STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
-# Of a chart, which --long is not.
+# Options that --long does not take, with their defaults.
 OF_CHART = {
     "points": None,
     "error": "final",
@@ -145,7 +145,7 @@ def _long(
 
 
 def _peers(options: argparse.Namespace) -> list[Peer]:
-    """Those of --against that are installed; the others are named. Raises UsageError."""
+    """Returns the installed packages of --against, and reports the others. Raises UsageError."""
     if options.against is None:
         return []
     known, found, missing = {peer.name: peer for peer in PEERS}, [], []
@@ -168,7 +168,7 @@ def _peers(options: argparse.Namespace) -> list[Peer]:
 def _methods(
     options: argparse.Namespace, compilation: Compilation, gsl: bool
 ) -> list[ChartedMethod]:
-    """Those asked for by name, those that options bring, and GSL's if these are compared with."""
+    """Returns the methods of --methods, those of options, and GSL's if `gsl`; by default all."""
     wanted, own = None, compilation.model.methods
     if options.methods is not None:
         wanted = [name.strip() for name in options.methods.split(",") if name.strip()]
@@ -201,7 +201,7 @@ def _effort(options: argparse.Namespace) -> Effort:
 
 
 def _given(options: argparse.Namespace) -> list[str]:
-    """The options that a run of one of the points repeats."""
+    """Returns the options with which `pkgen run` repeats a point of the chart."""
     words = [("--scene", options.scene)] if options.scene else []
     words += [("--set", text) for text in options.set]
     words += [("--start", text) for text in options.start]
@@ -230,7 +230,7 @@ def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Loo
 
 
 def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
-    """The chart as JSON."""
+    """Returns the chart as data for JSON."""
     reference = chart.reference
     return {
         "model": chart.model,

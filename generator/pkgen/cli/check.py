@@ -1,4 +1,4 @@
-"""`pkgen check`: errors and warnings alone."""
+"""`pkgen check`: reports errors and warnings only."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
     with within_limits(options):
         unroll = 0 if options.unroll is None else lengths.unroll(options)
         model, warnings = check_model(source, sizes=sizes, unroll=unroll)
-        # Errors of a scene that only --size causes are left to commands that choose it.
+        # Errors of a scene that --size causes are reported by commands that choose the scene.
         scenes = [item for item in model.scenes if not item.misfits]
         wrong = [d for item in scenes for d in scene_check.wrong(model, sizes, item)]
     if wrong:

@@ -1,6 +1,6 @@
-"""Checkpoints of `pkgen run`: what is refused, what their note says, which of a run's files stay.
+"""Checkpoints of `pkgen run`: checks of options, and the note that a checkpoint contains.
 
-The file is the runtime's (`runtime/run/base/checkpoint.c`); docs/dev/checkpoints.md has its format.
+The runtime writes the file (`runtime/run/base/checkpoint.c`); docs/dev/checkpoints.md explains it.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from ..system.exits import DONE, NUMERICS_FAILED, UsageError
 from ..system.files import beside, partial
 from ..version import __version__
 
-USUAL = 60.0  # seconds from one to the next
+USUAL = 60.0  # default seconds between checkpoints
 MAGIC, VERSION = b"pkgen checkpoint", 2  # as in runtime/run/base/checkpoint.c
-HEAD = struct.Struct("=16sIIQQII")  # magic, version, sum; order, size of the file, real, note
-SUMMED = 24
-ORDER = 0x0102030405060708
+HEAD = struct.Struct("=16sIIQQII")  # magic, version, CRC; byte order, file size, real, note size
+SUMMED = 24  # offset from which the CRC is taken
+ORDER = 0x0102030405060708  # byte order mark
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +36,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def refuse(options: argparse.Namespace, output: Path | None, drawn: bool) -> None:
-    """What has no checkpoints; and a file that is there is not written over."""
+    """Refuses runs that cannot have checkpoints, and an existing checkpoint file. Raises
+    UsageError."""
     if options.checkpoint is None:
         if options.checkpoint_every is not None:
             raise UsageError("--checkpoint-every is for --checkpoint FILE")
@@ -58,7 +59,7 @@ def refuse(options: argparse.Namespace, output: Path | None, drawn: bool) -> Non
 
 
 def written(output: Path) -> set[Path]:
-    """What a run writes for rows in a file."""
+    """Returns all paths that a run writes for rows in a file."""
     growing = partial(output)
     return {output, beside(output), growing, beside(growing)}
 
@@ -75,13 +76,13 @@ def _seconds(options: argparse.Namespace) -> float:
 
 
 def chosen(options: argparse.Namespace) -> dict[str, Any] | None:
-    """What a promise of accuracy was kept by when the run was begun: it is measured once."""
-    resume = getattr(options, "resume", None)  # of commands that run without checkpoints too
+    """Returns the choice for a promised accuracy from the checkpoint of a resumed run, or None."""
+    resume = getattr(options, "resume", None)  # some commands run without checkpoints
     return resume["chosen"] if resume else None
 
 
 def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
-    """What the runtime is told."""
+    """Returns members of pk_run_settings for checkpoints. Raises UsageError."""
     if options.checkpoint is None:
         return {}
     assert what.library is not None
@@ -106,7 +107,7 @@ def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
 
 
 def over(options: argparse.Namespace, outcome: Outcome) -> None:
-    """A run that has ended, well or not, has nothing to go on with."""
+    """Removes the checkpoint of a run that has ended or failed."""
     if (
         options.checkpoint is not None
         and outcome.report
@@ -116,7 +117,7 @@ def over(options: argparse.Namespace, outcome: Outcome) -> None:
 
 
 def note(path: Path) -> dict[str, object]:
-    """What a checkpoint says of its run. Raises UsageError where it is none of ours."""
+    """Reads the note of a checkpoint. Raises UsageError if the file is not a valid checkpoint."""
     bytes_ = path.read_bytes()
     if len(bytes_) < HEAD.size or not bytes_.startswith(MAGIC):
         raise UsageError(f"{path}: it is no checkpoint of pkgen")

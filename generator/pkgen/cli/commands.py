@@ -1,9 +1,9 @@
-"""The commands: one row each, from which come the overview, the usage and the parser of each.
+"""The table of commands, from which the overview, the usage and the parsers are made.
 
-A row is a command's word, the form of what follows it, and what it does. Its file in this folder
-has `arguments()`, which adds its options, `run()`, and EXAMPLES, which its help shows. A form that
-begins with MODEL.lag takes a model, and the options that all of these have. Add-ons bring rows of
-the same form in COMMANDS of their package (system/addons.py).
+A row has a command's name, the form of its arguments, and a description. Its module in this folder
+has `arguments()`, which adds its options, `run()`, and EXAMPLES for its help. A command whose form
+begins with MODEL.lag takes a model and the common options of models. Add-ons define rows of the
+same form in COMMANDS of their package (system/addons.py).
 """
 
 from __future__ import annotations
@@ -46,13 +46,13 @@ pkgen itself
 """
 COMMON = ("-q", "--quiet", "-v", "--verbose", "--json")
 OVERVIEW_WIDTH = 80
-USUAL = "compile"  # what is meant where the first word is no command
+USUAL = "compile"  # the command if the first word names no command
 
 
 @record
 class Command:
     name: str
-    form: str  # what follows its word
+    form: str  # its arguments, for the usage
     does: str
     group: str
 
@@ -62,7 +62,7 @@ class Command:
 
     @property
     def module(self) -> ModuleType:
-        """Its file, imported for it alone."""
+        """The module of the command, imported on demand."""
         if self.name in OWN:
             return import_module(f"{__package__}.{self.name}")
         return addons.load("commands", self.name)
@@ -82,7 +82,7 @@ OWN = {command.name: command for command in _rows(_TABLE)}
 
 
 def commands() -> dict[str, Command]:
-    """All that are here, those of add-ons at the ends of their groups."""
+    """Returns all installed commands; those of add-ons are at the ends of their groups."""
     found = dict(OWN)
     for name, point in addons.here("commands").items():
         found[name] = _of_addon(name, addons.package(point))
@@ -96,7 +96,7 @@ def _of_addon(name: str, package: ModuleType) -> Command:
 
 
 def command_of(name: str) -> Command | None:
-    """Raises UsageError where it is of an add-on that is not here."""
+    """Returns a command, or None. Raises UsageError if its add-on is not installed."""
     if name in OWN:
         return OWN[name]
     point = addons.points("commands").get(name) if name.isidentifier() else None
@@ -104,7 +104,7 @@ def command_of(name: str) -> Command | None:
 
 
 def overview() -> str:
-    """All commands, a line each, in the width of a terminal."""
+    """Returns the list of all commands, one per line."""
     lines = ["usage: pkgen COMMAND [options]", "       pkgen MODEL.lag          as pkgen compile"]
     group = ""
     for command in commands().values():
@@ -124,14 +124,14 @@ def overview() -> str:
 
 
 class _Help(argparse.HelpFormatter):
-    """Lists as they are written."""
+    """Keeps the line breaks of lists."""
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         return text if "\n" in text else super()._fill_text(text, width, indent)
 
 
 class Parser(argparse.ArgumentParser):
-    """What is wrong with a command line is a UsageError, which names what may be meant."""
+    """Raises UsageError for errors in a command line, with hints."""
 
     def error(self, message: str) -> None:
         raise UsageError(f"{message}; see {self.prog.replace(' ', ' help ', 1)}")
@@ -143,7 +143,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parser_of(name: str, whole: bool = True) -> Parser:
-    """Its options; with `whole`, also those that add-ons bring."""
+    """Returns the parser of a command; with `whole`, also with options of add-ons."""
     command = command_of(name)
     module = command.module
     parser = Parser(
@@ -173,7 +173,7 @@ def parser_of(name: str, whole: bool = True) -> Parser:
 
 
 def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
-    """The command that words ask for, and its options. Raises UsageError."""
+    """Parses the words of a command line to a command and its options. Raises UsageError."""
     leading = next((i for i, word in enumerate(words) if word not in COMMON), len(words))
     words = [*words[leading:], *words[:leading]]
     found = command_of(words[0])
@@ -200,7 +200,8 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
 
 
 def model_file(name: str) -> str:
-    """`heavy_top` is heavy_top.lag, here or below models/, where there is no file of that name."""
+    """Returns the file of a model: `heavy_top` is heavy_top.lag, here or below models/, unless a
+    file `heavy_top` exists."""
     if not name.isidentifier() or os.path.exists(name):
         return name
     below = (f"models/{name}.lag", *sorted(glob(f"models/*/{name}.lag")))

@@ -1,4 +1,4 @@
-"""Compiling for a command: within the limits, warnings to standard error."""
+"""Compiles the model of a command within limits, with warnings on standard error."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..system.exits import UsageError
 from ..system.resources import bounded
 from .messages import findings
 
-SECONDS = (1e-3, 1_000_000)  # of --max-seconds
+SECONDS = (1e-3, 1_000_000)  # range of --max-seconds
 
 
 def within_limits(options: argparse.Namespace) -> AbstractContextManager[None]:
@@ -37,7 +37,7 @@ def within_limits(options: argparse.Namespace) -> AbstractContextManager[None]:
 def compile_within_limits(
     options: argparse.Namespace, source: Source | None = None, quiet: bool = False, **more: object
 ) -> Compilation:
-    """Compile the model of the command line; warnings go to standard error, unless `quiet`."""
+    """Compiles the model of the command line; prints warnings unless `quiet` or --json."""
     source = source or read(options.model)
     with within_limits(options):
         compilation = compile_model(

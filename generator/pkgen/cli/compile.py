@@ -1,4 +1,4 @@
-"""`pkgen MODEL.lag`: C for a model or one of its scenes."""
+"""`pkgen MODEL.lag`: writes C for a model or one of its scenes."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _made(compilation: Compilation, directory: Path, options: argparse.Namespace) -> str:
-    """For a terminal: the files, how large they are, the next command to type."""
+    """Returns text for a terminal: the files, their size, and a command to compile them."""
     files, name = compilation.files, compilation.model.name
     size = f"{sum(text.count(chr(10)) for text in files.values()):,} lines, "
     size += f"{sum(len(text.encode()) for text in files.values()) / 1000:.3g} kB"
@@ -108,7 +108,7 @@ def _made(compilation: Compilation, directory: Path, options: argparse.Namespace
 
 
 def _kernels(options: argparse.Namespace) -> frozenset[str] | None:
-    """Those of an embedder and what --kernels adds; None: all, as of --runtime and a self-test."""
+    """Returns the plain kernels and those of --kernels; None: all, as for --runtime or a test."""
     if options.kernels == "all" or options.runtime or options.self_test:
         return None
     canonical = CANONICAL | {"canonical"} if options.canonical else frozenset()
@@ -116,7 +116,7 @@ def _kernels(options: argparse.Namespace) -> frozenset[str] | None:
 
 
 def _depends(made: list[Path]) -> str:
-    """A rule of make: what was made of which files. ninja knows it by its first name."""
+    """Returns a rule of make: generated files and their sources. ninja uses the first file."""
     left, right = (
         " ".join(re.sub(r"([ #\\])", r"\\\1", str(path)).replace("$", "$$") for path in paths)
         for paths in (made, READ)
@@ -125,7 +125,7 @@ def _depends(made: list[Path]) -> str:
 
 
 def _as_one(compilation: Compilation) -> str:
-    """Headers, then C, which includes no file of its own any more: cc -c takes it as it is."""
+    """Returns headers and C as one text without includes of its own files, ready for cc -c."""
     if len(files := compilation.files) > 2:
         raise UsageError(f"-o -: several files are written: {', '.join(files)}; give a directory")
     files = sorted(compilation.files.items(), key=lambda file: not file[0].endswith(".h"))

@@ -1,4 +1,4 @@
-"""`pkgen completion`: what a shell completes."""
+"""`pkgen completion`: scripts for completion in a shell."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _whole(shtab) -> argparse.ArgumentParser:
-    """One parser of all commands, whose arguments say what files they are."""
+    """Returns one parser of all commands, with the kinds of files of their arguments."""
     parser = argparse.ArgumentParser(prog="pkgen", description=overview(), add_help=False)
     parser.add_argument("-h", "--help", action="store_true", help="all commands, a line each")
     parser.add_argument("-V", "--version", action="store_true", help="the version")

@@ -10,7 +10,7 @@ from ..system.exits import DONE
 from .arguments import as_of_a_run, of_a_motion, own_methods
 from .compilation import compile_within_limits
 
-MOST = 12  # names that people are shown of one kind
+MOST = 12  # most names of one kind in the text
 
 EXAMPLES = """
 pkgen describe models/double_pendulum.lag
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _lines(found: dict) -> list[str]:
-    """For people: what there is, by name."""
+    """Returns the description as lines of text, with names only."""
     lines = [f"{found['model']}: {found['description']}".rstrip(": ")]
     for what in ("parameters", "inputs", "coordinates", "states", "outputs", "constants", "events"):
         names = [item["name"] for item in found[what] if not item.get("hidden")]

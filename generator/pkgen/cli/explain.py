@@ -1,4 +1,4 @@
-"""`pkgen explain`: equations, structure, what scenes leave of them."""
+"""`pkgen explain`: equations, structure, and their reductions by scenes."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def explained(options: argparse.Namespace) -> str:
-    """The fragment about a model for a page, with what its scenes or the one asked for drop; empty
-    where SymPy is not installed."""
+    """Returns an HTML fragment about a model and its scenes, or the chosen scene; "" without
+    SymPy."""
     if find_spec("sympy") is None:
         return ""
     compilation = _shown(compile_within_limits(options, quiet=True, c=False, symmetric=True))
@@ -48,7 +48,7 @@ def explained(options: argparse.Namespace) -> str:
 
 
 def _shown(compilation: Compilation) -> Compilation:
-    """With the shortest M and f."""
+    """Returns the compilation with the shortest forms of M and f."""
     e = compilation.equations
     if not isinstance(e, Equations):
         return compilation
@@ -58,7 +58,7 @@ def _shown(compilation: Compilation) -> Compilation:
 def _scenes(
     options: argparse.Namespace, compilation: Compilation, only: str | None = None
 ) -> list[SceneShown]:
-    """Each scene is compiled within limits of its own."""
+    """Compiles each scene, or only `only`, within limits of its own."""
     scenes = [s for s in compilation.declared.scenes if only in (None, s.name)]
     made = []
     for scene in scenes:

@@ -1,4 +1,4 @@
-"""`pkgen export`: a model for other programs, each host by the add-on that brings it."""
+"""`pkgen export`: exports a model to other programs (hosts), which add-ons support."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ pkgen export models/heavy_top.lag --as source --scene nutation -o top
 
 @cache
 def hosts() -> dict[str, Host]:
-    """Those of the add-ons that are here, by name."""
+    """Returns the hosts of the installed add-ons, by name."""
     return {name: addons.load("exports", name) for name in addons.here("exports")}
 
 
@@ -54,7 +54,7 @@ def _listed() -> Iterator[str]:
 
 
 def _flags() -> dict[str, list[Host]]:
-    """Which hosts have an option."""
+    """Returns the hosts that have each option."""
     found: dict[str, list[Host]] = {}
     for host in hosts().values():
         for flag, _ in host.options:
@@ -96,12 +96,12 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _host(options: argparse.Namespace) -> Host:
-    """The one that is named, with no option of another."""
+    """Returns the host of --as. Raises UsageError for an unknown one or options of other hosts."""
     if options.host is None:
         raise UsageError("--as: name what it is made for:\n" + "\n".join(_listed()))
     if options.host not in hosts():
         if options.host in addons.points("exports"):
-            addons.load("exports", options.host)  # says which add-on is missing
+            addons.load("exports", options.host)  # raises UsageError with the missing add-on
         raise UsageError(f"--as {options.host}: {near(options.host, list(hosts()), 'host')}")
     host = hosts()[options.host]
     for flag, having in _flags().items():
@@ -118,7 +118,8 @@ def _folder(host: Host, name: str, path: str | None) -> Path:
 def _placed(
     host: Host, name: str, made: Mapping[str, bytes], path: str | None
 ) -> dict[Path, bytes]:
-    """Where the files go: one file to `path` if that has its suffix, else into that folder."""
+    """Returns the files by path: a single file is `path` if that has its suffix, else it is in the
+    folder `path`. Raises UsageError."""
     if not host.suffix:
         folder = _folder(host, name, path)
         if folder.exists() and not folder.is_dir():

@@ -1,4 +1,4 @@
-"""`pkgen manual`: pages for man, of the same tables as the help."""
+"""`pkgen manual`: writes man pages from the same tables as the help."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _plain(text: str) -> str:
-    """Text that roff takes for nothing else."""
+    """Escapes text for roff."""
     lines = text.replace("\\", "\\e").replace("-", "\\-").split("\n")
     return "\n".join(f"\\&{line}" if line[:1] in (".", "'") else line for line in lines)
 
 
 def _broken(text: str) -> str:
-    """Such text on one line; a long list may be broken behind a comma."""
+    """Escapes text as one line; roff may break a long list after commas."""
     return re.sub(r",(?=\S)", r",\\:", _plain(" ".join(text.split())))
 
 
@@ -110,7 +110,7 @@ def _of_command(command: Command) -> str:
 
 
 def _flags(action: argparse.Action) -> str:
-    """An option with what it takes, or an argument."""
+    """Returns an option with its value, or an argument."""
     named = action.metavar or "|".join(map(str, action.choices or ()))
     takes = "" if action.nargs == 0 else f" {named or action.dest.upper()}"
     return ", ".join(action.option_strings) + takes if action.option_strings else takes.strip()

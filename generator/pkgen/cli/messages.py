@@ -1,4 +1,4 @@
-"""What a command says besides its results: how loud, and in which colours."""
+"""Messages of commands on standard error: verbosity and colours."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..system import progress
 from ..system.exits import DONE, UsageError
 
 _RED, _MAGENTA, _CYAN, _GREEN = "1;31", "1;35", "36", "1;32"
-# Of a finding: what it is, the hint, the carets.
+# Coloured parts of a message: its kind, the help, the carets.
 _PAINTED = (
     (re.compile(r"(?<=: )error(?=: )"), _RED),
     (re.compile(r"(?<=: )warning(?=: )"), _MAGENTA),
@@ -26,8 +26,8 @@ _PAINTED = (
 
 
 def coloured(stream: TextIO) -> bool:
-    """Whether a stream gets colours: a terminal, unless NO_COLOR is set; any where FORCE_COLOR is.
-    See https://no-color.org and https://force-color.org."""
+    """Whether a stream gets colours: with NO_COLOR none, with FORCE_COLOR any, else a terminal. See
+    https://no-color.org and https://force-color.org."""
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR"):
@@ -36,7 +36,7 @@ def coloured(stream: TextIO) -> bool:
 
 
 def findings(text: str) -> None:
-    """Errors and warnings of a model, to standard error."""
+    """Prints errors and warnings of a model to standard error."""
     if coloured(sys.stderr):
         for what, colour in _PAINTED:
             text = what.sub(lambda found, c=colour: f"\x1b[{c}m{found[0]}\x1b[0m", text)
@@ -44,20 +44,19 @@ def findings(text: str) -> None:
 
 
 def refuse_both(options: argparse.Namespace, output: str | None) -> None:
-    """Raises UsageError where a result and what describes it would be mixed."""
+    """Raises UsageError if a result and its JSON would both go to standard output."""
     if options.json and output == "-":
         raise UsageError("-o - and --json both write to standard output; take one of them")
 
 
 def needs(module: str) -> None:
-    """Says at once that an optional package is missing, not after a long run."""
+    """Raises ModuleNotFoundError for a missing optional package before a long run."""
     if find_spec(module) is None:
         raise ModuleNotFoundError(name=module)
 
 
 def told(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    """The command, as loud as its options ask for: with -q it says nothing where all is well, with
-    -v what is being done."""
+    """Runs a command: -q suppresses messages of a successful command, -v prints progress."""
     if options.verbose:
         with progress.watched():
             return command(options)

@@ -1,4 +1,4 @@
-"""`pkgen methods`: the integration methods; of the author's own, what their coefficients say."""
+"""`pkgen methods`: lists the integration methods, or the properties of own methods."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _own(options: argparse.Namespace) -> list[dict[str, object]]:
-    """Those that do not run (implicit ones) by their coefficients alone."""
+    """Returns the descriptions of own methods. Implicit ones do not run: these have only properties
+    of their coefficients."""
     found, run = [], []
     for path in options.tableau:
         tableau = read_tableau(read(path, "a tableau file"))

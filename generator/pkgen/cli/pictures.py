@@ -1,4 +1,4 @@
-"""What --plot and --report make of a run: found out before it, made behind it."""
+"""The pictures of --plot and --report: checks options before a run, makes files after it."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from ..plot.table import Table
 
 MILLIMETRES = 25.4
-WIDTHS = (40.0, 1000.0)
+WIDTHS = (40.0, 1000.0)  # range of --width, mm
 ENDS = tuple(f".{kind}" for kind in style.FORMATS)
 
 
 @record
 class Wanted:
-    """Files to be made, and what is on the picture."""
+    """The requested files, and the view of the picture."""
 
     view: View
     width: float | None  # inches
@@ -42,7 +42,7 @@ class Wanted:
 
 
 def wanted(options: argparse.Namespace) -> Wanted | None:
-    """Of `pkgen run`; None: no picture. Raises UsageError."""
+    """Returns the pictures that `pkgen run` is to make, or None. Raises UsageError."""
     given = [name for name in (*views.KINDS, "columns", "width") if getattr(options, name)]
     if options.plot is None and options.report is None:
         if given:
@@ -73,7 +73,7 @@ def picture_file(option: str, name: str) -> Path:
 
 
 def width(options: argparse.Namespace) -> float | None:
-    """Inches."""
+    """Returns the width in inches, or None. Raises UsageError."""
     if options.width is None:
         return None
     if not WIDTHS[0] <= options.width <= WIDTHS[1]:
@@ -82,7 +82,7 @@ def width(options: argparse.Namespace) -> float | None:
 
 
 def look_of(options: argparse.Namespace) -> style.Look:
-    """Of arguments.of_a_look(). Raises UsageError."""
+    """Returns the look from the options of arguments.of_a_look(). Raises UsageError."""
     needs("matplotlib")
     formats = tuple(kind.strip() for kind in options.format.split(",") if kind.strip())
     known = (*style.FORMATS, style.OF_LATEX)
@@ -96,15 +96,15 @@ def look_of(options: argparse.Namespace) -> style.Look:
 def recorded(
     options: argparse.Namespace, view: View, prepared: Callable[[argparse.Namespace], Prepared]
 ) -> Prepared:
-    """What is run, with columns of all that is to be drawn: what a model can record and the rows
-    have not is recorded too. Raises UsageError where there is no such thing."""
+    """Prepares a run that records all columns to be drawn, in addition to its own columns. Raises
+    UsageError if a column cannot be recorded."""
     made = prepared(options)
     names = [c.name for c in columns(made.compilation, made.ensemble, made.settings.show, 10**9)]
     missing = [name for name in view.columns if not _has(names, name)]
     rows = names[1 + (made.ensemble is not None) :]
     if view.kind == "drift" and not view.names and options.scene is None:
         more = [n for n in _constants(made) if not _has(names, n)]
-        with suppress(UsageError):  # a constant need not be a name
+        with suppress(UsageError):  # not every constant is the name of a column
             return _with(options, [*rows, *more], prepared) if more else made
     if not missing:
         return made
@@ -125,7 +125,7 @@ def _has(names: list[str], name: str) -> bool:
 
 
 def _members(made: Prepared, name: str) -> list[str]:
-    """All of a family, which a scene may have left out of its rows."""
+    """Returns the members of a family; [name] for other names."""
     primes = name.count("'")
     for item in named.declared(made.compilation).declared:
         if item.lo is not None and item.quantity.name == name.rstrip("'"):
@@ -147,14 +147,14 @@ def _constants(made: Prepared) -> list[str]:
 
 
 def rows_of(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """The rows that a run has left; None: there are none."""
+    """Returns the rows that a run has written, or None if there are none."""
     from ..plot.table import rows
 
     return rows(path, label, json.loads(json.dumps(told)))
 
 
 def draw(what: Wanted, tables: list[Table], file: Path) -> list[str]:
-    """Make the picture; what there is to say of it."""
+    """Writes the picture; returns its notes."""
     from ..plot import compose
     from ..plot.draw import encoded
     from ..system.files import replace as write

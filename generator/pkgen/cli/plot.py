@@ -1,4 +1,4 @@
-"""`pkgen plot`: pictures of motions without code, of models, which it runs, or of their rows."""
+"""`pkgen plot`: draws motions of models, which it runs, or rows from files."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from ..plot.table import Table
     from ..run.simulate import Outcome
 
-CLOSEST = 20_000  # rows of a motion that is run to be drawn
-A_STEP = 4  # rows of a step
+CLOSEST = 20_000  # most rows of a motion that is run for a picture
+A_STEP = 4  # rows per step
 ROWS = (".csv", ".npy", ".csv" + PARTIAL)
 
 EXAMPLES = """
@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _map(options: argparse.Namespace, view: View, folder: ModuleType) -> Picture:
-    """Of a sweep. Raises UsageError."""
+    """Returns the map of a sweep. Raises UsageError."""
     if len(options.files) > 1:
         raise UsageError(f"{' and '.join(options.files)}: a sweep has a picture of its own")
     if view.kind:
@@ -99,7 +99,7 @@ def _map(options: argparse.Namespace, view: View, folder: ModuleType) -> Picture
 
 
 def _refuse(options: argparse.Namespace, swept: list[str]) -> None:
-    """Raises UsageError where an option would do nothing."""
+    """Raises UsageError for an option without effect."""
     if options.map is not None and not swept:
         raise UsageError("--map is of a sweep: give its folder")
     models = (f for f in options.files if not f.endswith(ROWS) and f not in swept)
@@ -116,7 +116,7 @@ def _refuse(options: argparse.Namespace, swept: list[str]) -> None:
 
 
 def _files(given: list[str]) -> list[str]:
-    """Each directory by its *.csv, sorted. Raises UsageError where it has none."""
+    """Replaces each directory by its *.csv, sorted. Raises UsageError if it has none."""
     files: list[str] = []
     for name in given:
         if not Path(name).is_dir():
@@ -130,7 +130,7 @@ def _files(given: list[str]) -> list[str]:
 
 
 def _labels(files: list[str]) -> list[str]:
-    """As short as they tell the files apart."""
+    """Returns the file names as labels, or the paths if names are equal."""
     names = [Path(file).name for file in files]
     return names if len(set(names)) == len(names) else files
 
@@ -142,7 +142,7 @@ def _read(name: str, label: str) -> Table:
 
 
 def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | None, int]:
-    """A model's rows as `pkgen run` would write them, and its exit code."""
+    """Runs a model; returns its rows as a table, and the exit code."""
     what = prepared(options, view)
     with scratch() as folder:
         path = folder / "rows.csv"
@@ -160,7 +160,8 @@ def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | N
 def _closer(
     options: argparse.Namespace, what: Prepared, outcome: Outcome, table: Table | None
 ) -> float | None:
-    """The time between rows that can be joined, where nobody has said how often they are."""
+    """Returns a shorter time between rows if they are too far apart to be joined by lines, and
+    no option or scene sets it; else None."""
     record, settings = what.scene and what.scene.record, what.settings
     if options.every is not None or (record and record.every is not None) or outcome.code:
         return None
@@ -194,7 +195,7 @@ def _show(
 
 
 def _record(made: Picture, file: Path | None) -> dict[str, object]:
-    """What is drawn, as JSON."""
+    """Returns the content of a picture as data for JSON."""
 
     def panel(p) -> dict[str, object]:
         axes = {name: axis.label for name, axis in zip("xyz", (p.x, p.y, p.z), strict=True) if axis}

@@ -1,4 +1,4 @@
-"""`pkgen resume`: go on with a run from its checkpoint."""
+"""`pkgen resume`: continues a run from its checkpoint."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
-"""`pkgen run`: compile a model, integrate it, say how it went.
+"""`pkgen run`: compiles a model, integrates it, and reports the result.
 
-Rows go to standard output or to a file with its settings beside it; what is said to a person
-goes to standard error.
+Rows go to standard output, or to a file with a sidecar. Messages go to standard error.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     from ..plot.table import Table
     from ..plot.view import View
 
-# The share of steps that an iteration may hold back before it is worth a word.
+# A message is printed if the iteration of a method limits more than this fraction of the steps.
 HELD = 0.75
 
 EXAMPLES = """
@@ -86,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
     checkpoints.over(options, outcome)
-    if outcome.code == DONE and not outcome.whole:  # who read the rows has gone
+    if outcome.code == DONE and not outcome.whole:  # the reader of the pipe has ended
         return DONE
     tell(options, what, outcome)
     if left is not None and not options.json:
@@ -97,7 +96,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def prepared(options: argparse.Namespace, view: View | None = None) -> Prepared:
-    """Compiled and built; `view` has columns that are recorded too."""
+    """Compiles and builds the run; columns of `view` are recorded too."""
 
     def made(options: argparse.Namespace) -> Prepared:
         return prepare(options, compile_within_limits, None, checkpoints.chosen(options))
@@ -109,7 +108,7 @@ def prepared(options: argparse.Namespace, view: View | None = None) -> Prepared:
 
 
 def to_scratch(what: Prepared, path: Path) -> Outcome:
-    """Run with the rows in a file, cut behind the last whole one."""
+    """Runs with the rows in a file, which is cut after the last whole row."""
     with open(path, "wb") as file:
         outcome = _simulate(what, file)
     cut(path)
@@ -117,14 +116,14 @@ def to_scratch(what: Prepared, path: Path) -> Outcome:
 
 
 def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table | None:
-    """The rows of a run that is over; None where there are none."""
+    """Returns the rows of a finished run, or None if there are none."""
     if not path.exists() or not path.stat().st_size:
         return None
     return pictures.rows_of(path, label, _describe(what, outcome, path.name))
 
 
 def _some_rows(path: Path) -> str:
-    """For a terminal: ten rows, and how to have all."""
+    """Returns text for a terminal: ten rows, and a hint how to keep all."""
     with open(path, newline="", encoding="utf-8") as file:
         head, *rows = list(csv.reader(file)) or [[]]
     some = rows if len(rows) <= 10 else [*rows[:5], ["…"] * len(head), *rows[-5:]]
@@ -139,7 +138,7 @@ def _some_rows(path: Path) -> str:
 def _pictures(
     options: argparse.Namespace, wanted: Wanted, what: Prepared, outcome: Outcome, path: Path
 ) -> None:
-    """What --plot and --report ask for, of a run that is over, well or not."""
+    """Makes the files of --plot and --report after a run, also after a failed one."""
     table = table_of(what, outcome, path, what.compilation.model.name)
     if wanted.plot is not None and table is None:
         print(f"pkgen: {wanted.plot}: not written: there are no rows", file=sys.stderr)
@@ -157,7 +156,7 @@ def _pictures(
 
 
 def _hint(options: argparse.Namespace, model: Model) -> None:
-    """Which scenes there are, to who has chosen none."""
+    """Prints the scenes of a model if none is chosen."""
     names = ", ".join(item.name for item in model.scenes if not hidden(item.name))
     if options.scene is None and names and not options.json:
         print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
@@ -166,9 +165,10 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
 def _to_file(
     options: argparse.Namespace, asked: Prepared, output: Path, wanted: Wanted | None
 ) -> tuple[Outcome, Path | None]:
-    """Run with the rows in the file asked for; where they are if they are not all."""
+    """Runs with the rows in the file `output`; returns the outcome, and the path of unfinished rows
+    or None."""
     left = None
-    unfinished = Outcome(INTERRUPTED, {}, "")  # what the file says if pkgen is killed
+    unfinished = Outcome(INTERRUPTED, {}, "")  # stays in the sidecar if pkgen is killed
     more = checkpoints.settings(options, asked)
     npy = output.suffix == ".npy"
     kept = "begun" if options.resume else "all" if more else ""
@@ -188,7 +188,7 @@ def _to_file(
 
 
 def _finishing(outcome: Outcome) -> None:
-    """Rows that are whole are not told as interrupted."""
+    """Ignores interruptions from now on if all rows are written."""
     if outcome.whole and outcome.code == DONE:
         children.finishing()
 
@@ -219,7 +219,7 @@ def _verdicts(asked: Prepared, outcome: Outcome) -> list[Verdict]:
 
 
 def judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int:
-    """Say what was expected and missed, and that the rest was met; the exit code."""
+    """Prints missed expectations and the number of met ones; returns the exit code."""
     verdicts = _verdicts(asked, outcome)
     missed = [verdict for verdict in verdicts if not verdict.met]
     if not options.json:
@@ -234,7 +234,7 @@ def judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int
 
 
 def _result(asked: Prepared, outcome: Outcome, table: Path) -> dict[str, object]:
-    """Everything of a run in one JSON object, its rows included."""
+    """Returns the description of a run and its rows as one JSON object."""
     result = _describe(asked, outcome, "rows")
     with open(table, newline="", encoding="utf-8") as file:
         result["rows"] = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
@@ -261,7 +261,7 @@ def _simulate(
 
 
 def _length(report: dict) -> str:
-    """Of the steps: the one asked for, or from the shortest to the longest of those that vary."""
+    """Returns the text for step sizes: the fixed one, or the shortest and the longest."""
     if report["step"] is not None:
         return f" of {report['step']:.6g}"
     shortest, longest = (f"{report[name]:.3g}" for name in ("step_min", "step_max"))
@@ -271,7 +271,7 @@ def _length(report: dict) -> str:
 
 
 def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
-    """Say to a person how the run went."""
+    """Prints messages and a summary of the run."""
     time = "" if what.compilation.model.dimensionless else "s"
     if outcome.messages:
         print(outcome.messages.rstrip("\n"), file=sys.stderr)
@@ -315,12 +315,12 @@ def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
 
 
 def _whole(outcome: Outcome) -> bool:
-    """Whether the motion was integrated to its end; a diagnostic, made after it, may fail."""
+    """Whether the motion was integrated to its end; a later diagnostic may still have failed."""
     return outcome.code == DONE or "diagnostics" in outcome.report
 
 
 def _crossings(event: dict) -> str:
-    """How often, and when for the first and the last time."""
+    """Returns the text for the number of crossings, with the first and the last time."""
     times, count = event["times"], event["count"]
     if count < 2:
         return f"once, at t = {times[0]:.12g}" if count else "never"

@@ -1,4 +1,4 @@
-"""`pkgen stability`: from its options to its files and its exit code."""
+"""`pkgen stability`: maps of the stability of methods."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--seconds", metavar="S", help="of all but drawing (default 54; --quick 12): fewer points")
     shared.of_a_look(parser)
     shared.of_implicit_methods(parser)
-    parser.set_defaults(method="rk4")  # a run wants one; the maps have their own
+    parser.set_defaults(method="rk4")  # settings need a method; maps use their own
 
 
 def run(options: argparse.Namespace) -> int:
@@ -79,7 +79,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_unmapped(compilation: Compilation) -> None:
-    """Where rates jump, steps must end."""
+    """Raises UsageError for models with jumps of rates, at which steps would have to end, and for
+    redundant constraints."""
     model = compilation.model
     jolted = getattr(compilation.equations, "jolted", ())
     if jolted:
@@ -140,7 +141,7 @@ def _write(directory: Path, made: StabilityMap, look: Look) -> list[Path]:
 
 
 def orbit(one: Orbit) -> dict[str, object]:
-    """Multipliers as [real, imaginary]; states as q and then v."""
+    """Returns an orbit as data: multipliers as [real, imaginary], states as q, then v."""
     multipliers = [[z.real, z.imag] for z in one.multipliers]
     return {"h": one.h, "states": one.states, "multipliers": multipliers}
 
@@ -154,7 +155,7 @@ def cycle(one: Cycle | None) -> dict[str, object] | None:
 
 
 def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
-    """The map as JSON."""
+    """Returns the map as data for JSON."""
     return {
         "model": made.compilation.model.name,
         "until": made.until,

@@ -1,4 +1,4 @@
-"""What is proved constant of a model, in its description."""
+"""The proved constants of motion in the description of a model."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ..graph.differentiate import symbols_in
 from ..graph.evaluate import evaluate
 from ..run import named
 
-POINTS = 5
-CLOSE = 1e-9
+POINTS = 5  # random states
+CLOSE = 1e-9  # relative tolerance
 
 
 def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
-    """What is proved constant: `index` is among claims, or among momenta; the energy's `label` says
-    where it is not T + V, as on a hoop that a motor turns."""
+    """Yields the proved constants. `index` counts claims or momenta. The `label` of the energy says
+    if it is not T + V, as for a bead on a hoop that a motor turns."""
     structure, model = compilation.structure, compilation.model
     energy = "" if model.dimensionless else "J"
     if structure.conservative and named.has_energy(compilation):
@@ -31,15 +31,15 @@ def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
         }
     for k, item in enumerate(model.conserved):
         yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
-    if isinstance(structure, Structure):  # of single coordinates
+    if isinstance(structure, Structure):  # loops have no facts about single coordinates
         for k, q in enumerate(compilation.equations.momenta_names):
             if structure.cyclic[k]:
                 yield {"name": q.name, "kind": "momentum", "index": k, "unit": q.unit}
 
 
 def _is_sum(compilation: Compilation) -> bool:
-    """Whether h = q' dL/dq' - L is T + V, tried at random states. Of a loop, and where L is stated
-    and not T and V, nothing else is known."""
+    """Whether h = q' dL/dq' - L equals T + V, tested at random states. Returns True for loops, and
+    if the model has L but not T and V, since nothing is known then."""
     e = compilation.equations
     if compilation.looped or e.kinetic is None or e.potential is None:
         return True

@@ -27,7 +27,7 @@ from .scenes import LISTED, described_scene, members_of
 
 SCHEMA = 1
 
-Given = dict[str, list[float]]  # parameters and start, as they are in memory
+Given = dict[str, list[float]]  # parameters and start, from Run.given()
 
 
 def described(
@@ -37,8 +37,8 @@ def described(
     scene: Scene | None = None,
     draw: bool = True,
 ) -> dict[str, object]:
-    """All that is known of a model, whose `use` was drawn() if it is to `draw`; `given` is what its
-    library computed of defaults and starts."""
+    """Returns the description of a model. With `draw`, it was compiled by drawn(). `given` holds
+    parameters and start, computed by the library."""
     model = compilation.declared
     return {
         "schema": SCHEMA,
@@ -96,8 +96,8 @@ def described(
 
 
 def title(model: Model) -> str:
-    """The first comment of the text where it is a title, which begins with a capital letter and is
-    no sentence; else the name in words."""
+    """Returns the first comment of the text if it is a title: it begins with a capital letter and
+    has no period at the end. Otherwise returns the name in words."""
     comment = model.source.text.lstrip().partition("\n")[0].partition("#")[2].strip()
     if comment[:1].isupper() and not comment.endswith("."):
         return comment
@@ -111,7 +111,8 @@ def _each(found: named.Named) -> Iterator:
 
 
 def _flat(found: named.Named) -> Iterator[tuple[int, int, int, named.Declared, object]]:
-    """Flat index, number of the declaration, position in it; long families are left out."""
+    """Yields (flat index, declaration's number, position, declaration, quantity), long families
+    left out."""
     for k, item in enumerate(found.declared):
         if item.count <= LISTED:
             for position in range(item.count):
@@ -145,7 +146,7 @@ def _parameters(
 
 
 def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[str, object]:
-    """Infinite ones are None; so are all of what a scene has made a parameter of."""
+    """Returns the bounds of a parameter; None: infinite, or a start that became a parameter."""
     found: dict[str, object] = {"lo": None, "hi": None, "lo_open": True, "hi_open": True}
     if item is None:
         return found
@@ -168,7 +169,7 @@ def _whole(compilation: Compilation) -> bool:
 
 
 def _switches(compilation: Compilation) -> int:
-    """Arguments of step, abs and the like at whose zeros the equations change."""
+    """Returns the number of switches: arguments of step, abs etc. whose zeros change equations."""
     e = compilation.equations
     return switch_count(e) if compilation.looped else len(e.switches)
 
@@ -206,8 +207,8 @@ def _coordinates(
 
 
 def _following(model: Model) -> Callable[[str, int], bool]:
-    """Whether the start of a coordinate, or of its rate, is made of parameters: the last statement
-    says it."""
+    """Returns a function (name, order): whether the start of a coordinate or its rate depends on
+    parameters. The last start statement counts."""
     moving = {p.name for p in model.parameters}
     for item in sorted(model.definitions, key=lambda d: d.span.start):
         if names(item.value) & moving:
@@ -222,7 +223,7 @@ def _following(model: Model) -> Callable[[str, int], bool]:
 def _states(
     compilation: Compilation, settings: Settings, given: Given
 ) -> Iterator[dict[str, object]]:
-    """First-order variables; their indices are among the rates, behind those of coordinates."""
+    """Yields the first-order variables; their indices follow those of the rates."""
     known = named.states(compilation)
     follow, set_v = _following(compilation.model), dict(settings.start_v)
     for flat, _, _, _, quantity in _flat(named.coordinates(compilation, rates=True)):
@@ -272,8 +273,8 @@ def _events(compilation: Compilation) -> Iterator[dict[str, object]]:
 
 
 def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str, object]]:
-    """Those of the author's own, then those of the runtime, GSL's too, and why one does not
-    apply."""
+    """Yields the model's own methods, then those of the runtime and GSL, each with the reason if it
+    does not apply."""
     own = compilation.model.methods
     all_methods = known(own)
     default = default_method(
@@ -298,7 +299,7 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
         }
 
 
-# What a method calls, by its flag, that is not made of loops; as the runtime refuses it.
+# By flag of a method: kernels that it needs and loops lack; the runtime refuses these methods too.
 _NOT_OF_LOOPS = {
     "holonomic": "M",
     "jacobians": "Jacobians",

@@ -1,7 +1,7 @@
-"""What `draw` says as outputs of the model and as shapes of them; without `draw`, the places that
-the model names as bobs, else its coordinates over time.
+"""Drawings of a model, from its `draw` statements. A model without `draw` is drawn as bobs at the
+positions that it names, or else as its coordinates over time.
 
-Each number of a drawing is a hidden output of the model, made on request, or a plain number.
+Each number of a drawing is a constant, or a hidden output that is added to the model on request.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ from ..tree import (
 )
 
 Entry = float | dict[str, int]  # a number, or {"output": k}
-PREFIX = "0_draw_"  # no author's name begins with a digit
+PREFIX = "0_draw_"  # names in models do not begin with a digit
 
 
 def with_drawing(model: Model) -> Model:
-    """The model with an output for each number of its drawing that is not plain."""
+    """Returns the model with an output for each number of its drawing that is not a constant."""
     return replace(model, observed=(*model.observed, *_Outputs(model).all()))
 
 
 def drawn(use: Use | None) -> Use:
-    """A use of the model that has its drawing too."""
+    """Returns a use of the model that also has the outputs of its drawing."""
     if use is None:
         return Use(lambda model: (model, ()), lambda _: None, declared=with_drawing)
     before = use.declared
@@ -52,7 +52,7 @@ def drawn(use: Use | None) -> Use:
 
 
 def drawing(compilation: Compilation) -> dict[str, object]:
-    """The view, and the shapes with indices among the outputs of what was compiled by drawn()."""
+    """Returns the view and the shapes, with indices of outputs of a model compiled by drawn()."""
     model = compilation.declared
     entries = _entries(compilation)
     coordinates = named.coordinates(compilation)
@@ -62,7 +62,7 @@ def drawing(compilation: Compilation) -> dict[str, object]:
         for shape in outputs.shapes(item):
             if item.shape == "level":
                 if not all(name in coordinates for name in item.axes):
-                    continue  # a scene holds one
+                    continue  # a scene holds a coordinate
                 x, y = (coordinates[name][0] for name in item.axes)
                 shape |= {"x": x, "y": y}
             shapes.append(_resolved(shape, entries))
@@ -74,7 +74,7 @@ def drawing(compilation: Compilation) -> dict[str, object]:
 
 
 def _entries(compilation: Compilation) -> dict[str, Entry]:
-    """By the name of each hidden output where it is found, or what it is if that never changes."""
+    """Returns, by name of output, its index or its value if that is a number."""
     found: dict[str, Entry] = {}
     for k, quantity in enumerate(named.observed(compilation)):
         found[quantity.name] = {"output": k}
@@ -87,7 +87,7 @@ def _entries(compilation: Compilation) -> dict[str, Entry]:
 
 
 def shown(model: Model) -> tuple[str, ...]:
-    """For people: what is drawn, a line each."""
+    """Returns lines of text that describe the drawing."""
     if model.drawings:
         return tuple(_line(model, item) for item in model.drawings)
     found = [item.name for item in _defaults(model)]
@@ -105,8 +105,8 @@ def _drawings(model: Model) -> tuple[Drawing, ...]:
 
 
 def _defaults(model: Model) -> tuple[Drawing, ...]:
-    """A bob at each place that definitions, coordinates and outputs name, by the names that the
-    finder of particles knows; of vectors their own."""
+    """Returns a bob at each position that definitions, coordinates and outputs name: vectors, and
+    scalars with the names that `middle.particles` recognizes."""
     known = lengths(model)
     items: list[tuple[Name, tuple]] = []
     vectors: dict[tuple, dict[str, Span]] = {}
@@ -116,7 +116,7 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
             continue
         stem, _, part = item.name.partition(".")
-        if part and part not in AXES:  # what a body or a joint has: its centre of mass is drawn
+        if part and part not in AXES:  # of a body or joint only the centre of mass is drawn
             if part == "com":
                 whole = Name(item.name, None, item.span)
                 at = tuple(Component(whole, k, item.span) for k in range(3))
@@ -169,7 +169,7 @@ def _members(model: Model, item: object) -> Iterator[int | None]:
 
 
 class _Outputs:
-    """The hidden outputs of a drawing: each expression once, in the order in which it is met."""
+    """The hidden outputs of a drawing: each distinct expression once, in order of occurrence."""
 
     def __init__(self, model: Model):
         self.model = model
@@ -183,7 +183,7 @@ class _Outputs:
         return self.definitions
 
     def shapes(self, item: Drawing) -> Iterator[dict[str, object]]:
-        """Of a family one for each member, of a curve one of all."""
+        """Yields the shapes of a statement: one per member of a family; one for a whole curve."""
         made = [self._shape(item, parts) for parts in self._of_members(item)]
         if item.shape == "curve":
             made = [{"kind": "curve", "points": [s["at"] for s in made], **_labels(item)}]
@@ -210,13 +210,13 @@ class _Outputs:
             }
 
     def _indices(self, family: Range) -> range:
-        """Of the members that are drawn."""
+        """Returns the indices of the drawn members, at most limits.DRAWN."""
         lo, hi = ends(self.model, family)
         return range(lo, hi + 1, max(1, -(-(hi + 1 - lo) // limits.DRAWN)))
 
     def _index(self, range: Range, value: int, behind: int) -> Expr:
-        """A member, `behind` before the last one. In the second half it is counted from the end, so
-        that families may stay loops, whose end is where N says."""
+        """Returns the index of a member, `behind` before the last one. In the second half it is
+        relative to the end, N - 1 say, so that families can be kept as loops."""
         if behind >= value or not names(range.hi):
             return Number(Fraction(value), range.span)
         return Add((range.hi, Number(Fraction(behind), range.span)), (1, -1), range.span)
@@ -249,12 +249,12 @@ class _Outputs:
         return self.names[key]
 
 
-# What is no number that changes.
+# Keys of shapes whose values are not outputs.
 _WORDS = ("kind", "name", "label", "form", "axis", "caption", "says", "times", "member")
 
 
 def _caption(model: Model, item: Drawing) -> str:
-    """The comment in the line above the statement; above the first one it is of the whole."""
+    """Returns the comment in the line above a statement, except the first: it is of the whole."""
     if item in model.drawings[:1] or not model.drawings:
         return ""
     above = model.source.text[: item.span.start].rpartition("\n")[0].rpartition("\n")[2].strip()
@@ -262,7 +262,7 @@ def _caption(model: Model, item: Drawing) -> str:
 
 
 def _times(model: Model, item: Drawing) -> float | None:
-    """How many times as large as it is a coordinate is drawn."""
+    """Returns the factor by which a coordinate is magnified in the drawing, or None."""
     coordinates = {c.name for c in model.coordinates}
     for part in dict(item.parts).get("at", ()) if item.shape in ("bob", "curve") else ():
         if isinstance(part, Multiply) and part.exponents == (1, 1):
@@ -273,7 +273,7 @@ def _times(model: Model, item: Drawing) -> float | None:
 
 
 def _said(model: Model, parts: tuple[Expr, ...]) -> str:
-    """What an arrow shows that has no comment, as its author wrote it."""
+    """Returns the label of an arrow without a comment: its text in the model, or "velocity"."""
     whole = parts[0].span.to(parts[-1].span)
     text = model.source.text[whole.start : whole.end]
     return "velocity" if re.fullmatch(r"\[\w+'(, (\w+'|0))*\]|\w+'|\[0, \w+', 0\]", text) else text
@@ -285,7 +285,7 @@ def _labels(item: Drawing) -> dict[str, object]:
 
 
 def _key(part: object) -> object:
-    """What an expression says, wherever it stands."""
+    """Returns a key of an expression that does not depend on its place in the text."""
     if isinstance(part, tuple):
         return tuple(map(_key, part))
     if is_dataclass(part):
@@ -317,7 +317,7 @@ def _view(
 
 
 def _spatial(shape: dict) -> bool:
-    """Whether anything of it may leave the plane of x and y."""
+    """Whether any part of the shape may leave the xy plane."""
     places = [shape.get(word) for word in ("at", "from", "to")]
     points = [at for at in places if isinstance(at, list) and len(at) == 3]
     points += shape.get("points", [])

@@ -1,4 +1,4 @@
-"""From the options of a command to a description, and to the C whose outputs its drawing reads."""
+"""Makes a description from the options of a command, and the library for its drawing."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .drawing import drawn
 
 @record
 class Described:
-    """A model that is described, with all its coordinates, parameters and kernels."""
+    """A described model, compiled with all its coordinates, parameters and kernels."""
 
     compilation: Compilation
     settings: Settings
@@ -35,9 +35,9 @@ def describe(
     unroll: int = lengths.UNROLL,
     draw: bool = True,
 ) -> Described:
-    """`compiled(options, **how)` compiles the model; not to `draw` keeps the numbers of its drawing
-    out of its C. Raises UsageError, ModelError, BuildError, or
-    NumericsFailed where the values of parameters cannot be."""
+    """Compiles and describes a model; `compiled(options, **how)` compiles it. Without `draw`, its C
+    lacks the outputs of its drawing. Raises UsageError, ModelError, BuildError, or NumericsFailed
+    if the runtime refuses the parameters."""
     use = scene_use.whole(options)
     compilation = compiled(options, unroll=unroll, use=drawn(use) if draw else use)
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None

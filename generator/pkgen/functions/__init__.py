@@ -1,7 +1,7 @@
-"""The scalar functions of the language, one row each: what every stage knows about them.
+"""The table of scalar functions of the language: one row per function, for all stages.
 
-A new function is a row of `smooth.py` or `kinked.py`; `row.py` says what the fields mean. Rows are
-called with what they work on (a graph, balls, polynomials), so they import nothing of the compiler.
+To add a function, add a row to `smooth.py` or `kinked.py`; `row.py` explains the fields. The
+functions in a row get a graph, balls or polynomials as arguments, so rows import no compiler code.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ FUNCTIONS: dict[str, Function] = {
     **{name: row for name, row in SMOOTH.items() if row.internal},
 }
 
-SIDE = "side_"  # before the name of a function that C is told the side of
-WRITTEN_OUT = {"ln": 1, "clamp": 3}  # log(x) and min(max(x, a), b) from the checker on: arguments
-# What others call them.
+SIDE = "side_"  # prefix of C functions with an argument `side` (back/c/helpers.py)
+WRITTEN_OUT = {"ln": 1, "clamp": 3}  # numbers of arguments; become log(x), min(max(x, a), b)
+# Foreign names, for hints in messages.
 MEANT = {
     **dict.fromkeys(("heaviside", "Heaviside", "theta", "Theta", "H"), "step"),
     **dict.fromkeys(("sgn", "signum"), "sign"),

@@ -1,4 +1,4 @@
-"""Intervals of real numbers, an end of which may be excluded.
+"""Intervals of real numbers, each end included or excluded.
 
 Reference: R. E. Moore, Interval Analysis, Prentice-Hall 1966.
 """
@@ -10,15 +10,15 @@ import math
 from ..record import record
 
 INF = math.inf
-ROUND = 1e-12  # of the ends, which are computed in floating point
+ROUND = 1e-12  # allowance for rounding of the ends
 
 
 @record
 class Range:
     lo: float = -INF
     hi: float = INF
-    above: bool = False  # lo itself is excluded, though it may be 0
-    below: bool = False
+    above: bool = False  # lo itself is excluded
+    below: bool = False  # hi itself is excluded
 
     @property
     def positive(self) -> bool:
@@ -58,8 +58,8 @@ class Range:
 
 
 def _corner(x: float, x_excluded: bool, y: float, y_excluded: bool) -> tuple[float, bool]:
-    """A product of two ends, and whether it is not reached."""
-    if x == 0 or y == 0:  # 0 times infinity too: the ends are limits
+    """Returns the product of two ends, and whether it is excluded."""
+    if x == 0 or y == 0:  # also 0 times infinity: an infinite end is not a value
         return 0.0, (x != 0 or x_excluded) and (y != 0 or y_excluded)
     return x * y, x_excluded or y_excluded
 

@@ -1,7 +1,7 @@
-"""The functions that bend or jump, a row each.
+"""The functions with a kink or a jump, a row each.
 
-In C each has a twin, `side_` before its name, that takes the side of its switch as well: not 0
-while a run holds the function on one side of it (see middle/derive/switches.py).
+In C each has a version with the prefix `side_` and an argument `side`. A nonzero side selects a
+smooth branch, on which a run holds the function (see middle/derive/switches.py).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _NAN = "a + b: one of them is not a number"
 
 
 def _less(g, a, b):
-    """1 where a < b, else 0."""
+    """Returns the node of 1 where a < b, else 0."""
     return g.subtract(g.number(1), g.call("step", g.subtract(a, b)))
 
 

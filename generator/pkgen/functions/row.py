@@ -1,7 +1,7 @@
-"""What the compiler knows about a function of the language: a field for each use.
+"""The row of a function of the language: a field for each use by the compiler.
 
-A field that a row leaves out has a default that is right, if weaker: no interval is every real
-number, no ball proves nothing, no exact value leaves the call as it is.
+Defaults of fields are correct but weak: the default interval is all real numbers, the default ball
+proves nothing, and without an exact value the call stays as it is.
 """
 
 from __future__ import annotations
@@ -12,22 +12,22 @@ from fractions import Fraction
 from ..record import record
 from .interval import ANY, Range
 
-# How the equations use what must not vanish, `Singularity.use`.
+# How the equations use an expression that must not vanish, `Singularity.use`.
 COORDINATES, DIVISOR, ROOT, LOGARITHM, ARC = "COORDINATES", "DIVISOR", "ROOT", "LOGARITHM", "ARC"
 CUT = "CUT"  # L jumps there
 
 
 def at(point: int, value: int) -> Callable[[Fraction], Fraction | None]:
-    """The exact value of a function that has a rational one at one point."""
+    """Returns the field `exact` of a function with a rational value at one point only."""
     return lambda x: Fraction(value) if x == point else None
 
 
 @record
 class Kinked:
-    """A function that is a smooth one on either side of the zero of what decides it: its argument,
-    or the first less the second."""
+    """A function with a smooth branch on either side of its switch, the zero of its argument or of
+    the first argument minus the second."""
 
-    below: str  # C, of the arguments' names
+    below: str  # C of the branches, in the names of the arguments
     above: str
 
 
@@ -35,52 +35,52 @@ class Kinked:
 class Function:
     """One row. `g` is the graph, `n` the call's node, `a` and `b` its arguments' nodes."""
 
-    # The language. `units`: "none" takes and gives dimensionless; "same" takes one dimension and
-    # gives it back; "any" takes one and gives none; "root" halves it.
+    # The language. `units`: "none": arguments and value are dimensionless; "same": all have one
+    # dimension; "any": the arguments have one, the value none; "root": halves the dimension.
     arguments: tuple[str, ...] = ("x",)
     units: str = "none"
     internal: bool = False  # made by differentiation, not available in a model
 
-    # Values. `real` of floats; `array` of arrays: a name of NumPy's, if it is not
-    # this one, or (numpy module, arrays) -> array.
+    # Values. `real`: of floats. `array`: of arrays, a NumPy name if it differs from the function's,
+    # or (numpy module, arrays) -> array.
     real: Callable[..., float]
     array: str | Callable = ""
-    exact: Callable[..., Fraction | None] = lambda *_: None  # of rational numbers; None: no such
-    undefined: Callable[..., str] = lambda *_: ""  # what is wrong with these numbers
+    exact: Callable[..., Fraction | None] = lambda *_: None  # of Fractions; None: no rational value
+    undefined: Callable[..., str] = lambda *_: ""  # reason why there is no value at these numbers
 
     # Calculus: (g, n, a, b) -> the partial derivatives.
     derivative: Callable[..., tuple]
     parity: str = ""  # "odd" or "even"
 
-    # Proofs. `interval` of Ranges; `ball` (arithmetic of Balls, a, b) or None; `opened` writes a
-    # call of polynomials by other functions (see graph/exact.py), so that identities are seen.
+    # Proofs. `interval`: of Ranges. `ball`: (Balls, a, b) -> Ball or None. `opened`: (Exact,
+    # polynomials) -> polynomial in other functions (graph/exact.py), which reveals identities.
     interval: Callable[..., Range] = lambda *x: ANY
     ball: Callable = lambda *_: None
     opened: Callable = lambda *_: None
-    # (a domain as Floats of graph/written.py is one, a, b) -> the value there, in bounds of smooth
-    # ones a power series too; None: no bounds.
+    # (a domain such as Floats of graph/written.py, a, b) -> the value in that domain; smooth
+    # functions also take power series. None: no bounds.
     enclosed: Callable | None = None
-    branched: bool = False  # one of several values, so its derivative does not say where it jumps
-    jump: str = ""  # how it jumps
+    branched: bool = False  # has branches: a zero derivative does not exclude jumps
+    jump: str = ""  # text: how it jumps
 
-    # Where it ends: the arguments at which it ceases to have a value, the (g, a, b) -> (node that
-    # must not vanish, its use), and whether it vanishes where its argument does and nowhere else.
+    # The domain. `ends`: end points of the domain. `singular`: (g, a, b) -> (node that must not
+    # vanish, its use). `like_argument`: it vanishes exactly where its argument does.
     ends: tuple[int, ...] = ()
     singular: Callable | None = None
     like_argument: bool = False
-    # It is constant, 0 or huge where this times its argument is beyond 36; 0: it fades slowly.
+    # Constant, 0 or huge up to rounding where |short x| > 36 (middle/derive/marks.py); 0: not so.
     short: int = 0
 
-    # C: a name of <math.h>, if it is not this one; or the body of a helper, which hands a NaN on.
+    # C: a name of <math.h>, if it differs; or the body of a helper, which must propagate NaN.
     c: str = ""
     body: str = ""
-    remark: str = ""  # a comment beside the body
+    remark: str = ""  # a comment on the line of the body
     note: str = ""  # a comment above the helper
     kinked: Kinked | None = None
-    cut: Kinked | None = None  # the function is smooth but for a branch cut, where y vanishes
+    cut: Kinked | None = None  # smooth except at a branch cut, where y vanishes
 
     sympy: Callable | str = (
-        ""  # a name of SymPy's, if it is not this one; or (sympy module, arguments) -> expression
+        ""  # a SymPy name, if it differs; or (sympy module, arguments) -> expression
     )
 
     @property

@@ -13,7 +13,7 @@ _QUARTER = Range(-math.pi / 2, math.pi / 2)
 
 
 def _one_and_square(g, a, sign: int = 1):
-    """1 + a^2 or 1 - a^2."""
+    """Returns 1 + a^2 or 1 - a^2."""
     square = g.power(a, 2)
     return g.add(g.number(1), square if sign > 0 else g.negate(square))
 
@@ -29,8 +29,8 @@ def _pow(g, n, a, b):
 
 
 def where_positive(g, base, exponent):
-    """|x|^max(n, 0), which vanishes with x as far as x^-n is singular there: n is a parameter, so
-    that is known when the model runs. A root of a negative x is no number, and told as such."""
+    """Returns |x|^max(n, 0), which vanishes at x = 0 exactly if x^-n is singular there: n is a
+    parameter, known only at run time. A power of a negative x is NaN, and reported as such."""
     return g.call("pow", g.call("abs", base), g.call("max", exponent, g.number(0)))
 
 
@@ -39,7 +39,7 @@ def _beyond_one(what: str):
 
 
 def _root(value: Fraction) -> Fraction | None:
-    """The exact square root, or None."""
+    """Returns the exact square root, or None if it is not rational."""
     if value < 0:
         return None
     n, d = math.isqrt(value.numerator), math.isqrt(value.denominator)

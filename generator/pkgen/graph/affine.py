@@ -1,7 +1,6 @@
-"""Index expressions that are known only at run time: an integer plus multiples of names.
-
-`q[i+1]` in `sum(..., i = 0..N)` reaches from 1 to N+1, whatever N is: ranges, ends and conditions
-of loops are such sums of sizes and loop variables.
+"""Affine index expressions, whose values are known only at run time: an integer plus multiples of
+names. Ranges and conditions of loops are affine in sizes and loop variables: `q[i+1]` in
+`sum(..., i = 0..N)` ranges from 1 to N+1, for every N.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from ..record import record
 from ..tree import Add, Expr, Multiply, Name, Negate, Number
 
 ROW = "m"  # the row of the equations of motion that is being computed
-OTHER = "j"  # the other end of a pair
+OTHER = "j"  # the second index of a sum over pairs
 LOOPS = (ROW, OTHER)
 
 
@@ -55,7 +54,7 @@ class Affine:
         return Affine(self.constant, tuple((n, f) for n, f in self.terms if n != name))
 
     def replaced(self, values: Mapping[str, Affine]) -> Affine:
-        """With names replaced by what they stand for."""
+        """Returns the expression with names replaced by `values`; other names stay."""
         total = Affine(self.constant)
         for name, factor in self.terms:
             total = total + values.get(name, variable(name)).times(factor)
@@ -65,7 +64,7 @@ class Affine:
         return self.constant + sum(f * values[n] for n, f in self.terms)
 
     def text(self, names: Mapping[str, str] | None = None) -> str:
-        """As C and as people write it: `N + 1`, `m - 1`, `2 * N`."""
+        """Returns the text, valid in C and readable: `N + 1`, `m - 1`, `2 * N`."""
         parts: list[str] = []
         for name, factor in sorted(self.terms, key=lambda x: (x[1] < 0, x[0] not in LOOPS)):
             shown = names[name] if names and name in names else name
@@ -83,7 +82,8 @@ def variable(name: str) -> Affine:
 
 
 def affine(expr: Expr, values: Mapping[str, Affine]) -> Affine:
-    """An index expression, `values` giving the sizes and loop variables."""
+    """Converts an index expression; `values` holds the sizes and loop variables. Raises
+    NotAnInteger where the expression is not affine."""
     match expr:
         case Number(value=value) if value.denominator == 1:
             return Affine(int(value))
@@ -111,9 +111,9 @@ def affine(expr: Expr, values: Mapping[str, Affine]) -> Affine:
 
 
 def extremes(index: Affine, at: dict[str, tuple[Affine, Affine]]) -> tuple[Affine, Affine]:
-    """The least and the greatest value of an index over its loop variables' ranges."""
+    """Returns the least and the greatest value of an index over its loop variables' ranges."""
     first = last = index
-    for name, (lo, hi) in at.items():  # the inner loop first, its ends use the outer variable
+    for name, (lo, hi) in at.items():  # inner loop first: its ends use the outer variable
         for low in (True, False):
             end = first if low else last
             factor = end.factor(name)

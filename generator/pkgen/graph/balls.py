@@ -1,8 +1,8 @@
-"""Values of nodes with a bound of their rounding: each is a midpoint and a radius around it.
+"""Ball arithmetic on the graph: each value is a midpoint and a radius that bounds its error.
 
-The radius grows by what an operation rounds and by what it makes of the radii of its arguments, so
-that the true value is inside; where that cannot be said (a division by a ball around 0, a logarithm
-across 0, a step at its jump) there is no value. References: S. M. Rump, Fast and parallel interval
+An operation adds its own rounding error to the error propagated from its arguments, so the true
+value lies in the ball. There is no value (None) where no bound exists: a division by a ball that
+contains 0, a logarithm across 0, a step at its jump. Refs.: S. M. Rump, Fast and parallel interval
 arithmetic, BIT 39 (1999) 534-554; F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
 """
 
@@ -17,7 +17,7 @@ from .differentiate import swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
 BITS = 200
-LARGE = 10_000  # a power of more is given up
+LARGE = 10_000  # a larger integer exponent has no value
 
 
 class Ball(NamedTuple):
@@ -26,17 +26,17 @@ class Ball(NamedTuple):
 
     @property
     def least(self) -> Any:
-        """A lower bound of the magnitude."""
+        """A lower bound of |x| over the ball."""
         return max(abs(self.mid) - self.rad, 0)
 
     @property
     def most(self) -> Any:
-        """An upper bound of the magnitude."""
+        """An upper bound of |x| over the ball."""
         return abs(self.mid) + self.rad
 
 
 class Balls:
-    """Arithmetic of a fixed precision; None is what has no value."""
+    """Ball arithmetic of a fixed precision; a result of None means that there is no value."""
 
     def __init__(self, bits: int = BITS):
         from mpmath import MPContext
@@ -64,7 +64,7 @@ class Balls:
     def values(
         self, g: Graph, nodes: Iterable[Node], symbols: Mapping[Symbol, Ball]
     ) -> list[Ball | None]:
-        """The nodes where the symbols have these values."""
+        """Evaluates the nodes at the given values of the symbols."""
         return swept(g, nodes, lambda node, args: self._value(g, node, args, symbols))
 
     def _value(
@@ -116,7 +116,7 @@ class Balls:
         return self._rounded(function(x.mid), x.rad * steepest)
 
     def turning(self, function: Callable, x: Ball) -> Ball | None:
-        return self.slope(function, x, 1) if x.rad < 1 else None  # it could be any sine
+        return self.slope(function, x, 1) if x.rad < 1 else None  # else the sine takes any value
 
     def growing(self, function: Callable, slope: Callable, x: Ball) -> Ball | None:
         if x.rad > 1:
@@ -142,7 +142,7 @@ class Balls:
         return self.slope(self.mp.sqrt, x, 1 / self.mp.sqrt(x.least))
 
     def atan2(self, y: Ball, x: Ball) -> Ball | None:
-        """Not across the cut."""
+        """Returns None where the box may contain the origin or touch the branch cut."""
         from_origin = self.mp.hypot(y.mid, x.mid) - y.rad - x.rad
         if not from_origin > 0 or (x.mid <= x.rad and abs(y.mid) <= y.rad):
             return None

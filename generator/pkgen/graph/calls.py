@@ -1,4 +1,4 @@
-"""Whether calls bend or jump."""
+"""Tests for calls of functions with kinks or jumps."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .graph import Graph, Node, Op
 
 
 def smooth(g: Graph, nodes: Iterable[Node]) -> bool:
-    """Whether no call among the nodes bends or jumps."""
+    """Whether no call among the nodes has a kink or a jump."""
     return all(FUNCTIONS[g.data[node]].smooth for node in nodes if g.op[node] is Op.CALL)
 
 

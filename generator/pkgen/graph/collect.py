@@ -1,9 +1,9 @@
-"""The same outputs with fewer operations: expanded as far as a policy says, then factored.
+"""Rewrites outputs with fewer operations: a policy limits their expansion, then they are factored.
 
 Expanding lets terms cancel that come from different parts of a computation (the Coriolis terms
-in dL/dq and in dp/dt). Factoring is greedy: of all monomials common to two terms, the one that
-saves most is taken out of every term that has it, and so on within the bracket. Which form is
-used is decided by counting operations.
+in dL/dq and in dp/dt). Factoring is greedy: among all monomials common to two terms, it takes the
+one that saves most out of every term that has it, then continues within the bracket. The form
+with the fewest operations is used.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from .monomials import merged
 from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
 from .residues import Varying
 
-Term = tuple[Node, Monomial]  # a scale and a monomial of what varies
+Term = tuple[Node, Monomial]  # a constant scale and a monomial of variable factors
 
-FACTORED = 80  # terms of one output; more are only added up
-SHARED_WORK = 50_000  # where what is shared stays closed, there is little to expand
-THOROUGH = 400  # nodes below the outputs, up to which everything is tried
+FACTORED = 80  # most terms of an output that is factored; more are only added up
+SHARED_WORK = 50_000  # limit of work where shared sums stay closed: little is left to expand
+THOROUGH = 400  # up to so many nodes below the outputs, all rewritings are tried
 
 
 def fewest(g: Graph, outputs: list[Node], thorough: bool = True) -> list[Node]:
-    """Of the outputs as they are and rewritten by each policy, what costs least."""
+    """Returns the cheapest of the unchanged outputs and their rewritings by each policy."""
     return min(forms(g, outputs, thorough), key=lambda form: operations(g, form))
 
 
 def shortened(g: Graph, outputs: Iterable[Node]) -> list[Node]:
-    """What is settled, in fewest operations; as it is where that is much work."""
+    """Returns the settled outputs in the fewest operations; large outputs stay unchanged."""
     outputs = list(outputs)
     thorough = len(reachable(g, outputs)) <= THOROUGH
     return fewest(g, settled(g, outputs)) if thorough else outputs
@@ -40,9 +40,9 @@ def shortened(g: Graph, outputs: Iterable[Node]) -> list[Node]:
 def forms(
     g: Graph, outputs: list[Node], thorough: bool = True, short_kept: bool = False
 ) -> list[list[Node]]:
-    """The outputs as they are first, then in each other form that could be had.
+    """Returns the unchanged outputs first, then each rewritten form within the limits of work.
 
-    With `short_kept` an output in which nothing can be saved stays as it is, which is quick.
+    With `short_kept`, an output in which nothing can be saved is not rewritten, to save time.
     """
     tried = [(policies.shared, SHARED_WORK)] + ([(policies.shifts, WORK)] if thorough else [])
     found = [rewritten(g, outputs, policy, work, short_kept) for policy, work in tried]
@@ -50,7 +50,7 @@ def forms(
 
 
 def settled(g: Graph, outputs: list[Node]) -> list[Node]:
-    """What is constant (or zero) by an identity, as the constant that it is."""
+    """Replaces outputs that are constant (or zero) by an identity with that constant."""
     normal = Normal(g)
     seen = Varying(g)
     seen.learn(outputs, VARIABLE)
@@ -75,7 +75,7 @@ def rewritten(
     work: int,
     short_kept: bool = False,
 ) -> list[Node] | None:
-    """The outputs expanded and factored; None if that is too much work."""
+    """Returns the outputs expanded and factored; None if that is too much work."""
     normal = Normal(g, policy(g, outputs), canonical=False, work=work)
     result: dict[Node, Node] = {}
     for output in outputs:
@@ -92,7 +92,7 @@ def rewritten(
 
 
 def _is_short(g: Graph, output: Node) -> bool:
-    """A few terms without a square or any factor in common: nothing cancels, nothing comes out."""
+    """Whether the terms share no factor and have no power: nothing cancels or factors out."""
     if g.depends[output] & BIT[Kind.RATE]:
         return False
     bases: set[Node] = set()
@@ -105,7 +105,7 @@ def _is_short(g: Graph, output: Node) -> bool:
 
 
 def factored(g: Graph, normal: Normal, polynomial: Polynomial) -> Node:
-    """A polynomial as an expression of few operations."""
+    """Converts a polynomial to an expression of few operations."""
     terms = grouped(g, normal, polynomial)
     if len(terms) > FACTORED:
         return g.sum(g.multiply(p, _monomial(g, m)) for p, m in terms)
@@ -113,7 +113,7 @@ def factored(g: Graph, normal: Normal, polynomial: Polynomial) -> Node:
 
 
 def grouped(g: Graph, normal: Normal, polynomial: Polynomial) -> list[Term]:
-    """Parameter-only parts of the terms gathered into one scale for each monomial."""
+    """Gathers the constant parts of the terms into one scale for each variable monomial."""
     scales: dict[Monomial, Polynomial] = {}
     for monomial in sorted(polynomial):
         fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
@@ -146,7 +146,7 @@ def _factored(g: Graph, terms: list[Term]) -> Node:
 
 
 def _best_factor(g: Graph, terms: list[Term]) -> tuple[Node, Monomial, list[int]] | None:
-    """The scale and monomial whose extraction saves most, and the terms that have it."""
+    """Returns the scale and monomial whose extraction saves most, and the terms that have it."""
     best_found = None
     best_saving = 0
     signs = {ONE, MINUS_ONE}
@@ -194,7 +194,7 @@ def _has(monomial: Monomial, part: Monomial) -> bool:
 
 
 def _monomial(g: Graph, monomial: Monomial) -> Node:
-    """A product with what depends on coordinates first, so that it is shared between rates."""
+    """Returns the product with factors without rates first, so that terms in rates share it."""
     rates = BIT[Kind.RATE]
     slow = [f for f in monomial if not g.depends[f[0]] & rates]
     fast = [f for f in monomial if g.depends[f[0]] & rates]

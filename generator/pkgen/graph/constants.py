@@ -1,4 +1,4 @@
-"""Exact values of functions at numbers, where there is one."""
+"""Exact rational arithmetic on numbers of limited length."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from fractions import Fraction
 
 from ..functions import FUNCTIONS
 
-NUMBER_BITS = 512  # numbers beyond are left to the C as a product
+NUMBER_BITS = 512  # longer numbers stay products, which the C evaluates
 
 
 def fits(value: Fraction) -> bool:
-    """Whether a number is short enough to be worked out."""
+    """Whether a number is short enough to be one exact constant."""
     return max(value.numerator.bit_length(), value.denominator.bit_length()) <= NUMBER_BITS
 
 
 def raised(value: Fraction, exponent: Fraction) -> Fraction | None:
-    """The exact power, or None where there is none or it is long."""
+    """Returns the exact power, or None if it is irrational, undefined or too long."""
     if exponent.denominator == 2:
         value, exponent = FUNCTIONS["sqrt"].exact(value), Fraction(exponent.numerator)
     if value is None or exponent.denominator != 1 or (value == 0 and exponent < 0):
@@ -25,7 +25,7 @@ def raised(value: Fraction, exponent: Fraction) -> Fraction | None:
 
 
 def square_part(value: Fraction) -> Fraction:
-    """A rational s with s^2 dividing a positive value; powers of 2, 3 and 5 are looked for."""
+    """Returns a product s of powers of 2, 3 and 5 such that s^2 divides a positive value."""
     result = Fraction(1)
     for prime in (2, 3, 5):
         n, d = value.numerator, value.denominator

@@ -1,4 +1,4 @@
-"""Operations that a set of outputs costs at run time."""
+"""Counts the operations that a set of outputs costs at run time."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from .graph import MINUS_ONE, VARIABLE, Graph, Node, Op
 
 
 def operations(g: Graph, outputs: Iterable[Node]) -> int:
-    """+ - * / and function calls, each shared value once, parameter expressions free.
+    """Counts + - * / and function calls: each shared node once, parameter expressions free.
 
-    A sign in front of a term of a sum is free, and so is the inverse of what is divided by once.
+    A sign in front of a term of a sum is free. An inverse used by a single product is free: the
+    product is a division.
     """
     outputs = [n for n in outputs if g.depends[n] & VARIABLE]
     order = reachable(g, outputs, VARIABLE)
     total = 0
-    signs: dict[Node, bool] = {}  # whether something other than a sum uses it
-    inverses: dict[Node, list[str | None]] = {}  # what uses it
+    signs: dict[Node, bool] = {}  # whether a node other than a sum uses it
+    inverses: dict[Node, list[str | None]] = {}  # operations that use it
     for node in order:
         op = g.op[node]
         if op is Op.SYMBOL:

@@ -17,7 +17,7 @@ Value = TypeVar("Value")
 
 
 def partials(g: Graph, node: Node) -> tuple[Node, ...]:
-    """The derivatives of a node with respect to each of its arguments."""
+    """Returns the derivatives of a node with respect to each of its arguments."""
     op, args = g.op[node], g.args[node]
     if op is Op.ADD:
         return (ONE, ONE)
@@ -30,7 +30,8 @@ def partials(g: Graph, node: Node) -> tuple[Node, ...]:
 
 
 def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
-    """Nodes below the outputs that depend on something in the mask, in topological order."""
+    """Returns the outputs and nodes below them that depend on kinds in the mask, topologically
+    sorted."""
     args, depends = g.args.__getitem__, g.depends
     seen: set[Node] = set()
     found = set(outputs)
@@ -38,14 +39,14 @@ def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
         if mask != -1:
             found = {n for n in found if depends[n] & mask}
         seen |= found
-        found = set().union(*map(args, found)) - seen  # all at once, which is quick
+        found = set().union(*map(args, found)) - seen  # sets are faster than a loop over nodes
     return sorted(seen)
 
 
 def swept(
     g: Graph, nodes: Iterable[Node], value: Callable[[Node, list[Value]], Value]
 ) -> list[Value]:
-    """What `value` makes of each node, given what it has made of its arguments."""
+    """Evaluates the nodes bottom-up: `value(node, values of its arguments)` gives each value."""
     nodes, args = list(nodes), g.args
     known: dict[Node, Value] = {}
     for node in reachable(g, nodes):
@@ -54,16 +55,15 @@ def swept(
 
 
 def symbols_in(g: Graph, nodes: Iterable[Node], mask: int = -1) -> list[Symbol]:
-    """The symbols below the nodes, of the kinds in the mask, in their order."""
+    """Returns the symbols below the nodes, of the kinds in the mask, sorted."""
     return sorted(g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
 
 
 class Forward:
-    """Tangents of any nodes along one direction: `seed` gives those of the symbols, by node.
+    """Tangents (forward derivatives) of nodes along one direction.
 
-    What has been computed is kept, so asking again, or for a larger expression, goes on from
-    there. `mask` says which kinds of symbol have a tangent at all. `leaf`, given a symbol,
-    returns its tangent where a table will not do.
+    `leaf` returns the tangent of a symbol's node; symbols of kinds outside `mask` have tangent 0.
+    Tangents are kept, so later calls on larger expressions reuse them.
     """
 
     def __init__(self, g: Graph, mask: int, leaf: Callable[[Node], Node]):
@@ -105,7 +105,7 @@ class Forward:
 
 
 def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
-    """The derivative of a node given those of its arguments."""
+    """Returns the derivative of a node, given the derivatives of its arguments."""
     op = g.op[node]
     if op is Op.MULTIPLY:
         (a, b), (of_a, of_b) = g.args[node], of_arguments
@@ -123,9 +123,9 @@ def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
 
 
 class Columns:
-    """Derivatives of some outputs with respect to single symbols, a sparse sweep for each.
+    """Jacobian columns of some outputs: one sparse forward sweep for each symbol.
 
-    Only the nodes between a symbol and the outputs are visited.
+    A sweep visits only the nodes between the symbol and the outputs.
     """
 
     def __init__(self, g: Graph, outputs: Iterable[Node], mask: int):
@@ -138,7 +138,7 @@ class Columns:
             for a in dict.fromkeys(g.args[node]):
                 if a in self.users:
                     self.users[a].append(node)
-        # The last output that needs a node.
+        # The number of the last output that needs a node.
         self.last = dict.fromkeys(self.order, -1)
         self.last.update((node, i) for i, node in enumerate(outputs))
         for node in reversed(self.order):
@@ -147,9 +147,9 @@ class Columns:
                     self.last[a] = max(self.last[a], self.last[node])
 
     def column(self, symbol: Node, from_output: int = 0) -> Mapping[Node, Node]:
-        """The derivatives by `symbol` of all nodes on which it has an influence.
+        """Returns the derivatives by `symbol` of all nodes that depend on it.
 
-        With `from_output`, of those alone that an output of this number or a later one needs.
+        Nodes that no output from number `from_output` on needs are left out.
         """
         g, users, last = self.graph, self.users, self.last
         if symbol not in users:
@@ -174,7 +174,7 @@ class Columns:
 
 
 def gradient(g: Graph, output: Node, mask: int) -> dict[Node, Node]:
-    """One reverse sweep: the derivatives of a scalar by every symbol in the mask."""
+    """Returns the derivatives of a scalar by every symbol in the mask, by one reverse sweep."""
     adjoint: dict[Node, Node] = {output: ONE}
     result: dict[Node, Node] = {}
     torques, entries = Torques(g), g.frames.turning(mask)

@@ -1,12 +1,13 @@
-"""Normal forms in which more is equal: angles, exponents and roots are taken apart.
+"""Finer normal forms than `normal.py`, which recognize more equalities: angles, exponents and
+roots are taken apart.
 
 The atoms of `normal.py` are sines of whole arguments and inverses of whole sums. Here sin(x + y)
 is written in sin(x), cos(x), sin(y) and cos(y), tan as sin/cos, sinh and the like in exp,
-pow(x, n - 1) as pow(x, n)/x, abs, min, max and step in sign; and several expressions are brought
-over one denominator. What is left are polynomials in generators with the relations
-sin^2 = 1 - cos^2, sign^2 = 1 and root^n = what is under it, so an expression is zero wherever it is
-defined if its numerator is. Both reciprocal(x) and sign(x) count as divisions by x: all results
-hold only where nothing is divided by zero, away from kinks and jumps.
+pow(x, n - 1) as pow(x, n)/x, abs, min, max and step in sign; several expressions get one common
+denominator. The results are polynomials in generators with the relations sin^2 = 1 - cos^2,
+sign^2 = 1 and (x^(1/n))^n = x. An expression is zero wherever it is defined if its numerator is 0.
+Both reciprocal(x) and sign(x) count as divisions by x: all results hold only where no divisor is
+zero, away from kinks and jumps.
 """
 
 from __future__ import annotations
@@ -20,23 +21,23 @@ from .graph import Graph, Kind, Node, Op, Symbol
 from .normal import POWERS, Monomial, Normal, Polynomial, TooMuch
 from .ranges import Ranges
 
-WORK = 60_000  # products of two terms: some half a second
-TERMS = 3_000  # of one polynomial
-SUMMANDS = 4  # of an angle or an exponent that is taken apart
+WORK = 60_000  # limit of products of two terms, about half a second
+TERMS = 3_000  # most terms of one polynomial
+SUMMANDS = 4  # most summands of an angle or an exponent that is taken apart
 
 
 class _Finer(Exception):
-    """A smaller fraction of a base angle is needed than was used so far."""
+    """A smaller fraction of a base angle is needed than the one in use: start again."""
 
 
 class Exact(Normal):
-    """Normal forms of nodes of one graph, which grows; see above."""
+    """Normal forms of nodes of one graph, to which new nodes are added; see above."""
 
     def __init__(self, g: Graph, work: int = WORK, ranges: Ranges | None = None):
         super().__init__(g, work=work, terms=TERMS)
-        self.ranges = ranges  # of the parameters
-        self.parts: dict[Monomial, int] = {}  # an angle or exponent is used in such fractions
-        self.roots: dict[Node, tuple[int, Node]] = {}  # x^(1/n): n and x, n > 2
+        self.ranges = ranges  # to drop signs of positive factors
+        self.parts: dict[Monomial, int] = {}  # a base angle or exponent is monomial / parts
+        self.roots: dict[Node, tuple[int, Node]] = {}  # (n, x) of an atom x^(1/n), n > 2
         self.pi = g.symbol(Symbol(Kind.PI))
 
     def __call__(self, output: Node) -> Polynomial | None:
@@ -47,7 +48,7 @@ class Exact(Normal):
                 self.known.clear()
 
     def all(self, nodes: Sequence[Node]) -> list[Polynomial] | None:
-        """Of several at once, so that they have the same atoms; None if it is too much work."""
+        """Returns normal forms of several nodes in the same atoms; None if it is too much work."""
         while True:
             if any(self(node) is None for node in nodes):
                 return None
@@ -55,12 +56,12 @@ class Exact(Normal):
                 return [self.known[node] for node in nodes]
 
     def is_zero(self, node: Node) -> bool:
-        """True is a proof; false is none."""
+        """True proves that the node is zero; False proves nothing."""
         numerators = self.numerators([node])
         return numerators is not None and not numerators[0]
 
     def numerators(self, nodes: Sequence[Node]) -> list[Polynomial] | None:
-        """The nodes, all times one factor that makes each a polynomial; None as above."""
+        """Returns the nodes times one common factor that makes each a polynomial; None as above."""
         try:
             found = self.all(nodes)
             return None if found is None else self.cleared(found)
@@ -68,7 +69,7 @@ class Exact(Normal):
             return None
 
     def cleared(self, polynomials: list[Polynomial]) -> list[Polynomial]:
-        """Times one product of powers, so that no exponent is negative."""
+        """Returns the polynomials times one product of powers, without negative exponents."""
         while True:
             least: dict[Node, int] = {}
             for polynomial in polynomials:
@@ -78,11 +79,11 @@ class Exact(Normal):
                             least[base] = e
             if not least:
                 return polynomials
-            base = max(least)  # what others are under first
+            base = max(least)  # an outer base first: it may contain others
             polynomials = [self._times(p, base, -least[base]) for p in polynomials]
 
     def _times(self, polynomial: Polynomial, base: Node, power: int) -> Polynomial:
-        """The polynomial times base^power, the base multiplied out."""
+        """Returns the polynomial times base^power, with the base expanded."""
         by_exponent: dict[int, Polynomial] = {}
         for monomial, coefficient in polynomial.items():
             exponents = dict(monomial)
@@ -98,7 +99,7 @@ class Exact(Normal):
         return result
 
     def _opened(self, base: Node) -> Polynomial:
-        """A sum under a division as a polynomial; any other base as itself."""
+        """Returns the polynomial of a base that is a sum; any other base stays an atom."""
         if self.graph.op[base] is not Op.ADD:
             return {((base, 1),): 1}
         found = self(base)
@@ -127,7 +128,8 @@ class Exact(Normal):
         return self.graph.op[node] is Op.CALL and self.graph.data[node] == "sign"
 
     def sign(self, of: Polynomial) -> Polynomial:
-        """Of a product, the product of signs; of a sum, of that with 1 as its first coefficient."""
+        """Returns the sign of a monomial as the product of its factors' signs, and the sign of a
+        sum after division by its first coefficient."""
         if not of:
             return {}
         first, g = of[min(of)], self.graph
@@ -162,7 +164,7 @@ class Exact(Normal):
         return self._power(polynomial, Fraction(-1))
 
     def multiples(self, polynomial: Polynomial) -> list[tuple[Node, int]] | None:
-        """A sum as integer multiples of base angles; None if it is not worth it."""
+        """Returns a sum as (base angle, integer multiple) pairs; None if they are too many."""
         if len(polynomial) > SUMMANDS:
             return None
         found = []
@@ -179,7 +181,7 @@ class Exact(Normal):
         return found
 
     def circle(self, polynomial: Polynomial) -> tuple[Polynomial, Polynomial] | None:
-        """The cosine and the sine of a sum, by the addition theorems."""
+        """Returns the cosine and the sine of a sum, by the addition theorems."""
         quarter = Fraction(polynomial.get(((self.pi, 1),), 0)) * 2
         turned = {m: c for m, c in polynomial.items() if m != ((self.pi, 1),)}
         if quarter.denominator > 1:
@@ -201,10 +203,10 @@ class Exact(Normal):
         return real, imaginary
 
     def minus(self, a: Polynomial, b: Polynomial) -> Polynomial:
-        """-a b"""
+        """Returns -a b."""
         return {m: -c for m, c in self.multiplied(a, b).items()}
 
-    # -- what the rows of functions are opened by: None where it is not worth it ----------------
+    # -- called by `opened` of the function table; None where the expansion is too large --------
 
     def cos(self, angle: Polynomial) -> Polynomial | None:
         found = self.circle(angle)
@@ -225,21 +227,21 @@ class Exact(Normal):
         return {tuple(sorted(powers.items())): 1}
 
     def hyperbolic(self, exponent: Polynomial, sign: int) -> Polynomial | None:
-        """cosh for 1, sinh for -1."""
+        """Returns cosh for sign 1, sinh for sign -1."""
         up, down = self.exp(exponent), self.exp(exponent, -1)
         if up is None or down is None:
             return None
         return self.halved(self.added(up, {m: c * sign for m, c in down.items()}))
 
     def pow(self, base: Polynomial, exponent: Polynomial) -> Polynomial | None:
-        """The whole part of the exponent apart."""
+        """Returns base^exponent, with the integer part of the exponent as a power of its own."""
         whole = Fraction(exponent.get((), 0)) // 1
         rest = self.added(exponent, {(): -whole}) if whole else exponent
         power: Polynomial = {((self.graph.call("pow", self.plain(base), self.plain(rest)), 1),): 1}
         return self.multiplied(power, self._power(base, Fraction(whole))) if whole else power
 
     def larger(self, a: Polynomial, b: Polynomial, sign: int) -> Polynomial:
-        """max(a, b) = (a + b + |a - b|)/2, and min with a minus sign."""
+        """Returns max(a, b) = (a + b + |a - b|)/2 for sign 1, min(a, b) for sign -1."""
         apart = self.added(a, {m: -c for m, c in b.items()})
         size = {m: sign * c for m, c in self.multiplied(apart, self.sign(apart)).items()}
         return self.halved(self.added(self.added(a, b), size))

@@ -1,4 +1,4 @@
-"""Which nodes of a graph are entries of turned frames; what is done with them: frames.py."""
+"""The table of nodes that are entries of turned frames; frames.py makes and uses it."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ..record import record
 from .nodes import CONSTANT, Node
 
 Vector3 = tuple[Node, Node, Node]
-Turn = tuple[Vector3, Node]  # a unit vector fixed in the frame before, and an angle
-ROOT = -1  # what does not turn
+Turn = tuple[Vector3, Node]  # an axis (unit vector) fixed in the previous frame, and an angle
+ROOT = -1  # the frame that does not turn
 
 
 @record
 class Frame:
-    """`axis` is that of the last turn, as seen from outside all; `first` the least of the entries
-    that are its own, not those of a frame before."""
+    """`axis` is the axis of the last turn, in coordinates of the root frame. `first` is the least
+    of the frame's entries that no earlier frame has."""
 
     parent: int
     axis: Vector3
@@ -24,8 +24,8 @@ class Frame:
 
 
 class Frames:
-    """Those of a graph; `entries` has by node its frame, a vector fixed in that, and which of its
-    components the node is."""
+    """The frames of a graph. `entries` maps a node to its frame, a vector fixed in that frame, and
+    the index of the vector's component that is the node."""
 
     def __init__(self) -> None:
         self.all: list[Frame] = []
@@ -34,8 +34,8 @@ class Frames:
         self.known: dict[tuple[Turn, ...], tuple[int | None, tuple[Vector3, ...]]] = {}
 
     def turning(self, mask: int) -> Mapping[Node, tuple[int, Vector3, int]]:
-        """The entries, where these kinds of symbol vary: none where parameters do, which may be in
-        axes and in fixed angles."""
+        """Returns the entries for derivatives by symbols in the mask. Returns none where the mask
+        has parameters: these may be in axes and in fixed angles."""
         return {} if mask & CONSTANT else self.entries
 
     def copy(self) -> Frames:

@@ -1,9 +1,9 @@
 """Turned frames: chains of rotations about fixed axes, and derivatives by their angular velocity.
 
-The columns of R = R_1 R_2 ... R_k are nodes of the graph as any other. That they turn as one is
-known besides: along any direction a column c changes by w x c, where w is the sum of the axes times
-the changes of their angles; and a gradient by the columns is a torque, whose part along its axis is
-the slope by an angle. So derivatives cost as much a link as its own turn, however deep it stands.
+The columns of R = R_1 R_2 ... R_k are ordinary nodes of the graph. The table of frames records that
+they turn together: along any direction a column c has the tangent w x c, where w is the sum of the
+axes times the tangents of their angles. In reverse, adjoints of the columns add up to a torque; its
+component along an axis is the derivative by that angle. The cost per link is independent of depth.
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 2.
 """
 
@@ -14,7 +14,7 @@ from collections.abc import Callable
 from .frame_table import ROOT, Frame, Turn, Vector3
 from .graph import ONE, ZERO, Graph, Node
 
-DEEP = 3  # turns; of fewer the entries are short themselves
+DEEP = 3  # least turns of a frame in the table; entries of fewer turns are short expressions
 UNITS: tuple[Vector3, ...] = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
 
@@ -34,7 +34,7 @@ def added(g: Graph, a: Vector3, b: Vector3) -> Vector3:
 
 
 def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
-    """The vector whose components along the columns are those of a."""
+    """Returns the sum of the columns times the components of a."""
     rows = zip(*columns, strict=True)
     return tuple(g.sum(g.multiply(c, i) for c, i in zip(row, a, strict=True)) for row in rows)
 
@@ -42,7 +42,7 @@ def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
 def columns(
     g: Graph, turns: tuple[Turn, ...], turned: Callable[..., Vector3]
 ) -> tuple[Vector3, ...]:
-    """Those of the product of the turns; `turned` is that of a vector by one of them."""
+    """Returns the columns of the product of the turns; `turned` rotates a vector by one turn."""
     frame: int | None = ROOT
     found, known = UNITS, g.frames.known
     for k, (axis, angle) in enumerate(turns):
@@ -65,8 +65,8 @@ def _frame(
     columns: tuple[Vector3, ...],
     before: int,
 ) -> int | None:
-    """That of the last turn, the parent's where its angle is constant; None where a gradient
-    could not be swept frame by frame, since an entry stood there before."""
+    """Adds the frame of the last turn; returns its index, the parent's if the angle is constant.
+    Returns None if an entry existed before, so a reverse sweep frame by frame is impossible."""
     frames, fixed = g.frames, g.is_constant(angle)
     places = {
         node: (parent if fixed else len(frames.all), column, i)
@@ -87,7 +87,7 @@ def _frame(
 
 
 class Turning:
-    """How frames turn along one direction, given the changes of their angles."""
+    """Tangents of frame entries along one direction; `change` gives the tangents of angles."""
 
     def __init__(self, g: Graph, change: Callable[[Node], Node]):
         self.graph = g
@@ -95,7 +95,7 @@ class Turning:
         self.known: dict[int, Vector3] = {ROOT: (ZERO, ZERO, ZERO)}
 
     def __call__(self, entry: Node) -> Node:
-        """The change of an entry."""
+        """Returns the tangent of an entry."""
         g = self.graph
         frame, vector, i = g.frames.entries[entry]
         return cross(g, self._rate(frame), vector)[i]
@@ -115,7 +115,7 @@ class Turning:
 
 
 class Torques:
-    """A gradient's parts by the entries of frames, which are swept from the deepest."""
+    """Adjoints of frame entries in a reverse sweep, collected as torques, deepest frame first."""
 
     def __init__(self, g: Graph):
         self.graph = g
@@ -127,7 +127,8 @@ class Torques:
         self.pulls.setdefault(frame, {}).setdefault(vector, [ZERO] * 3)[i] = bar
 
     def angles(self, above: Node) -> list[tuple[Node, Node]]:
-        """The slopes by the angles of all frames whose entries are above a node."""
+        """Returns (angle, derivative) of all frames whose entries are later nodes than `above`, and
+        passes their torques on to their parents."""
         g, frames, found = self.graph, self.graph.frames.all, []
         while waiting := self.pulls.keys() | self.torque.keys():
             k = max(waiting, key=lambda x: frames[x].first)

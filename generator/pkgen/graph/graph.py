@@ -3,13 +3,13 @@
 A node's arguments always have smaller numbers, so going through the numbers in order is a
 topological sweep; nothing here recurses over the graph, and nothing depends on the hash seed.
 
-Every node is known as a product `scale * rest`. There are three domains: numbers, what depends
-on parameters alone, and the rest of the world. The scale is the part of the product from a
-lower domain, so a number for a parameter expression, a parameter expression for any other. It
-always stands first, and it is what the rule a x + b x -> (a + b) x adds up; the C hoists it.
-A node whose scale is 1 also has `factors`, its canonical monomial ((base, exponent), ...): two
-products equal up to order and association have the same, however they were built, and the
-structure as built (with what it shares) is kept.
+Every node is stored as a product `scale * rest`. There are three domains: numbers, expressions of
+parameters alone, and all others. The scale is the part of the product from a lower domain: a
+number in a parameter expression, a parameter expression in any other node. It is always the first
+factor. The rule a x + b x -> (a + b) x adds scales; the C hoists them: it computes them once.
+A node whose scale is 1 also has `factors`, its canonical monomial ((base, exponent), ...): products
+equal up to order and association have the same monomial. The node keeps the structure in which it
+was built, with its shared parts.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ _HALF = Fraction(1, 2)
 
 
 class Graph(Nodes):
-    """Constructors of nodes; each returns the node that there already is, if there is one."""
+    """Constructors of nodes; each returns the existing node if there is an equal one."""
 
     def __init__(self, limit: int | None = None) -> None:
         super().__init__(limit)
@@ -110,7 +110,7 @@ class Graph(Nodes):
         return result
 
     def total(self, nodes: Iterable[Node]) -> Node:
-        """The sum from left to right, like terms not searched for."""
+        """Returns the sum from left to right, without a search for like terms."""
         result = ZERO
         for node in nodes:
             if node == ZERO:
@@ -125,7 +125,7 @@ class Graph(Nodes):
         return reduce(self.add, nodes, ZERO)
 
     def _join(self, a: Node, b: Node, domain: int) -> Node:
-        """a + b, with a scale in common taken out."""
+        """Returns a + b, with a common scale factored out."""
         if domain == 0:
             return self.add(a, b)
         scales, rests, domains = self._scale, self._rest, self._domain
@@ -135,7 +135,7 @@ class Graph(Nodes):
             if p == s:
                 return self._scaled(p, self._sum_node(r, u))
             if self.negate(s) == p:
-                # The sign that saves a negation: (a - b) c rather than -(b - a) c.
+                # This sign saves a negation: (a - b) c rather than -(b - a) c.
                 if self._negative(p):
                     return self._scaled(s, self._sum_node(u, self.negate(r)))
                 return self._scaled(p, self._sum_node(r, self.negate(u)))
@@ -159,7 +159,7 @@ class Graph(Nodes):
 
     def _multiplied(self, a: Node, b: Node) -> Node:
         domain, other = self._domain[a], self._domain[b]
-        if domain != other:  # the one from a lower domain belongs to the scale
+        if domain != other:  # the factor from the lower domain belongs to the scale
             if domain > other:
                 a, b = b, a
             scale, rest = self._scale[b], self._rest[b]
@@ -182,7 +182,7 @@ class Graph(Nodes):
         return self.multiply(a, self.power(b, -1))
 
     def _scaled(self, scale: Node, rest: Node) -> Node:
-        """scale * rest, where the scale is of a lower domain or the rest has turned out so."""
+        """Returns scale * rest; simplification may have moved the rest to the scale's domain."""
         if rest == ONE or scale == ZERO:
             return scale
         if scale == ONE:
@@ -192,7 +192,7 @@ class Graph(Nodes):
         return self._scaled_node(scale, rest)
 
     def _product(self, a: Node, b: Node) -> Node:
-        """The product of two nodes of one domain, each of scale 1."""
+        """Returns the product of two nodes of one domain, each of scale 1."""
         args = (a, b) if a < b else (b, a)
         known = self._products.get(args)
         if known is not None:
@@ -211,7 +211,7 @@ class Graph(Nodes):
     # -- powers -------------------------------------------------------------------------------
 
     def power(self, base: Node, exponent: Fraction | int) -> Node:
-        """base^exponent; the base is not zero where the exponent is negative."""
+        """Returns base^exponent; the base is assumed nonzero where the exponent is negative."""
         if exponent.denominator == 1:
             exponent = exponent.numerator
         elif exponent == _HALF:
@@ -237,7 +237,7 @@ class Graph(Nodes):
         return self._integer_power(rest, exponent)
 
     def _power_of(self, base: Node, exponent: Fraction | int) -> Node:
-        """A base, one of a monomial, to a power."""
+        """Returns the power of a base of a monomial."""
         if exponent.denominator == 1:
             exponent = exponent.numerator
             if self._factors[base] != ((base, 1),):
@@ -248,7 +248,7 @@ class Graph(Nodes):
         return self._power_node(base, exponent)
 
     def _integer_power(self, base: Node, exponent: int) -> Node:
-        """A negative one as a power of the inverse, so that a division is shared."""
+        """Returns an integer power; negative ones are powers of the inverse, to share divisions."""
         if exponent < 0:
             base, exponent = self._power_node(base, -1), -exponent
         return base if exponent == 1 else self._power_node(base, exponent)
@@ -285,7 +285,7 @@ class Graph(Nodes):
         return self._call_node("sqrt", (argument,))
 
     def _negative(self, node: Node) -> bool:
-        """Whether it is written with a sign in front; of a - b and b - a, one is."""
+        """Whether the node has a leading minus sign; exactly one of a - b and b - a has."""
         while self._domain[node] > 0 and self._scale[node] != ONE:
             node = self._scale[node]
         if self._domain[node] == 0:
@@ -296,7 +296,7 @@ class Graph(Nodes):
         return False
 
     def _opposite(self, node: Node) -> Node:
-        """-node, of a bare sum with the sign carried to its terms."""
+        """Returns -node; for a sum of scale 1 the sign is distributed to its terms."""
         if self.op[node] is Op.ADD:
             a, b = self.args[node]
             return self._sum_node(self.negate(a), self.negate(b))

@@ -1,4 +1,4 @@
-"""Like terms of a sum: a x + b x -> (a + b) x, and sin^2 + cos^2 -> 1 with any common factor."""
+"""Merges like terms of a sum: a x + b x -> (a + b) x, and R sin^2 + R cos^2 -> R for any R."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Found = dict[Factors, tuple[Node, Node]]  # scale and rest by the monomial of th
 
 
 def merge(g: Nodes, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
-    """Like terms added, where that leaves no more terms than the longer sum has."""
+    """Adds two sums with like terms merged; None if more terms remain than the longer sum has."""
     if not _may_merge(g, left, right):
         return None
     terms = {g._factors[r]: (p, r) for p, r in left}
@@ -32,7 +32,7 @@ def merge(g: Nodes, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None
 
 
 def _may_merge(g: Nodes, left: Terms, right: Terms) -> bool:
-    """Whether the sums have a monomial in common, or one of them a square to merge."""
+    """Whether the sums share a monomial, or one of them has a square of a sine or cosine."""
     factors = g._factors
     known = [factors[r] for _, r in left]
     for _, r in right:
@@ -43,14 +43,14 @@ def _may_merge(g: Nodes, left: Terms, right: Terms) -> bool:
 
 def _squared(g: Nodes, rest: Node) -> bool:
     partner = g._partner
-    for base, exponent in g._factors[rest]:  # noqa: SIM110 (this is asked most of all)
+    for base, exponent in g._factors[rest]:  # noqa: SIM110 (the most frequent call)
         if exponent >= 2 and base in partner:
             return True
     return False
 
 
 def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
-    """R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2, whatever the factor R is."""
+    """Merges a term by R sin^2 + R cos^2 -> R or R - R sin^2 -> R cos^2; returns whether it did."""
     for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, scale, rest):
         if other_key in terms and terms[other_key][0] == wanted_scale:
             del terms[other_key]
@@ -70,7 +70,7 @@ def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
 def _square_partners(
     g: Nodes, scale: Node, rest: Node
 ) -> Iterator[tuple[Factors, Node, Node, Node]]:
-    """(key, scale) of each term that, added to this one, makes the one (scale, rest)."""
+    """Yields (key, scale, sum's scale, sum's rest) for each term that merges with this one."""
     factors = g._factors[rest]
     for base, exponent in factors:
         partner = g._partner.get(base) if exponent >= 2 else None
@@ -83,7 +83,7 @@ def _square_partners(
 
 
 def _merge_into(g: Nodes, terms: Found, scale: Node, rest: Node) -> None:
-    """Add a term that may itself find like terms."""
+    """Adds a term, which may itself merge with like terms."""
     scale, rest = g.multiply(scale, g._scale[rest]), g._rest[rest]
     key = g._factors[rest]
     if key in terms:

@@ -10,7 +10,7 @@ Factors = tuple[tuple[Node, Fraction | int], ...]
 
 
 def merged(left: Factors, right: Factors) -> Factors:
-    """The product of two monomials."""
+    """Returns the product of two monomials."""
     if not left:
         return right
     if not right:
@@ -28,8 +28,8 @@ def merged(left: Factors, right: Factors) -> Factors:
 def without_reciprocals(
     factors: Factors, reciprocals: Mapping[Node, tuple[Node, Fraction | int]]
 ) -> Factors:
-    """x^k reciprocal(x) -> x^(k-1), which is the same at 0 too unless k is 1. `reciprocals` gives
-    of each its x."""
+    """Simplifies x^k reciprocal(x) -> x^(k-1), equal at x = 0 too unless k is 1. `reciprocals`
+    maps the node of each reciprocal(x) to (base, exponent) of x."""
     powers = dict(factors)
     for reciprocal, times in factors:
         found = reciprocals.get(reciprocal)

@@ -1,6 +1,6 @@
-"""The nodes of the expression graph: storage, leaves, and each node seen as a monomial.
+"""The nodes of the expression graph: storage, leaves, and the monomial of each node.
 
-`graph.py` has the arithmetic on top and says what the parts of a node mean.
+`graph.py` adds the arithmetic and explains the parts of a node.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 from .monomials import Factors, Node
 
-Terms = tuple[tuple[Node, Node], ...]  # of a sum: (scale, rest) each
+Terms = tuple[tuple[Node, Node], ...]  # (scale, rest) of each term of a sum
 
 
 class Op:
-    """What makes a node: names, not an Enum, whose members Python 3.11 takes long to look up."""
+    """Operations of nodes. Not an Enum, because Python 3.11 looks up Enum members slowly."""
 
     NUMBER = "number"  # data: its Fraction
     SYMBOL = "symbol"  # data: its Symbol
@@ -27,13 +27,13 @@ class Op:
 
 
 class Kind:
-    """What a symbol stands for."""
+    """Kinds of symbols."""
 
     PI = "pi"
     PARAMETER = "parameter"
     COORDINATE = "coordinate"
     RATE = "rate"
-    STATE = "state"  # a first-order variable; beyond the last, their rates (see states.py)
+    STATE = "state"  # a first-order variable; larger indices are their rates (states.py)
     TIME = "time"
     INPUT = "input"
     ACCELERATION = "acceleration"  # given, in a linearisation
@@ -41,14 +41,14 @@ class Kind:
 
 
 KINDS = tuple(value for name, value in vars(Kind).items() if name.isupper())
-# What a node depends on is a mask of these.
+# `Nodes.depends` holds masks of these bits.
 BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
 VARIABLE = ~CONSTANT & ((1 << len(KINDS)) - 1)
 
-FACTORS = 16  # a product of more is one factor of any larger product
-TERMS = 4  # a sum of more is not searched for like terms
-# The domains, so that the higher of two is their union.
+FACTORS = 16  # a product of more factors is one base in any larger product
+TERMS = 4  # a sum of more terms is not searched for like terms
+# Domains as bits: the higher of two domains is their bitwise or.
 _NUMBERS, _PARAMETERS, WORLD = 0b00, 0b01, 0b11
 ZERO: Node = 0
 ONE: Node = 1
@@ -88,9 +88,9 @@ class Nodes:
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
-        self._terms: dict[Node, Terms | None] = {}  # of those that were asked for
-        self._partner: dict[Node, Node] = {}  # sin(x) and cos(x), where both are there
-        # What is asked for again and again: sums and products without variables.
+        self._terms: dict[Node, Terms | None] = {}  # cache of _terms_of
+        self._partner: dict[Node, Node] = {}  # sin(x) <-> cos(x), where both exist
+        # Caches of frequent operations: sums and products without variables, negations.
         self._constant_sums: dict[tuple[Node, Node], Node] = {}
         self._constant_products: dict[tuple[Node, Node], Node] = {}
         self._negatives: dict[Node, Node] = {}
@@ -102,7 +102,7 @@ class Nodes:
         return len(self.op)
 
     def copy(self) -> Nodes:
-        """The same nodes under the same numbers, to be added to without a trace here."""
+        """Returns a graph with the same node numbers; nodes added to it do not appear in this."""
         result = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, dict | list):
@@ -110,8 +110,8 @@ class Nodes:
         return result
 
     def tables(self) -> dict[str, dict[object, Node]]:
-        """A copy of the nodes by op: a number by (numerator, denominator), what has data by
-        (args, data), the rest by args."""
+        """Returns, for each op, a copy of the map from key to node. The key is (numerator,
+        denominator) for numbers, (args, data) for powers and calls, args for the others."""
         return {
             Op.NUMBER: dict(self._numbers),
             Op.ADD: dict(self._sums),
@@ -123,7 +123,7 @@ class Nodes:
     # -- leaves -------------------------------------------------------------------------------
 
     def number(self, value: Fraction | int) -> Node:
-        # Looked up by two integers, since to hash a fraction is slow.
+        # The key is two integers, because hashing a Fraction is slow.
         key = value.numerator, value.denominator
         node = self._numbers.get(key)
         if node is None:
@@ -139,15 +139,15 @@ class Nodes:
         return node
 
     def value(self, node: Node) -> Fraction | None:
-        """The number that a node is, or None."""
+        """Returns the value of a number node, or None for any other node."""
         return self.data[node] if self.op[node] is Op.NUMBER else None
 
     def is_constant(self, node: Node) -> bool:
-        """Whether it depends on parameters alone (or on nothing)."""
+        """Whether the node depends on no symbols but parameters and pi."""
         return not self.depends[node] & VARIABLE
 
     def factors(self, node: Node) -> Factors:
-        """The whole product as (base, exponent), a number as a base of its own."""
+        """Returns the whole product, scale included, as (base, exponent); a number is a base."""
         found: list[tuple[Node, Fraction | int]] = []
         while node != ONE:
             rest = self._rest[node]
@@ -159,17 +159,17 @@ class Nodes:
         return tuple(found)
 
     def split(self, node: Node) -> tuple[Node, Node]:
-        """The node as (scale, rest); the scale depends on parameters alone."""
+        """Returns the node as (scale, rest); the scale is constant."""
         if self._domain[node] < WORLD:
             return node, ONE
         return self._scale[node], self._rest[node]
 
     def key(self, rest: Node) -> Factors:
-        """The monomial of a node whose scale is 1."""
+        """Returns the monomial of a node whose scale is 1."""
         return self._factors[rest]
 
     def terms(self, rest: Node) -> Terms | None:
-        """A node whose scale is 1 as a sum of a few (scale, rest); None if there are too many."""
+        """Returns the terms of a node whose scale is 1; None if there are more than TERMS."""
         return self._terms_of(rest, self._domain[rest])
 
     # -- a node as terms and as scale times rest ------------------------------------------------
@@ -196,7 +196,7 @@ class Nodes:
         if len(left) == len(right) == 1:  # as most sums are
             same = self._factors[left[0][1]] == self._factors[right[0][1]]
             return None if same else left + right
-        # The same rest twice, as in (x + y) + (x + z), would be lost when merging.
+        # Merging would lose a rest that occurs twice, as x in (x + y) + (x + z).
         both = left + right
         return both if len({self._factors[r] for _, r in both}) == len(both) else None
 
@@ -210,7 +210,7 @@ class Nodes:
         depends: int,
         factors: Factors | None = None,
     ) -> Node:
-        """A node of scale 1; without factors it is itself the one base of its monomial."""
+        """Appends a node of scale 1; without factors, its monomial is ((node, 1),)."""
         node = len(self.op)
         if node >= self.limit:
             raise TooLarge
@@ -230,12 +230,12 @@ class Nodes:
         if node is None:
             node = self._append(Op.ADD, args, None, self.depends[a] | self.depends[b])
             self._sums[args] = node
-            # At once: found later, those of a long sum would be found by a deep recursion.
+            # Terms are found at once: later, a long sum would need a deep recursion.
             self._terms[node] = self._found_terms(node, self._domain[node])
         return node
 
     def _product_node(self, args: tuple[Node, Node], factors: Factors | None = None) -> Node:
-        """`factors` is the monomial of a product of two nodes of one domain."""
+        """Returns the product of two nodes of one domain; `factors` is its monomial."""
         node = self._products.get(args)
         if node is None:
             depends = self.depends[args[0]] | self.depends[args[1]]
@@ -282,7 +282,7 @@ class Nodes:
         return node
 
     def _remember(self, node: Node, function: str, arguments: tuple[Node, ...]) -> None:
-        """What belongs to a call."""
+        """Records the partner of a sine or cosine, and the argument of a reciprocal."""
         if function in SQUARES:
             partner = self._calls.get((arguments, SQUARES[function]))
             if partner is not None:

@@ -1,10 +1,10 @@
-"""Expressions as polynomials over atoms, in which equal means equal.
+"""Normal forms: expressions as polynomials over atoms, equal if the polynomials are equal.
 
 Atoms are symbols, functions of canonical arguments, inverses of sums, and sums that a policy
-keeps closed. sin^2 is replaced by 1 - cos^2 and an even power of a square root by what is under
-it, so that what cancels by these identities is not there: a Cartesian let that turns with Omega t
-leaves no t behind. Coefficients are fractions, parameters are atoms like any other. The work is
-bounded; an expression too large for it has no normal form (None).
+keeps closed (unexpanded). sin^2 becomes 1 - cos^2, and an even power of a square root becomes a
+power of its argument, so terms cancel by these identities: a Cartesian position that rotates with
+Omega t leaves no t in the normal form. Coefficients are fractions; parameters are atoms. The work
+is bounded: an expression that needs more has no normal form (None).
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from .monomials import merged
 Monomial = tuple[tuple[Node, int], ...]
 Polynomial = dict[Monomial, Fraction | int]  # mostly int, which is ten times as fast
 
-WORK = 5_000  # products of two terms
-TERMS = 500  # of one polynomial
-BITS = 4_096  # of a coefficient
+WORK = 5_000  # most products of two terms
+TERMS = 500  # most terms of one polynomial
+BITS = 4_096  # most bits of a coefficient
 POWERS = 12  # the largest power of a sum that is expanded
 
 
 class TooMuch(Exception):
-    """The work was not worth it."""
+    """The limit of work is reached."""
 
 
 class Normal:
@@ -46,7 +46,7 @@ class Normal:
         self.known: dict[Node, Polynomial] = {}
 
     def __call__(self, output: Node) -> Polynomial | None:
-        """The normal form, or None if it would take too much work."""
+        """Returns the normal form, or None if it would take too much work."""
         try:
             for node in self._below(output):
                 if node not in self.known:
@@ -56,7 +56,7 @@ class Normal:
         return self.known[output]
 
     def _below(self, output: Node) -> list[Node]:
-        """What has to be known first; nothing below an atom that stays as it is."""
+        """Returns the nodes whose normal forms are needed, sorted; none below closed sums."""
         g = self.graph
         seen: set[Node] = set()
         stack = [output]
@@ -86,7 +86,7 @@ class Normal:
         return self._of(g.call(data, *arguments))
 
     def _of(self, node: Node) -> Polynomial:
-        """A call as built from canonical arguments: it may have come out scaled or simpler."""
+        """Returns the polynomial of a call node, which the graph may have scaled or simplified."""
         g = self.graph
         coefficient: Fraction | int = 1
         monomial: dict[Node, int] = {}
@@ -143,7 +143,7 @@ class Normal:
         return result
 
     def _reduced(self, monomial: Monomial) -> Polynomial | None:
-        """The monomial by sin^2 = 1 - cos^2 and sqrt(u)^2 = u; None where neither applies."""
+        """Applies sin^2 = 1 - cos^2 or sqrt(u)^2 = u to the monomial; None if neither applies."""
         g = self.graph
         for base, exponent in monomial:
             if exponent < 2 or g.op[base] is not Op.CALL:
@@ -188,13 +188,13 @@ class Normal:
             return result
         if not base:
             raise TooMuch
-        # A sum with its leading coefficient taken out, so that 1/(2x + 2) is 1/(x + 1) / 2.
+        # Divide the sum by its leading coefficient: 1/(2x + 2) becomes 1/(x + 1) / 2.
         first = Fraction(base[min(base)])
         inner = self.plain({m: c / first for m, c in base.items()})
         return {((inner, n),): first**n}
 
     def plain(self, polynomial: Polynomial) -> Node:
-        """The polynomial as a node, term by term in canonical order."""
+        """Converts the polynomial to a node, with the terms in canonical order."""
         g = self.graph
         return g.total(self.term(m, polynomial[m]) for m in sorted(polynomial))
 
@@ -207,13 +207,13 @@ def _plain_number(value: Fraction) -> Fraction | int:
     return value.numerator if value.denominator == 1 else value
 
 
-# -- sin^2 + cos^2 where it saves a term, nothing else changed ------------------------------------
+# -- merging of sin^2 + cos^2 where it saves a term ------------------------------------------------
 
 
 def squares_merged(g: Graph, polynomial: Polynomial) -> Polynomial:
-    """R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2 until there is none left.
+    """Applies R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2 as long as possible.
 
-    Unlike the canonical 1 - cos^2 this never makes a difference of nearly equal terms.
+    Unlike the canonical 1 - cos^2, this never subtracts nearly equal terms.
     """
     terms = dict(polynomial)
     pending = sorted(terms, reverse=True)

@@ -1,8 +1,8 @@
 """The null space of a matrix whose entries are polynomials in parameters.
 
-Modulo a prime, with residues for the parameters, it costs little and says how many dimensions there
-are and in which columns and rows the answer lies. Only that part is solved exactly, over the
-field of fractions of the parameters. A vector is handed on if it solves every row exactly.
+A cheap elimination modulo a prime, with random residues for the parameters, finds the dimension
+and the rows and columns that matter. Only these are solved exactly, over the field of fractions of
+the parameters. A vector is returned only if it solves every row exactly.
 Reference: J. von zur Gathen, J. Gerhard, Modern Computer Algebra, 3rd edition, chapter 5.
 """
 
@@ -24,10 +24,10 @@ Residues = dict[int, int]
 
 @dataclass
 class Eliminated:
-    """Rows in echelon form modulo PRIME, the first columns preferred as pivots."""
+    """Rows in reduced echelon form modulo PRIME, with the first nonzero column as pivot."""
 
-    rows: dict[int, Residues]  # by pivot
-    origin: list[int]  # which of the given rows have added one
+    rows: dict[int, Residues]  # by pivot column
+    origin: list[int]  # numbers of the given rows that are independent of the earlier ones
 
     def reduce(self, row: Residues) -> Residues:
         for column in sorted(self.rows):
@@ -51,7 +51,7 @@ class Eliminated:
 
 
 def _combined(a: Residues, b: Residues, factor: int) -> Residues:
-    """a + factor b"""
+    """Returns a + factor b."""
     result = dict(a)
     for column, value in b.items():
         total = (result.get(column, 0) + factor * value) % PRIME
@@ -63,12 +63,13 @@ def _combined(a: Residues, b: Residues, factor: int) -> Residues:
 
 
 def null_space(rows: list[Row], columns: int) -> list[Vector]:
-    """A basis, each vector without denominators or common factors, its last entry positive."""
+    """Returns a basis; each vector has no denominators or common factors, and its last entry has a
+    positive leading coefficient."""
     done = _eliminated(rows)
     free = {c for c in range(columns) if c not in done.rows}
     if not free:
         return []
-    # In any other column all solutions are zero.
+    # All solutions are zero in the other columns.
     support = sorted(free | {p for p, row in done.rows.items() if not free.isdisjoint(row)})
     place = {column: k for k, column in enumerate(support)}
     inside = [{place[c]: entry for c, entry in row.items() if c in place} for row in rows]
@@ -131,7 +132,7 @@ def _solved(needed: list[Row], every: list[Row], width: int) -> list[Vector]:
     # Over the field of fractions: SymPy 1.11 has no null space over a ring.
     for vector in matrix.to_field().nullspace().to_list():
         whole = _without_common_factors(polynomials, _without_denominators(polynomials, vector))
-        # Each of the rows, not only of those that were solved.
+        # Test every row, not only the rows that were solved.
         if all(sum((x * whole[c] for c, x in row.items()), polynomials.zero) == 0 for row in rows):
             found.append({k: polynomial_of(x) for k, x in enumerate(whole) if x})
     return found
@@ -150,7 +151,7 @@ def _without_common_factors(ring, vector: list) -> list:
         divisor = divisor.gcd(x)
     whole = [x.exquo(divisor) for x in vector]
     sign = -1 if next(x for x in reversed(whole) if x).LC < 0 else 1
-    # Over the rationals a greatest common divisor leaves numbers alone.
+    # A greatest common divisor over the rationals does not remove numeric factors.
     numbers = [c for x in whole for c in x.coeffs()]
     scale = lcm(*(int(c.denominator) for c in numbers))
     scale = Fraction(scale, gcd(*(int(c.numerator * (scale // c.denominator)) for c in numbers)))

@@ -1,4 +1,4 @@
-"""Which sums stay closed when an expression is expanded: a function each."""
+"""Policies of expansion: each function returns the sums that stay closed (unexpanded)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Policy = Callable[[Graph, Iterable[Node]], frozenset[Node]]
 
 
 def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
-    """Sums used more than once, so that no work is done twice."""
+    """Returns the sums used more than once, to keep common subexpressions."""
     outputs = list(outputs)
     order = reachable(g, outputs)
     uses = dict.fromkeys(order, 0)
@@ -20,7 +20,7 @@ def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
     for node in order:
         for a in g.args[node]:
             uses[a] += 1
-    # A scaled sum used twice is a sum used twice.
+    # Each use of a scaled sum is a use of the sum.
     for node in reversed(order):
         rest = g.split(node)[1]
         if rest not in (node, ONE) and uses[node] > 1:
@@ -30,7 +30,7 @@ def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
-    """Sums like l0 + s, of parameters and coordinates without any function."""
+    """Returns sums like l0 + s, of parameters and coordinates without function calls."""
     order = reachable(g, outputs)
     closed = _squared(g, order)
 
@@ -42,8 +42,8 @@ def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
-    """Sums of scaled symbols, like q_2 - q_1, and sums to a power: taken apart, neighbours would
-    lose their digits."""
+    """Returns sums of scaled symbols, like q_2 - q_1, and sums raised to a power: their expansion
+    would cancel nearly equal values and lose digits."""
     order = reachable(g, outputs)
     plain: dict[Node, bool] = {}
     for node in order:
@@ -58,13 +58,13 @@ def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def _sums(g: Graph, order: list[Node], plain: Iterable[bool]) -> set[Node]:
-    """The sums among the plain nodes."""
+    """Returns the variable sums among the nodes marked as plain."""
     found = (node for node, is_plain in zip(order, plain, strict=True) if is_plain)
     return {n for n in found if g.op[n] is Op.ADD and g.depends[n] & VARIABLE}
 
 
 def _squared(g: Graph, order: list[Node]) -> set[Node]:
-    """Sums without rates to a power: expanded, (a - b)^2 loses its digits where a is near b."""
+    """Returns rate-free bases of powers: expanded, (a - b)^2 loses digits where a is near b."""
     found = set()
     for node in order:
         if g.op[node] is Op.POWER and not g.depends[node] & BIT[Kind.RATE]:

@@ -1,10 +1,10 @@
-"""Solving M a = f without M: the second derivatives of L by the rates are pushed down its graph.
+"""Solves M a = f without M: the second derivatives of L by the rates are pushed down its graph.
 
-L is swept from the top. What has been swept stands as a quadratic form in the values below it, the
-live ones; a rate that nothing unswept depends on is eliminated at once. Where velocities pass along
-a tree, as those of links do, few values are live at a time, and the work is linear in the number of
-links: the articulated-body algorithm, found. The pivots are those of M = L D L^T in the order of
-elimination, since no live value depends on an eliminated rate.
+L is swept from the top. The swept part is kept as a quadratic form in the live values, the
+arguments not yet swept. A rate on which no unswept node depends is eliminated at once. In a tree of
+links few values are live at a time, so the work is linear in the number of links: the sweep then
+is the articulated-body algorithm. The pivots are those of M = L D L^T in the order of elimination,
+since no live value depends on an eliminated rate.
 References: R. Gower, M. Mello, A new framework for the computation of Hessians, Optimization
 Methods and Software 27 (2012); R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008.
 """
@@ -21,12 +21,12 @@ from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
 from .solve import Row, Solution
 
 RATES = BIT[Kind.RATE]
-NODES = 2000  # new ones a rate: a link in space takes 300 to 1,300, what couples densely far more
+NODES = 2000  # most new nodes per rate: a spatial link takes 300 to 1,300, dense coupling far more
 
 
 @record
 class _Eliminated:
-    """a = (force - the sum of couplings times what moves) * inverse."""
+    """a = (force - sum of couplings times tangents of the live values) * inverse."""
 
     rate: Node
     inverse: Node
@@ -35,16 +35,16 @@ class _Eliminated:
 
 
 class _Form:
-    """A quadratic form in live values and what is linear in them, sparse."""
+    """A sparse quadratic form in the live values, and forces, which are linear in them."""
 
     def __init__(self, g: Graph):
         self.graph = g
         self.rows: dict[Node, dict[Node, Node]] = {}
         self.forces: dict[Node, Node] = {}
-        self.sizes: dict[Node, Node] = {}  # diagonals with nothing eliminated, to some factor
+        self.sizes: dict[Node, Node] = {}  # diagonals without elimination, up to a factor
 
     def add(self, a: Node, b: Node, value: Node) -> None:
-        """To the entry (a, b) and, where they differ, its mirror image."""
+        """Adds to the entry (a, b) and, where a and b differ, to (b, a)."""
         for row, column in {(a, b), (b, a)}:
             entries = self.rows.setdefault(row, {})
             entries[column] = self.graph.add(entries.get(column, ZERO), value)
@@ -56,7 +56,7 @@ class _Form:
         self.sizes[node] = self.graph.add(self.sizes.get(node, ZERO), value)
 
     def taken(self, node: Node) -> tuple[dict[Node, Node], Node, Node]:
-        """Its row without its diagonal, its diagonal, its force; it is no longer live."""
+        """Removes a live node; returns its row without the diagonal, its diagonal and its force."""
         row = self.rows.pop(node, {})
         diagonal = row.pop(node, ZERO)
         for other in row:
@@ -65,7 +65,7 @@ class _Form:
         return live, diagonal, self.forces.pop(node, ZERO)
 
     def replace(self, node: Node, slopes: Mapping[Node, Node]) -> None:
-        """The node by what it is of its arguments, to first order."""
+        """Replaces the node in the form by its linearisation in its arguments."""
         g = self.graph
         row, diagonal, force = self.taken(node)
         size = self.sizes.pop(node, ZERO)
@@ -95,8 +95,8 @@ class _Form:
 
 
 def pushed(g: Graph, lagrangian: Node, rates: Row, force: Row) -> Solution | None:
-    """The accelerations and the pivots; None where L is no polynomial in the rates, where a pivot
-    vanishes, and where too many values are live."""
+    """Returns the accelerations and the pivots; None where a call depends on rates, where a pivot
+    vanishes, or where the sweep makes too many nodes."""
     order = reachable(g, [lagrangian], RATES)
     if not set(rates) <= set(order) or any(g.op[node] is Op.CALL for node in order):
         return None
@@ -121,8 +121,8 @@ def pushed(g: Graph, lagrangian: Node, rates: Row, force: Row) -> Solution | Non
 
 
 def _from_the_leaves(g: Graph, order: list[Node]) -> Iterator[Node]:
-    """Each node after all that use it: at once where that leaves no more values live, else first
-    what depends on an outermost rate."""
+    """Yields each node after all its users. A node with at most one argument comes at once, since
+    it adds no live values; the others come by the depth of their rates, outermost first."""
     arguments = {node: {a for a in g.args[node] if g.depends[a] & RATES} for node in order}
     users = Counter(a for node in order for a in arguments[node])
     outermost = _outermost(order, arguments)
@@ -138,9 +138,9 @@ def _from_the_leaves(g: Graph, order: list[Node]) -> Iterator[Node]:
 
 
 def _outermost(order: list[Node], arguments: Mapping[Node, set[Node]]) -> dict[Node, int]:
-    """How far out the outermost rate is that a node depends on: how many rates whatever depends on
-    that and another one depends on at least."""
-    below: dict[Node, int] = {}  # the rates, a bit each
+    """Returns for each node the depth of the outermost rate below it. The depth of a rate is the
+    least number of rates below any node that combines it with another rate."""
+    below: dict[Node, int] = {}  # the rates below a node, one bit each
     out: dict[int, int] = {}
     for node in order:
         below[node] = 0 if arguments[node] else 1 << len(below)
@@ -158,7 +158,7 @@ def _outermost(order: list[Node], arguments: Mapping[Node, set[Node]]) -> dict[N
 
 
 def _sweep(form: _Form, node: Node, bars: dict[Node, Node]) -> None:
-    """One node: the form and the adjoints in terms of its arguments."""
+    """Sweeps one node: rewrites the form and the adjoints `bars` in terms of its arguments."""
     g = form.graph
     slopes: dict[Node, Node] = {}
     for a, p in zip(g.args[node], partials(g, node), strict=True):
@@ -183,7 +183,7 @@ def _sweep(form: _Form, node: Node, bars: dict[Node, Node]) -> None:
 
 
 def _backward(g: Graph, steps: list[_Eliminated], rates: Row) -> Row:
-    """The accelerations, from the rate that was eliminated last."""
+    """Returns the accelerations by back-substitution, from the rate that was eliminated last."""
     known: dict[Node, Node] = {}
     moves = Forward(g, RATES, known.__getitem__)
     for step in reversed(steps):

@@ -1,8 +1,8 @@
-"""Where the values of an expression can lie, by interval arithmetic on the graph.
+"""Ranges of expressions by interval arithmetic on the graph.
 
-Coordinates, rates, time and inputs may be anything, parameters what their bounds say. An end may
-be excluded: m > 0 makes m x^2 + m positive and not only not negative. A range is what is proved;
-the values may fill less of it, since x - x is not seen to be 0 here.
+Coordinates, rates, time and inputs are unbounded; parameters have the bounds of their declarations.
+An end may be excluded: m > 0 makes m x^2 + m positive, not only nonnegative. A range is an
+enclosure and may be too wide: interval arithmetic does not see that x - x is 0.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .graph import Graph, Kind, Node, Op
 
 
 class Ranges:
-    """The range of any node; `parameters` are those of the parameters."""
+    """The range of any node; `parameters` holds the ranges of the parameters, by index."""
 
     def __init__(self, g: Graph, parameters: Sequence[Range]):
         self.graph = g

@@ -1,10 +1,11 @@
-"""Proofs that an expression does vary: its values modulo a prime, in two worlds.
+"""Proofs that an expression varies: its values modulo a prime, at two assignments of its symbols.
 
-Symbols get residues, sin and cos of an angle a point of the circle x^2 + y^2 = 1 that belongs to
-the residue of the angle, any other function a residue that belongs to its arguments'. Every
-identity that `normal.py` knows holds between such values. So where two worlds, which differ in
-some symbols alone, give an expression different values, its normal form contains one of these
-symbols, and need not be computed; equal values prove nothing.
+Symbols get pseudorandom residues. The sine and cosine of an angle get a point of the circle
+x^2 + y^2 = 1, a function of the residue of the angle; any other function gets a residue that is a
+function of its arguments' residues. Every identity of `normal.py` holds between such values. Two
+assignments ("worlds") that differ only in some symbols may give an expression different values.
+Then its normal form contains one of these symbols and need not be computed; equal values prove
+nothing.
 Reference: J. T. Schwartz, Fast probabilistic algorithms for verification of polynomial
 identities, J. ACM 27 (1980) 701-717.
 """
@@ -18,15 +19,15 @@ from ..functions import FUNCTIONS
 from .graph import BIT, Graph, Node, Op
 from .nodes import SQUARES
 
-PRIME = 2**61 - 1  # 3 modulo 4, so that -1 has no root and 1 + x^2 is never 0
-_PLAIN = {0, 1, PRIME - 1}  # where a function may have an exact value
+PRIME = 2**61 - 1  # 3 modulo 4, so that -1 has no square root and 1 + x^2 is never 0
+_PLAIN = {0, 1, PRIME - 1}  # arguments at which a function may have an exact value
 
 
 class Residues:
-    """Values of nodes of one graph modulo PRIME; None where there is none.
+    """Values of nodes of one graph modulo PRIME; None where a node has no value.
 
-    `moved` says of which kinds the symbols have other values than in the world with moved = 0;
-    `only`, which of their indices.
+    Symbols of the kinds in `moved` have other values than with moved = 0; with `only`, just the
+    symbols of this index have.
     """
 
     def __init__(self, g: Graph, moved: int = 0, only: int | None = None):
@@ -41,7 +42,7 @@ class Residues:
         return self.known[output]
 
     def learn(self, outputs: Iterable[Node]) -> None:
-        """Values of many at once, in one sweep."""
+        """Computes and keeps the values of many nodes, in one sweep."""
         known, args, ops, data = self.known, self.graph.args, self.graph.op, self.graph.data
         missing = {output for output in outputs if output not in known}
         stack = list(missing)
@@ -74,14 +75,14 @@ class Residues:
 
 
 class Varying:
-    """Whether nodes of one graph can be seen to vary with symbols of some kinds."""
+    """Tests whether nodes of one graph vary with symbols of some kinds."""
 
     def __init__(self, g: Graph):
         self.graph = g
         self.worlds: dict[int, Residues] = {0: Residues(g)}
 
     def __call__(self, node: Node, mask: int) -> bool:
-        """True is a proof that a symbol of the mask is in the normal form; False is none."""
+        """True proves that the normal form has a symbol of the mask; False proves nothing."""
         if not self.graph.depends[node] & mask:
             return False
         here = self.worlds[0](node)
@@ -91,7 +92,7 @@ class Varying:
         return there is not None and here != there
 
     def learn(self, nodes: list[Node], mask: int) -> None:
-        """What is going to be asked about these, in one sweep a world."""
+        """Computes the values of these nodes for later calls, in one sweep per world."""
         self.worlds[0].learn(nodes)
         self._world(mask).learn(nodes)
 
@@ -101,7 +102,7 @@ class Varying:
         return self.worlds[mask]
 
     def is_nonzero(self, node: Node) -> bool:
-        """True is a proof that the normal form is not 0; False is none."""
+        """True proves that the normal form is not 0; False proves nothing."""
         return bool(self.worlds[0](node))
 
 
@@ -112,7 +113,7 @@ def _fraction(value: Fraction) -> int | None:
 
 
 def _mixed(*values: int) -> int:
-    """A residue that belongs to these and has no simple relation to them."""
+    """Returns a residue that is a hash of the values, without a simple relation to them."""
     result = 2385
     for value in values:
         result = pow(result * 48271 + value, 5, PRIME)
@@ -121,12 +122,12 @@ def _mixed(*values: int) -> int:
 
 def _power(base: int, exponent: Fraction) -> int | None:
     if exponent.denominator != 1 or (base == 0 and exponent < 0):
-        return None  # a root is beyond what is seen here
+        return None  # roots have no residues here
     return pow(base, exponent.numerator, PRIME)
 
 
 def _call(function: str, arguments: list[int]) -> int | None:
-    """A function is odd or even here where the graph makes it so."""
+    """Returns the residue of a call; odd and even functions keep their parity, as in the graph."""
     if function == "sqrt" or not _PLAIN.isdisjoint(arguments):
         return None
     argument, sign = arguments[0], 1

@@ -1,16 +1,15 @@
-"""How large the terms are that an expression is made of: what it is off by, in units of eps, where
-its leaves are rounded.
+"""Sizes of expressions: first-order bounds of the rounding error, in units of eps.
 
-A sum that vanishes has terms that do not, and what their rounding leaves of it is no residual. A
-number known to half a unit in its last place has the size |x|; and sizes go on as errors do,
+A sum that should vanish has terms that do not, and its rounding error must not count as a
+residual. A leaf x rounded to half a unit in its last place has the size |x|. Sizes propagate like
+errors:
 
     of a + b    size a + size b            of f(a)    |f'(a)| size a + |f(a)|
     of a b      |a| size b + |b| size a
 
-which is a running error bound but for what every + and * rounds itself: of those nothing is
-counted, of leaves and calls alone. What no motion changes is rounded alike at every
-evaluation, and counts as a leaf, however it is made. Reference: N. J. Higham, Accuracy and
-Stability of Numerical Algorithms, SIAM 2002, 3.3.
+This is a running error bound that counts the rounding of leaves and calls, not of + and *. A
+constant expression is rounded alike at every evaluation, so it counts as a leaf. Reference:
+N. J. Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, 3.3.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from .graph import VARIABLE, ZERO, Graph, Node, Op
 
 
 def sizes(g: Graph, nodes: Iterable[Node]) -> tuple[Node, ...]:
-    """None of them negative; nodes of the same graph."""
+    """Returns the sizes of the nodes, as nonnegative nodes of the same graph."""
     nodes = tuple(nodes)
     known: dict[Node, Node] = {}
 
@@ -45,7 +44,7 @@ def sizes(g: Graph, nodes: Iterable[Node]) -> tuple[Node, ...]:
 
 
 def _absolute(g: Graph, node: Node) -> Node:
-    """Of factors one by one, so that they are shared."""
+    """Returns |node| as a product of the absolute values of its factors, so these are shared."""
     return g.product(_of_factor(g, base, exponent) for base, exponent in g.factors(node))
 
 

@@ -1,9 +1,9 @@
-"""Solving M a = f on the graph: L D L^T without square roots, unrolled, zeros left out.
+"""Solves M a = f on the graph by an unrolled, sparse L D L^T factorization without square roots.
 
-Structure falls out of the constructors: a constant M makes L and D parameter expressions, which
-the C computes once; a diagonal one leaves a division a row. M is positive definite, so any order
+The constructors of nodes exploit structure: a constant M makes L and D parameter expressions, which
+the C computes once; a diagonal M leaves one division per row. M is positive definite, so any order
 of elimination is stable, and the cheapest is taken: constant pivots first, then the row with the
-fewest entries left (minimum degree), so that a star or a tree fills in nothing.
+fewest entries left (minimum degree), so that a star or a tree causes no fill-in.
 Reference: G. Golub, C. Van Loan, Matrix Computations, 4th edition, sections 4.1 and 11.1.
 """
 
@@ -14,15 +14,15 @@ from .graph import ZERO, Graph, Node
 from .residues import PRIME, Residues
 
 Row = tuple[Node, ...]
-Pivots = tuple[tuple[Node, Node], ...]  # each beside what it is small beside: M's diagonal, say
+Pivots = tuple[tuple[Node, Node], ...]  # (pivot, its reference size, such as M's diagonal entry)
 
-# Up to 20 coordinates with a dense M. There the loop in C is as fast for one state, but unrolled
-# code takes lanes several times as fast; beyond, it compiles for too long.
+# About 20 coordinates with a dense M. The loop in C is as fast for one state, but unrolled code is
+# several times as fast with SIMD lanes; beyond this size it takes too long to compile.
 UNROLLED_OPERATIONS = 4_000
 
 
 class SingularMass(Exception):
-    """M is singular at every state; `coordinate` is one that adds no inertia of its own."""
+    """M is singular at every state; `coordinate` is one whose pivot is zero."""
 
     def __init__(self, coordinate: int):
         super().__init__(coordinate)
@@ -31,7 +31,7 @@ class SingularMass(Exception):
 
 @record
 class Solution:
-    """By coordinate."""
+    """Accelerations and pivots, both by coordinate."""
 
     accelerations: Row
     pivots: Pivots
@@ -47,7 +47,7 @@ class Factors:
     inverses: list[Node]
 
     def forward(self, g: Graph, force: Row) -> list[Node]:
-        """z with L z = f, in the order of elimination."""
+        """Returns z with L z = f, in the order of elimination."""
         found: list[Node] = []
         for i, row in enumerate(self.order):
             entry = force[row]
@@ -57,12 +57,12 @@ class Factors:
         return found
 
     def beside(self, mass: tuple[Row, ...]) -> Pivots:
-        """The pivots by coordinate, each beside its entry of the diagonal of M."""
+        """Returns (pivot, diagonal entry of M) by coordinate."""
         pivots = dict(zip(self.order, self.pivots, strict=True))
         return tuple((pivots[i], row[i]) for i, row in enumerate(mass))
 
     def backward(self, g: Graph, z: list[Node]) -> Row:
-        """a with D L^T a = z, by coordinate."""
+        """Returns a with D L^T a = z, by coordinate."""
         result: list[Node] = [ZERO] * len(z)
         for i in reversed(range(len(z))):
             entry = g.multiply(z[i], self.inverses[i])
@@ -73,7 +73,7 @@ class Factors:
 
 
 def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
-    """The accelerations and the pivots; None if too large to unroll."""
+    """Returns accelerations and pivots; None if M is too large to unroll or `factors` has none."""
     order, cost = elimination_order(g, mass)
     if cost > UNROLLED_OPERATIONS:
         _check_residues(g, mass)
@@ -85,7 +85,8 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
 
 
 def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None:
-    """None where a pivot is zero at every state, and yet M is not singular."""
+    """Returns the factors of M, or None where a pivot is zero at every state though M is regular.
+    Raises SingularMass where M is singular at every state."""
     n = len(mass)
     inverses: list[Node] = []
     pivots: list[Node] = []
@@ -101,8 +102,8 @@ def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None
                 scaled[i][j] = entry
                 lower[i][j] = g.multiply(entry, inverses[j])
             elif entry == ZERO:
-                # With nothing beside it either, M is singular wherever one looks; else it is
-                # indefinite, and a pivot fails at run time.
+                # If the rest of the column is zero too, M is singular at every state. Otherwise M
+                # is indefinite, and a pivot fails at run time.
                 if all(rest == ZERO for rest in _below(g, mass, order, lower, i)):
                     raise SingularMass(order[i])
                 return None
@@ -119,7 +120,7 @@ def _below(
     lower: list[list[Node]],
     column: int,
 ) -> list[Node]:
-    """What is left of a column below its diagonal once the earlier ones are eliminated."""
+    """Returns the entries of a column below its diagonal after the earlier eliminations."""
     found = []
     for row in range(column + 1, len(order)):
         left: list[Node] = []
@@ -133,7 +134,7 @@ def _below(
 
 
 def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:
-    """Raises SingularMass where M is singular modulo a prime, which M at no state should be."""
+    """Raises SingularMass where M is singular modulo a prime at pseudorandom values."""
     residue = Residues(g)
     rows = [[residue(entry) for entry in row] for row in mass]
     if any(None in row for row in rows):
@@ -151,12 +152,12 @@ def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:
 
 
 def looped(g: Graph, mass: tuple[Row, ...]) -> bool:
-    """Whether M is too large to be eliminated in straight-line code."""
+    """Whether M is too large to be factorized in straight-line code."""
     return elimination_order(g, mass)[1] > UNROLLED_OPERATIONS
 
 
 def elimination_order(g: Graph, mass: tuple[Row, ...]) -> tuple[list[int], int]:
-    """In which order the coordinates are eliminated, and the operations that this costs."""
+    """Returns the elimination order of the coordinates, and its cost in operations."""
     n = len(mass)
     neighbours = [{j for j in range(n) if j != i and mass[i][j] != ZERO} for i in range(n)]
     settled = [g.is_constant(mass[i][i]) for i in range(n)]

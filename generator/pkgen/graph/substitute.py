@@ -1,4 +1,4 @@
-"""Nodes of a graph with some of them replaced by others, all at once."""
+"""Simultaneous substitution of nodes of a graph by others."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from .graph import Graph, Node, Op
 
 
 def substituted(g: Graph, nodes: Iterable[Node], swap: Mapping[Node, Node]) -> list[Node]:
-    """What is put in is not searched again, so that q_2 can become q_1 while q_1 becomes q_2."""
+    """Returns the nodes with those in `swap` replaced. Replacements are not substituted again, so
+    q_1 and q_2 can be swapped."""
     nodes = list(nodes)
     new = dict(swap)
     for node in reachable(g, nodes):
@@ -22,7 +23,7 @@ def substituted(g: Graph, nodes: Iterable[Node], swap: Mapping[Node, Node]) -> l
 
 
 def rebuilt(g: Graph, node: Node, args: list[Node]) -> Node:
-    """The operation of a node, on other arguments."""
+    """Returns the operation of a node applied to other arguments."""
     op = g.op[node]
     if op is Op.ADD:
         return g.add(*args)

@@ -8,20 +8,20 @@ from fractions import Fraction
 from .differentiate import swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
-LONGEST = 60  # characters; of what is longer, the beginning
-_SUM, _NEGATED, _PRODUCT, _POWER, _ATOM = range(5)  # how tightly a text holds together
+LONGEST = 60  # characters; a longer text is truncated
+_SUM, _NEGATED, _PRODUCT, _POWER, _ATOM = range(5)  # precedence of a text's outermost operator
 Worded = tuple[str, int]
 
 
 def wording(g: Graph, node: Node, name: Callable[[Symbol], str]) -> str:
-    """The text, cut where it grows too long; `name` says what symbols are called."""
+    """Returns the text, truncated to LONGEST characters; `name` gives the names of symbols."""
     ((text, _),) = swept(g, [node], lambda part, parts: _written(g, part, parts, name))
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _written(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:
     text, tightness = _joined(g, node, parts, name)
-    return text[: 2 * LONGEST], tightness  # no more than can be seen
+    return text[: 2 * LONGEST], tightness  # longer parts never show in the result
 
 
 def _joined(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:

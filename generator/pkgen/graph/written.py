@@ -1,5 +1,5 @@
-"""Nodes as one function of Python's text, over whatever has +, * and the functions of the
-language: balls and series (analysis/enclose), another package's expressions (analysis/chart)."""
+"""Nodes compiled to one Python function over any domain with +, * and the functions of the
+language: balls and series (analysis/enclose), expressions of another package (analysis/chart)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ MOST_PRODUCTS = 8
 
 
 class Floats:
-    """A domain of functions as rows of functions/row.py call them, `enclosed`; of constants also
-    what numbers and pi are."""
+    """The default domain: the functions that `enclosed` of functions/row.py calls, on floats, with
+    `number` and `pi` for constants."""
 
     sin, cos, exp, log, sqrt = math.sin, math.cos, math.exp, math.log, math.sqrt
     asin, acos, atan, atan2, pi = math.asin, math.acos, math.atan, math.atan2, math.pi
@@ -26,13 +26,13 @@ class Floats:
 
 
 class Written:
-    """(domain, values of symbols) -> values of the nodes."""
+    """A compiled function (domain, values of symbols) -> values of the nodes."""
 
     def __init__(
         self, g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any], domain: Any = Floats
     ):
-        """`constants` are the parameters' values: what depends on these alone is known once, in
-        the `domain` that they are of."""
+        """`constants` holds the parameters' values in `domain`. Expressions of these alone are
+        evaluated once, here."""
         self.nodes = list(nodes)
         used: dict[str, object] = {}
         lines: list[str] = []
@@ -68,8 +68,9 @@ def text_of(
     before: str,
     power: Callable[[str, Fraction], str],
 ) -> str:
-    """The expression of a node that is no number, of x0, x1, ... and what is put into `scopes`: its
-    symbol, or of its function what the row calls `function`, given `before` its arguments."""
+    """Returns the Python text of a node (not a number) in terms of its arguments x0, x1, ... Puts
+    into `scopes` its symbol, or the attribute `function` of its function's row; a call has `before`
+    in front of its arguments."""
     op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
     if op is Op.ADD:
         return " + ".join(args)
@@ -85,8 +86,8 @@ def text_of(
 
 
 def _power(base: str, exponent: Fraction) -> str:
-    """By products and one division, by a root where it is half a whole number. Of a ball around 0
-    Arb's own power has no value."""
+    """Returns the text of a power: products and a division for an integer exponent, a root for half
+    an integer. Arb's own power has no value for a ball around 0."""
     whole, twice = exponent.denominator == 1, exponent.denominator == 2
     if not (whole or twice):
         return f"e.exp(e.log({base}) * {exponent.numerator} / {exponent.denominator})"

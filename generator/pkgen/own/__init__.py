@@ -1,1 +1,1 @@
-"""Methods that a model or the command line brings: a tableau file, weights of a composition."""
+"""Methods that a model or the command line defines: tableau files, weights of compositions."""

@@ -1,4 +1,4 @@
-"""From a tableau or from weights to a method of the runtime: its family, its table in C."""
+"""Makes a method of the runtime from a tableau or weights: its family and its table in C."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ _EXACT = 2**53  # integers up to it are doubles
 
 
 def fit(name: str) -> str:
-    """A name for a method from that of a file."""
+    """Returns a valid method name made from a file name."""
     word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_").lower()[:40]
     word = word if word[:1].isalpha() else f"m_{word}".rstrip("_")
     return f"own_{word}" if word in METHODS else word
 
 
 def of_text(name: str, source: Source) -> Own:
-    """The method of a tableau. Raises ModelError."""
+    """Returns the method of a tableau. Raises ModelError."""
     return of_tableau(name, read_tableau(source))
 
 
 def facts(tableau: Tableau) -> dict[str, object]:
-    """What its coefficients say, of any class."""
+    """Returns properties of a tableau of any class, computed from its coefficients."""
     conditions = Conditions(tableau.a)
     order, size = conditions.order(tableau.b)
     found: dict[str, object] = {
@@ -50,7 +50,7 @@ def facts(tableau: Tableau) -> dict[str, object]:
 
 
 def of_tableau(name: str, tableau: Tableau) -> Own:
-    """Raises ModelError where the runtime does not run its class."""
+    """Returns the method of a tableau. Raises ModelError if the runtime cannot run its class."""
     found = facts(tableau)
     if tableau.kind != "explicit":
         near = "gauss1 to gauss8, lobatto2 to lobatto4, radau5 and radau9 are built in"
@@ -97,7 +97,8 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
 
 
 def _first_same_as_last(tableau: Tableau) -> int:
-    """1 where the last stage is the derivative at the new point, which the runtime makes anyhow."""
+    """Returns 1 if the last stage is the derivative at the new point, which the runtime always
+    evaluates, else 0."""
     a, b = tableau.a, tableau.b
     pair = tableau.bhat is not None and tableau.stages > 1
     return int(pair and a[-1][:-1] == b[:-1] and not b[-1] and not a[-1][-1])
@@ -110,7 +111,7 @@ def _refused(tableau: Tableau, message: str, help: str) -> ModelError:
 
 
 def of_weights(name: str, text: str, option: str = "--composition") -> Own:
-    """A composition of Verlet steps. Raises ModelError."""
+    """Returns a composition of Verlet steps. Raises ModelError."""
     source = Source(f"{option} {text[:200]}", text)
     weights = _weights(source)
     s, half = len(weights), Fraction(1, 2)
@@ -145,7 +146,7 @@ def of_weights(name: str, text: str, option: str = "--composition") -> Own:
 
 
 def _weights(source: Source) -> list[Fraction]:
-    """Separated by commas."""
+    """Parses weights separated by commas. Raises ModelError."""
     found, errors, at = [], [], 0
     parts = source.text.split(",")
     for part in parts[: MOST_WEIGHTS + 1]:
@@ -172,7 +173,7 @@ def _weights(source: Source) -> list[Fraction]:
 
 
 def c_number(x: Fraction) -> str:
-    """In C, rounded once: as a quotient of doubles, or by 40 digits."""
+    """Returns a number in C that is rounded once: a quotient of doubles, or 40 digits."""
     if max(abs(x.numerator), x.denominator) < _EXACT:
         above = f"PK_C({x.numerator}.0)"
         return above if x.denominator == 1 else f"{above} / PK_C({x.denominator}.0)"

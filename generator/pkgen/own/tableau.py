@@ -1,15 +1,15 @@
-"""A tableau file: rows of A, a row b of weights, perhaps another row for an embedded pair.
+"""Reads a tableau file: the rows of A, a row b of weights, optionally a row of an embedded method.
 
-    A            # row by row; what is missing at the end of a row is 0
+    A            # row by row; missing numbers at the end of a row are 0
     0
     1/2
     0 1/2
     0 0 1
     b 1/6 1/3 1/3 1/6
-    bhat ...     # the weights that the error is judged by: steps then choose their length
+    bhat ...     # weights of the embedded method for the error estimate: makes the steps adaptive
 
-Numbers are decimals or fractions, and stay exact. They are matched by a pattern and never
-evaluated. The nodes c are the sums of the rows of A.
+Numbers are decimals or fractions, and stay exact. They are matched by a pattern, never evaluated
+as code. The nodes c are the row sums of A.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fractions import Fraction
 from ..record import record
 from ..source import Diagnostic, ModelError, Source, Span
 
-MOST_STAGES = 64  # of a file; pk/step/tableau.h has those of a method that runs
+MOST_STAGES = 64  # limit for a file; pk/step/tableau.h has the limit for a method that runs
 MOST_TEXT = 200_000
 LARGEST, SMALLEST = 10**6, Fraction(1, 10**40)
 MOST_ERRORS = 5
@@ -51,7 +51,7 @@ class Tableau:
 
     @property
     def kind(self) -> str:
-        """The class of the method."""
+        """Returns the class of the method: explicit, diagonally implicit or fully implicit."""
         above = [(i, j) for i, row in enumerate(self.a) for j, x in enumerate(row) if x and j >= i]
         if not above:
             return "explicit"
@@ -61,7 +61,7 @@ class Tableau:
 
 
 class NotANumber(ValueError):
-    """With what is wrong, and what to do."""
+    """An error with its message and a help text."""
 
     def __init__(self, message: str, help: str = FORM):
         super().__init__(message)
@@ -69,7 +69,7 @@ class NotANumber(ValueError):
 
 
 def number(text: str) -> Fraction:
-    """Raises NotANumber."""
+    """Parses a decimal or a fraction. Raises NotANumber."""
     shown = text if len(text) <= 40 else text[:40] + "…"
     if found := _FRACTION.fullmatch(text):
         if int(found[2]) == 0:
@@ -87,7 +87,7 @@ def number(text: str) -> Fraction:
 
 
 def read_tableau(source: Source) -> Tableau:
-    """Raises ModelError with the places of what is wrong."""
+    """Parses a tableau file. Raises ModelError with the places of its errors."""
     return _Reader(source).tableau()
 
 
@@ -96,7 +96,7 @@ class _Reader:
         self.source = source
         self.errors: list[Diagnostic] = []
         self.rows: dict[str, list[list[Fraction]]] = {}
-        self.places: dict[str, list[Span]] = {}  # of the word of a section, and of its rows
+        self.places: dict[str, list[Span]] = {}  # spans of a section's name and of its rows
 
     def error(self, message: str, span: Span, help: str = "") -> None:
         self.errors.append(Diagnostic(message, span, help))
@@ -128,7 +128,7 @@ class _Reader:
         return Tableau(self.source, a, tuple(self.rows["b"][0]), bhat)
 
     def _line(self, section: str, words: list[tuple[str, Span]]) -> str:
-        """The section that the line leaves open."""
+        """Parses a line; returns the section to which the next line belongs."""
         word, span = words[0]
         name = word.removesuffix(":")
         if name in SECTIONS:
@@ -200,7 +200,7 @@ class _Reader:
 
 
 def _lines(text: str) -> Iterator[list[tuple[str, Span]]]:
-    """The words of each line that has some, comments left out."""
+    """Yields the words of each line that has words, without comments."""
     at = 0
     for line in text.split("\n"):
         kept = line.partition("#")[0]

@@ -9,7 +9,7 @@ p + 1 nodes. Reference: J. C. Butcher, Numerical Methods for Ordinary Differenti
 ed., 31; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.2.
 
 Numbers are integers over 2^BITS. A coefficient written to 14 digits counts as exact: a condition
-holds where it is missed by less than CLOSE of the terms that it sums.
+holds if its error is at most CLOSE times the sum of the magnitudes of its terms.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ MOST_ORDER = 10
 
 @record
 class Rooted:
-    children: tuple[tuple[int, int], ...]  # (order, index) of each, sorted
+    children: tuple[tuple[int, int], ...]  # (order, index) of each child, largest first
     gamma: int
     sigma: int
 
 
 @cache
 def trees(order: int) -> tuple[Rooted, ...]:
-    """Those of so many nodes."""
+    """Returns the rooted trees of `order` nodes."""
     if order == 1:
         return (Rooted((), 1, 1),)
     return tuple(_rooted(order, children) for children in _forests(order - 1, (order - 1, 10**9)))
@@ -52,7 +52,7 @@ def _rooted(order: int, children: tuple[tuple[int, int], ...]) -> Rooted:
 
 
 def _forests(nodes: int, most: tuple[int, int]) -> Iterator[tuple[tuple[int, int], ...]]:
-    """Trees of so many nodes in all, none behind `most`, the largest first."""
+    """Yields forests of so many nodes: tuples of trees in descending order, none above `most`."""
     if nodes == 0:
         yield ()
         return
@@ -64,12 +64,12 @@ def _forests(nodes: int, most: tuple[int, int]) -> Iterator[tuple[tuple[int, int
 
 
 def scaled(x: Fraction) -> int:
-    """As an integer over 2^BITS."""
+    """Returns x as an integer over 2^BITS, rounded down."""
     return (x.numerator << BITS) // x.denominator
 
 
 class Conditions:
-    """Of one matrix A, for any weights."""
+    """The order conditions of one matrix A, for any weights."""
 
     def __init__(self, a: Sequence[Sequence[Fraction]]):
         self._rows = [[(j, scaled(x)) for j, x in enumerate(row) if x] for row in a]
@@ -77,7 +77,7 @@ class Conditions:
         self._summed: dict[tuple[int, int], list[int]] = {}
 
     def _of(self, key: tuple[int, int]) -> list[int]:
-        """Phi of a tree, for each stage."""
+        """Returns Phi_i of a tree for each stage i."""
         if key not in self._phi:
             phi = [ONE] * len(self._rows)
             for child in trees(key[0])[key[1]].children:
@@ -92,7 +92,7 @@ class Conditions:
         return self._summed[key]
 
     def missed(self, b: Sequence[Fraction], order: int) -> tuple[bool, float]:
-        """Whether a condition of trees of so many nodes fails, and the norm of what they miss."""
+        """Returns whether a condition for trees of so many nodes fails, and the norm of errors."""
         weights, failed, total = [scaled(x) for x in b], False, 0.0
         for index, tree in enumerate(trees(order)):
             terms = [x * y >> BITS for x, y in zip(weights, self._of((order, index)), strict=True)]
@@ -103,7 +103,7 @@ class Conditions:
         return failed, math.sqrt(total)
 
     def order(self, b: Sequence[Fraction]) -> tuple[int, float | None]:
-        """And the error constant; MOST_ORDER, None where all conditions hold that were tried."""
+        """Returns order and error constant; MOST_ORDER and None if all tested conditions hold."""
         for p in range(1, MOST_ORDER + 1):
             failed, size = self.missed(b, p)
             if failed:
@@ -112,13 +112,13 @@ class Conditions:
 
 
 def symplectic(a: Sequence[Sequence[Fraction]], b: Sequence[Fraction]) -> bool:
-    """b_i a_ij + b_j a_ji = b_i b_j; J. M. Sanz-Serna, BIT 28 (1988) 877."""
+    """Whether b_i a_ij + b_j a_ji = b_i b_j; J. M. Sanz-Serna, BIT 28 (1988) 877."""
     s = range(len(b))
     return all(_close(b[i] * a[i][j] + b[j] * a[j][i], b[i] * b[j]) for i in s for j in s)
 
 
 def symmetric(a: Sequence[Sequence[Fraction]], b: Sequence[Fraction]) -> bool:
-    """a_ij + a_(s+1-i)(s+1-j) = b_j; GNI V.2.1."""
+    """Whether a_ij + a_(s+1-i)(s+1-j) = b_j; E. Hairer et al., Geometric Num. Integration V.2.1."""
     s = len(b)
     return all(
         _close(a[i][j] + a[s - 1 - i][s - 1 - j], b[j]) for i in range(s) for j in range(s)

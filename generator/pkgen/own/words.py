@@ -1,9 +1,9 @@
 """The order of a composition of kicks and drifts, by words in two letters.
 
-The step is a product of exponentials, exp(kick_0 h V) exp(drift_0 h T) ...; its coefficient of
-every word of d letters V, T must be that of exp(h (V + T)), 1/d!, for d up to the order. That is
-all of the conditions of a splitting in two (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical
-Integration, III.5), none of them twice. Numbers as in trees.py.
+The step is a product of exponentials, exp(kick_0 h V) exp(drift_0 h T) ... For every word of d
+letters V and T, with d up to the order, its coefficient must be 1/d!, the coefficient in
+exp(h (V + T)). These are the order conditions of a splitting into two parts (E. Hairer, C. Lubich,
+G. Wanner, Geometric Numerical Integration, III.5). Numbers are as in trees.py, over 2^BITS.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from .trees import BITS, CLOSE, MOST_ORDER, ONE, scaled
 
 
 class Series:
-    """Coefficients by the number of letters and the word, a bit a letter, the last one lowest."""
+    """Coefficients by number of letters and word; each bit is a letter, the lowest bit the last."""
 
     def __init__(self, degree: int):
         self.degree = degree
         self.of = [[ONE], *([0] * 2**d for d in range(1, degree + 1))]
-        self.size = [[ONE], *([0] * 2**d for d in range(1, degree + 1))]  # of what is summed
+        self.size = [[ONE], *([0] * 2**d for d in range(1, degree + 1))]  # sums of |terms|
 
     def times_exp(self, letter: int, x: int) -> None:
-        """Followed by exp(x letter)."""
+        """Multiplies the series by exp(x letter) from the right."""
         if not x:
             return
         powers = [ONE]
         for k in range(1, self.degree + 1):
             powers.append((powers[-1] * x >> BITS) // k)
-        ones = -letter  # all bits, or none
-        for d in range(self.degree, 0, -1):  # from below nothing is needed that has changed
+        ones = -letter  # all bits set for letter 1, none for letter 0
+        for d in range(self.degree, 0, -1):  # downwards: shorter words must not have changed yet
             for word in range(2**d):
                 for k in range(1, d + 1):
                     if (word ^ ones) & (1 << (k - 1)):
@@ -40,7 +40,7 @@ class Series:
                     self.size[d][word] += abs(powers[k]) * self.size[d - k][word >> k] >> BITS
 
     def missed(self, d: int) -> tuple[bool, float]:
-        """Whether a condition of words of d letters fails, and the norm of what they miss."""
+        """Returns whether a condition of words of d letters fails, and the norm of the errors."""
         wanted = ONE // math.factorial(d)
         misses = [x - wanted for x in self.of[d]]
         close = Fraction(CLOSE)
@@ -49,9 +49,9 @@ class Series:
 
 
 def order(kicks: Sequence[Fraction], drifts: Sequence[Fraction]) -> tuple[int, float | None]:
-    """And the error constant, the norm of what words of one letter more miss; MOST_ORDER, None
-    where all conditions hold that were tried."""
-    for degree in (4, 7, MOST_ORDER + 1):  # long words take time
+    """Returns the order and the error constant, the norm of the errors for words of order + 1
+    letters; MOST_ORDER and None if all conditions that are tested hold."""
+    for degree in (4, 7, MOST_ORDER + 1):  # short words first: the work doubles with each letter
         series = Series(degree)
         for k, kick in enumerate(kicks):
             series.times_exp(0, scaled(kick))

@@ -1,2 +1,2 @@
-"""Pictures of what a run leaves: a table, what of it is drawn, and two who draw it, on paper and in
-a terminal. `style.py` is the look of every picture that pkgen makes."""
+"""Pictures of rows: a table is composed to a picture, which matplotlib or a terminal renders.
+`style.py` defines the look of all pictures of pkgen."""

@@ -1,4 +1,4 @@
-"""From rows to a picture of them: which panels, what over what, in which colours."""
+"""Composes a picture of tables: its panels, axes, lines and colours."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .style import PALETTE
 from .table import COARSE, CONSTANT, Table, base
 from .view import View
 
-PANELS = 6
-FAMILY = 12  # members that are lines; more are an image
-LINES = 14  # in one panel
-LONG = 18  # characters beside an axis
-NOISE = 1e-9  # of the largest of its kind
-APART = 15.0  # sizes that share no axis
+PANELS = 6  # most panels of a picture
+FAMILY = 12  # most members of a family that are lines; more are an image
+LINES = 14  # most lines in one panel
+LONG = 18  # most characters of names at an axis
+NOISE = 1e-9  # a column this small, relative to the largest of its kind, is rounding noise
+APART = 15.0  # columns whose sizes differ by this factor do not share an axis
 
 
 def picture(view: View, tables: Sequence[Table]) -> Picture:
-    """Raises UsageError where the rows have not what is to be drawn."""
+    """Returns the picture. Raises UsageError if the tables lack columns to draw."""
     kind = view.kind or _usual(view, tables)
     made = _MAKERS[kind](view, tables)
     title, notes = _title(tables), tuple(note for table in tables for note in table.notes)
@@ -36,7 +36,7 @@ def picture(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def suggested(table: Table) -> Picture:
-    """The plane that shows most: a section, a cloud, or a coordinate and its rate."""
+    """Returns a phase plane of the table: a section, a cloud, or a coordinate and its rate."""
     return picture(View("section"), [table])
 
 
@@ -50,7 +50,7 @@ def _usual(view: View, tables: Sequence[Table]) -> str:
 
 
 def _title(tables: Sequence[Table]) -> str:
-    """The model, its scene, the method, where they are the same for all and known."""
+    """Returns a title of model, scene and method, as far as they are the same in all tables."""
     words = []
     for key in ("model", "scene"):
         found = {str(table.told.get(key, "")) for table in tables}
@@ -70,7 +70,7 @@ def _method(table: Table) -> str:
 
 
 def _by_method(panel: Panel, tables: Sequence[Table]) -> Panel:
-    """A line a table, by different methods: each in the colour that its method always has."""
+    """Gives lines the colours of their methods if each table is a line of a different method."""
     marks = [mark(_method(table))[0] for table in tables]
     if not 1 < len(tables) == len(set(marks)) or not all(map(_method, tables)):
         return panel
@@ -108,7 +108,7 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]:
-    """The reason why rows are points, where it is that they are few."""
+    """Returns a note if rows are drawn as points because they are few."""
     if any(table.several or table.event is not None for table in tables):
         return ()
     if all(line.kind == "line" for panel in panels for line in panel.lines):
@@ -117,7 +117,7 @@ def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]
 
 
 def _in_all(option: str, name: str, tables: Sequence[Table]) -> list[str]:
-    """The columns of a name, which each of the tables must have."""
+    """Returns the columns of a name. Raises UsageError if tables have different ones."""
     found = [table.found(option, name) for table in tables]
     for table, names in zip(tables, found, strict=True):
         if names != found[0]:
@@ -126,7 +126,8 @@ def _in_all(option: str, name: str, tables: Sequence[Table]) -> list[str]:
 
 
 def _chosen(tables: Sequence[Table]) -> list[str]:
-    """What all tables have; the energy, which is constant, only where there is nothing else."""
+    """Returns the columns that all tables have, without the energy if there are others. Raises
+    UsageError if there are none."""
     known = [q.name for q in tables[0].quantities]
     common = [n for n in known if all(n in table.names[1:] for table in tables[1:])]
     if not common:
@@ -140,7 +141,7 @@ def _chosen(tables: Sequence[Table]) -> list[str]:
 
 
 def _groups(table: Table, names: list[str]) -> list[list[str]]:
-    """Names by panels: those of a long family, or of one unit, one kind and much the same size."""
+    """Groups names by panels: a long family, or columns of equal unit, kind and similar size."""
     found: dict[object, list[str]] = {}
     counts = Counter(base(name) for name in names)
     kinds = {n: (table.quantity(n).unit, n.count("'") + ("omega(" in n)) for n in names}
@@ -153,7 +154,7 @@ def _groups(table: Table, names: list[str]) -> list[list[str]]:
             found.setdefault(base(name), []).append(name)
             continue
         kind, size = kinds[name], sizes[name]
-        if size < NOISE * largest[kind]:  # of rounding, beside what is no noise
+        if size < NOISE * largest[kind]:  # rounding noise
             size = largest[kind]
         near = (k for k in found if k[:2] == kind and size / APART < k[2] < size * APART)
         found.setdefault(next(near, (*kind, size)), []).append(name)
@@ -165,7 +166,7 @@ def _groups(table: Table, names: list[str]) -> list[list[str]]:
 
 
 def _size(x: numpy.ndarray) -> float:
-    """Of what is to be seen; of a constant its value's."""
+    """Returns the range of a column; for a constant, its magnitude."""
     x = x[numpy.isfinite(x)]
     if not len(x):
         return 1.0
@@ -173,7 +174,7 @@ def _size(x: numpy.ndarray) -> float:
 
 
 def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
-    """Columns of one table."""
+    """Returns a panel of columns of one table."""
     (table,) = tables
     if len(names) > FAMILY and len({base(n) for n in names}) == 1:
         what = shown(base(names[0])).rstrip("′")
@@ -187,7 +188,7 @@ def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
 
 
 def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
-    """What is constant but for rounding is a flat line, and no noise."""
+    """Returns limits that show columns which are constant up to rounding as flat lines, or None."""
     good = [x[numpy.isfinite(x)] for x in columns]
     good = [x for x in good if len(x)]
     largest = max((float(numpy.abs(x).max()) for x in good), default=0.0)
@@ -198,7 +199,7 @@ def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
 
 
 def _together(table: Table, names: list[str]) -> str:
-    """Of an axis: all names if they are short, else those of the families, else the unit."""
+    """Returns the label of an axis: all names, else names of families, else only the unit."""
     unit = table.quantity(names[0]).unit
     bases = list(dict.fromkeys(base(name) for name in names))
     parted = len(bases) < len(names) and not any("[" in name for name in names)
@@ -209,7 +210,7 @@ def _together(table: Table, names: list[str]) -> str:
 
 
 def _image(table: Table, names: list[str]) -> Image:
-    every = -(-len(table.data) // 1200)  # more no printer shows
+    every = -(-len(table.data) // 1200)  # a printer shows no more
     index = numpy.array([float(n[n.rindex("[") + 1 : n.rindex("]")]) for n in names])
     values = numpy.stack([table[name][::every] for name in names])
     quantity = table.quantity(names[0])
@@ -217,14 +218,14 @@ def _image(table: Table, names: list[str]) -> Image:
 
 
 def _coarse(image: Image) -> bool:
-    """Whether it has fewer than eight columns a period, so that stripes may be no waves."""
+    """Whether an image has fewer than eight columns per period: stripes may be artefacts."""
     v = image.values
     whole = numpy.sqrt(numpy.nanmean((v - numpy.nanmean(v, axis=1, keepdims=True)) ** 2))
     return bool(numpy.sqrt(numpy.nanmean(numpy.diff(v, axis=1) ** 2)) > COARSE * whole > 0)
 
 
 def _overlaid(tables: Sequence[Table], names: list[str]) -> Panel:
-    """One column of several tables, or of many members."""
+    """Returns a panel of one column of several tables, or of many members."""
     (name,) = names
     lines: list[Line] = []
     colours = None
@@ -265,19 +266,19 @@ def _plane(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _named(line: Line, what: str, table: Table, others: bool) -> Line:
-    """The names of a curve before what tells it from another of these names."""
+    """Returns the line with the names of its columns in front of its label."""
     own = "" if line.label == table.label and not others else line.label
     return replace(line, label=", ".join(word for word in (what, own) if word))
 
 
 def _common(table: Table, names: list[str]) -> Axis:
-    """Of x1 and x2: both."""
+    """Returns an axis labelled with all names, such as x1 and x2."""
     names = list(dict.fromkeys(names))
     return Axis(label(", ".join(names), table.quantity(names[0]).unit))
 
 
 def _pair(option: str, names: tuple[str, ...], tables: Sequence[Table]) -> tuple[str, ...]:
-    """The columns of a curve: a vector by its components, but those that stay 0."""
+    """Returns the columns of a curve; a vector in a plane without the component that is 0."""
     if len(names) > 1:
         found = [_in_all(option, name, tables) for name in names]
         for name, columns in zip(names, found, strict=True):
@@ -298,17 +299,17 @@ def _section(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _cloud(view: View, tables: Sequence[Table]) -> Picture:
-    """Of many members, at few times."""
+    """Draws many members at few times."""
     return _plane(View("phase", (_varying(tables),)), tables)
 
 
 def _varying(tables: Sequence[Table]) -> tuple[str, str]:
-    """A coordinate and its rate, both of which vary, else two columns that do."""
+    """Returns a coordinate and its rate that both vary, else two columns that vary."""
     table = tables[0]
     names = [q.name for q in table.quantities if q.name != "energy"]
     moving = [n for n in names if _varies(table[n])]
     pairs = [(name, f"{name}'") for name in moving if f"{name}'" in moving]
-    if pairs:  # one that turns back shows more than one that goes on
+    if pairs:  # prefer a coordinate whose rate changes sign
         return next((p for p in pairs if _turns(table[p[1]])), pairs[0])
     if len(moving) < 2:
         raise UsageError(f"{table.label}: fewer than two columns that vary: no plane to draw")

@@ -1,4 +1,4 @@
-"""Pictures by matplotlib: SVG, PNG or PDF. Names are text and never markup: a `$` in one is no
+"""Renders pictures by matplotlib as SVG, PNG or PDF. Names are plain text: a `$` starts no
 formula."""
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-HEAVY = 40_000  # points; beyond, lines are pixels in a file of vectors too
-HEAVY_POINTS = 3000
-BESIDE = 5  # entries of a legend that stands above its panel; more stand beside it
-TOP = 0.22  # inches for a title
+HEAVY = 40_000  # points in lines, above which a panel is rasterized even in vector files
+HEAVY_POINTS = 3000  # the same for single points
+BESIDE = 5  # most entries of a legend above its panel; a longer one is to the right
+TOP = 0.22  # inches of a title
 
 
 def draw(picture: Picture, width: float | None = None) -> Figure:
-    """`width` in inches; by itself that of a page or of a column."""
+    """Renders a picture; `width` in inches, by default that of a page or of a column."""
     width = width or (style.PAGE if picture.wide else style.COLUMN)
     with looks():
         figure = Figure(figsize=(width, _height(picture, width)), layout="constrained")
@@ -56,7 +56,7 @@ def draw(picture: Picture, width: float | None = None) -> Figure:
 def encoded(
     picture: Picture, kind: str, width: float | None = None, dpi: float | None = None
 ) -> bytes:
-    """A file of the picture, of one of style.FORMATS."""
+    """Returns the picture as a file of one of style.FORMATS."""
     figure = draw(picture, width)
     with looks():
         return style.encoded(
@@ -81,7 +81,7 @@ def _height(picture: Picture, width: float) -> float:
 
 
 def _of_plane(panel: Panel, width: float) -> float:
-    """As high as equal lengths need, within reason."""
+    """Returns the height of a plane, for equal scales within limits."""
     if not panel.equal:
         return 0.86 * width
     (x0, x1), (y0, y1) = _span(panel.lines, "x"), _span(panel.lines, "y")
@@ -128,7 +128,7 @@ def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
 
 
 def _heavy(panel: Panel) -> bool:
-    """Whether its lines are too many points for a file of vectors."""
+    """Whether the panel has too many points for a vector file."""
     points = sum(len(line.x) for line in panel.lines if line.kind == "points")
     return points > HEAVY_POINTS or sum(len(line.x) for line in panel.lines) > HEAVY
 
@@ -169,7 +169,7 @@ def _line(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
 
 
 def _numbers(line: Line, panel: Panel) -> numpy.ndarray:
-    """Of each point the number of its member, as far as a colour tells it."""
+    """Returns for each point the number of its member, which its colour shows."""
     low, high, _ = panel.colours
     counts = numpy.diff([*line.strands, len(line.x)])
     return numpy.repeat(numpy.linspace(low, high, len(counts)), counts)
@@ -218,7 +218,7 @@ def _space(axes: Axes, panel: Panel) -> None:
         return
     spans = [_span(panel.lines, name) for name in "xyz"]
     longest = max(b - a for a, b in spans) or 1.0
-    # What is nearly flat is drawn in a box that is not.
+    # A nearly flat curve gets a box of some height.
     spans = [_at_least(a, b, 0.4 * longest) for a, b in spans]
     longest = max(b - a for a, b in spans)
     for which, (a, b) in zip("xyz", spans, strict=True):
@@ -234,7 +234,7 @@ def _at_least(a: float, b: float, length: float) -> tuple[float, float]:
 
 
 def coloured(values: numpy.ndarray) -> tuple[str, float, float]:
-    """The name of the colours that show an image, and the values at their ends."""
+    """Returns the name of the colour map of an image, and the values at its ends."""
     finite = values[numpy.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
     most = max(abs(low), abs(high)) or 1.0
@@ -274,7 +274,7 @@ def _legend(axes: Axes, panel: Panel) -> None:
         if beside
         else {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": len(named)}
     )
-    # Words are set behind it: matplotlib passes over labels that begin with an underscore.
+    # Labels are set afterwards: matplotlib ignores those that begin with an underscore.
     legend = axes.legend(
         handles,
         ["x"] * len(named),

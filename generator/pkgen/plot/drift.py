@@ -1,5 +1,6 @@
-"""How far what should be constant has come from its start, over time, both logarithmic: a line of
-slope 1/2 is a random walk of round-off, 1 a loss, 0 what a symplectic method has."""
+"""Pictures of drifts: the deviation of constants from their start over time, both logarithmic. A
+slope of 1/2 is a random walk of round-off, 1 a steady loss, 0 the bounded error of a symplectic
+method."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ from .names import label, shown
 from .picture import Axis, Line, Panel, Picture
 from .table import Table
 
-SHORT = 24  # characters of a word on growth that a legend has
-LEAST = 1e-19
+SHORT = 24  # most characters of a text on growth in a legend
+LEAST = 1e-19  # smaller relative drifts are not drawn
 
 
 def picture(tables: Sequence[Table], names: list[str]) -> Picture:
@@ -48,7 +49,7 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
 
 
 def constants(table: Table) -> list[str]:
-    """What the run knows to be constant, and the rows have."""
+    """Returns the columns that the run reports as constant. Raises UsageError if there are none."""
     found = [n for n in table.names if n in table.drifts or n == "energy"]
     if not found:
         raise UsageError(
@@ -59,7 +60,7 @@ def constants(table: Table) -> list[str]:
 
 
 def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:
-    """|x - x(0)| beside the scale that the run has told, or the largest |x|."""
+    """Returns |x - x(0)| relative to the report's scale, else to max |x|; None: nothing to draw."""
     x, member = table[name], table.member
     order = numpy.argsort(member, kind="stable")
     x, t, member = x[order], table.time[order], member[order]
@@ -69,7 +70,7 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
     scale = told.get("scale")
     if not isinstance(scale, int | float) or not scale > 0:
         scale = finite.max(initial=0.0)
-    if told.get("first") == 0 and told.get("max") == 1:  # beside nothing but itself
+    if told.get("first") == 0 and told.get("max") == 1:  # its only scale is its own size
         return None
     off = numpy.abs(x - first) / scale if scale else numpy.zeros(len(x))
     drawn = (t > 0) & (off > LEAST)
@@ -80,7 +81,7 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
 
 
 def _both(table: Table, line: Line, words: str) -> list[Line]:
-    """The largest so far, strong, over the pale drift itself."""
+    """Returns the running maximum as a strong line, over the pale line of the drift."""
     if table.several:
         strong = Line(words, line.x, line.y, line.colour, "line", None, line.strands)
         return [strong, Line("", line.x[:0], line.y[:0], line.colour, "back")]

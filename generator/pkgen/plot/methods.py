@@ -6,7 +6,7 @@ from zlib import crc32
 
 from .style import BLACK, BLUE, BROWN, GREEN, LIGHTER, ORANGE, PURPLE, RED, SKY
 
-# Methods of one colour, each with a marker of its own. What is often compared differs in colour.
+# Methods of each colour, distinguished by markers. Methods often compared differ in colour.
 TABLE = {
     BLUE: "gauss verlet rk2 yoshida8 boris6 rattle6 gsl_msbdf",
     RED: "dopri5 gauss2 yoshida4 gsl_rkf45 respa lobatto4 rattle",
@@ -18,7 +18,7 @@ TABLE = {
     BROWN: "gauss5 gauss7 kahan_li8 radau5 suzuki4 exponential",
 }
 MARKERS = "osD^vPX*"
-OTHERS = "<>ph"  # of what is no method of the runtime: an author's own, another package's
+OTHERS = "<>ph"  # markers of other methods: a model's own, another package's
 MARKS = {
     name: (colour, MARKERS[(row + k) % len(MARKERS)])
     for row, (colour, names) in enumerate(TABLE.items())
@@ -27,7 +27,7 @@ MARKS = {
 
 
 def mark(name: str, dark: bool = False) -> tuple[str, str]:
-    """Colour and marker."""
+    """Returns colour and marker."""
     code, colours = crc32(name.encode()), tuple(TABLE)
     other = colours[code % len(colours)], OTHERS[code // len(colours) % len(OTHERS)]
     colour, marker = MARKS.get(name, other)

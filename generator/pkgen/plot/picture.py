@@ -1,4 +1,4 @@
-"""What a picture has, before anybody draws it: panels of lines over axes."""
+"""The content of a picture, independent of rendering: panels of lines over axes."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Axis:
 
 @record(eq=False)
 class Line:
-    """Points in order. `kind`: "line", "points", or "back", a pale line that belongs to the one
-    before it. `colour` counts in the palette; lines of many trajectories have `strands`, the index
-    at which each begins."""
+    """Points in order. `kind`: "line", "points", or "back", a pale line that belongs to the
+    previous line. `colour` is an index of the palette. A line of many trajectories has `strands`,
+    the index at which each begins."""
 
     label: str
     x: numpy.ndarray
@@ -31,12 +31,12 @@ class Line:
     kind: str = "line"
     z: numpy.ndarray | None = None
     strands: numpy.ndarray | None = None
-    marked: bool = False  # where it begins and ends
+    marked: bool = False  # whether begin and end are marked
 
 
 @record(eq=False)
 class Image:
-    """A family over time: a column a time, a row a member."""
+    """A family over time: `values` has a column per time, a row per member."""
 
     values: numpy.ndarray
     x: numpy.ndarray
@@ -51,17 +51,17 @@ class Panel:
     lines: tuple[Line, ...] = ()
     z: Axis | None = None
     image: Image | None = None
-    equal: bool = False  # one length for a unit of either axis
-    colours: tuple[float, float, str] | None = None  # of strands: from, to, and of what
-    tight: bool = False  # its first axis ends where its lines do
+    equal: bool = False  # whether the axes have equal scales
+    colours: tuple[float, float, str] | None = None  # colour bar of strands: range and label
+    tight: bool = False  # whether the x axis ends where the lines end
 
 
 @record(eq=False)
 class Picture:
-    """Panels below each other share their first axis where `shared`."""
+    """Panels below each other, with a common x axis if `shared`."""
 
     title: str
     panels: tuple[Panel, ...]
     shared: bool = True
     wide: bool = True
-    notes: tuple[str, ...] = field(default=())  # what there is to say besides
+    notes: tuple[str, ...] = field(default=())  # messages

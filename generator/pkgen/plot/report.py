@@ -1,6 +1,6 @@
-"""One page of a run: how it ended, pictures, drifts, diagnostics, events, expectations, settings.
+"""The HTML report of a run: status, pictures, drifts, diagnostics, events, expectations, settings.
 
-It asks for nothing elsewhere and runs nothing: no script, and every name of a model is text.
+The page loads no other resources and has no scripts. Names of a model are escaped.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from .table import Table
 from .view import View
 
 Rows = list[tuple[str, ...]]
-TIMES = 6  # of an event, that are listed
-DPI = 110  # of what is heavy: many pictures are on the page
-MANY = 40  # rows of a table that is folded
-# By what a picture is for; a kind that the rows have nothing for is left out.
+TIMES = 6  # most listed times of an event
+DPI = 110  # resolution of rasterized parts; low, since the page has many pictures
+MANY = 40  # a table of more rows is folded
+# The pictures of the page; a kind that does not apply to the rows is left out.
 PICTURES = (("Over time", View("time")), ("Phase plane", View("")), ("Drift", View("drift")))
 LOOK = """
 :root { color-scheme: light dark; --blue: #0072b2 }
@@ -58,8 +58,8 @@ def report(
     view: View,
     given: dict[str, list[float]],
 ) -> str:
-    """The page. `told` is what stands beside the rows; without a table there are none. `given` are
-    the parameters and the start as they are in memory."""
+    """Returns the page. `told` is the sidecar of the rows; `table` is None without rows. `given`
+    holds the parameters and the start, from Run.given()."""
     time = "" if compilation.model.dimensionless else "s"
     model = compilation.declared
     found: dict = told["report"]  # type: ignore[assignment]
@@ -175,7 +175,7 @@ def _pictures(table: Table | None, view: View) -> Iterable[str]:
 
 
 def on_page(svg: str) -> str:
-    """In the colours of the page, light or dark: ink is that of its text, and paper is none."""
+    """Adapts an SVG to a light or dark page: ink gets the colour of text, paper no fill."""
     for ink in (style.INK, style.BLACK):
         svg = svg.replace(ink.lower(), "currentcolor")
     svg = svg.replace("fill: #ffffff", "fill: none").replace(style.BLUE.lower(), "var(--blue)")
@@ -268,7 +268,7 @@ def _settings(
 
 
 def _given(compilation: Compilation, given: dict[str, list[float]]) -> Iterable[str]:
-    """Values of parameters, and where the motion starts."""
+    """Yields tables of the parameters and of the start."""
     headings = ("", "value", "unit", "what")
     names = named.parameters(compilation)
     yield _table("Parameters", headings, _values(names, given["parameters"]))

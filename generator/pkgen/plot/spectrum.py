@@ -1,7 +1,7 @@
-"""The spectrum of columns from rows that are equally far apart in time.
+"""Spectra of columns with rows equidistant in time.
 
-The amplitude of a line under Hann's window, whose side lobes fall as the third power: F. J. Harris,
-Proc. IEEE 66 (1978) 51. Exact frequencies are a diagnostic's, `--diagnose spectrum`.
+Amplitudes use a Hann window, whose side lobes fall off as the third power: F. J. Harris, Proc. IEEE
+66 (1978) 51. The diagnostic `--diagnose spectrum` gives precise frequencies.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from .names import label, shown
 from .picture import Axis, Line, Panel, Picture
 from .table import Table
 
-LEAST = 16  # rows
-DEPTH = 1e-7  # of the highest line, what is drawn below it
-TAIL = 1e-4  # of the highest line, what the axis reaches to
+LEAST = 16  # least number of rows
+DEPTH = 1e-7  # lower limit of the amplitude axis, relative to the highest line
+TAIL = 1e-4  # the frequency axis covers amplitudes above this, relative to the highest line
 
 
 def picture(tables: Sequence[Table], names: list[str]) -> Picture:
@@ -48,13 +48,14 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
 
 
 def amplitudes(table: Table, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Angular frequencies and amplitudes, of as many rows as are equally far apart."""
+    """Returns angular frequencies and amplitudes, from the first equidistant finite rows. Raises
+    UsageError if they are too few."""
     if table.several:
         raise UsageError(f"--spectrum {name}: one motion is needed; {table.label} has many")
     t, x = table.time, table[name]
     steps = numpy.diff(t)
     even = numpy.abs(steps - steps[:1]) <= 1e-6 * numpy.abs(steps[:1])
-    count = len(t) if even.all() else int(numpy.argmin(even)) + 1  # the last row may be an event's
+    count = len(t) if even.all() else int(numpy.argmin(even)) + 1  # the last row may be at an event
     good = numpy.isfinite(x[:count])
     count = count if good.all() else int(numpy.argmin(good))
     if count < LEAST or not steps[0] > 0:
@@ -63,7 +64,7 @@ def amplitudes(table: Table, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
             f"{table.label} has {count}"
         )
     window = numpy.hanning(count)
-    # The mean is no line, and what a window leaves of it would hide slow ones.
+    # Subtract the mean: it is not a line, and its leakage would hide low frequencies.
     values = x[:count] - numpy.sum(window * x[:count]) / numpy.sum(window)
     found = numpy.abs(numpy.fft.rfft(window * values)) * 2 / numpy.sum(window)
     return 2 * numpy.pi * numpy.fft.rfftfreq(count, float(steps[0])), found

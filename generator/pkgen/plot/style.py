@@ -1,8 +1,7 @@
-"""One look for all pictures: colours, sizes of type, widths, and what a file of one holds.
+"""The style of all pictures: colours, font sizes, widths, and metadata of files.
 
-Colours are those of M. Okabe and K. Ito, which readers with any usual colour vision tell apart.
-Widths are those of a column and of a page of most journals. Files have no date and are the same
-from run to run.
+Most colours are from M. Okabe and K. Ito, distinguishable with any usual colour vision. Widths fit
+a column and a page of most journals. Files have no date and are reproducible.
 """
 
 from __future__ import annotations
@@ -23,23 +22,23 @@ BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, BLACK, YELLOW = "#E69F00", "#56B4E9", "#000000", "#F0E442"
 BROWN = "#7A4A21"
 INK, GREY, PALE = "#222222", "#8C8C8C", "#E4E4E4"
-# In turn; a curve is yet told apart where a printer has no colours, by its dashes.
+# Colours and dashes of curves in turn; dashes also distinguish curves printed without colours.
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK, BROWN)
 DASHES = ("-", (0, (5, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
 SEQUENTIAL, DIVERGING = "cividis", "RdBu_r"
 
 COLUMN, PAGE = 90 / 25.4, 180 / 25.4  # inches
 FORMATS = ("svg", "png", "pdf")
-OF_LATEX = "pgf"  # drawn by LaTeX, in the type of the paper around it
+OF_LATEX = "pgf"  # typeset by LaTeX, in the font of the paper around it
 DPI = 200
-DPI_WITHIN = 144  # of pixels within a file of vectors
-# Others as wide as the one that labels are placed with, where that is not installed.
+DPI_WITHIN = 144  # resolution of rasterized parts of vector files
+# Fallback fonts of the width with which labels were placed.
 FONTS = "'DejaVu Sans', Verdana, sans-serif"
-# Of files, whatever is on them.
+# Settings of all files.
 FILES = {
     "svg.hashsalt": "pkgen",
-    "svg.fonttype": "none",  # text as text: a fraction of the size, and it can be searched
-    "pdf.fonttype": 42,  # TrueType, which publishers take
+    "svg.fonttype": "none",  # text, not paths: smaller files, searchable
+    "pdf.fonttype": 42,  # TrueType, which publishers accept
     "font.family": "DejaVu Sans",
     "hatch.linewidth": 0.4,
 }
@@ -72,7 +71,7 @@ LOOK = {
 }
 
 
-# On a dark page: ink and grounds, and the palette with what would not show on it made lighter.
+# Colours for a dark page: background, text, and lighter versions of dark palette colours.
 DARK_GROUND, DARK_INK = "#15181C", "#E8EAED"
 DARK = {
     **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), DARK_GROUND),
@@ -86,7 +85,7 @@ LIGHTER = {BLUE: "#6FB1E8", RED: "#F0894A", BLACK: DARK_INK, GREEN: "#2FBF95", B
 
 @record
 class Look:
-    """How a picture is asked for: its width in millimetres, kinds of files, for which page."""
+    """The requested form of a picture: width in millimetres, file formats, light or dark page."""
 
     width: float = 180.0
     formats: tuple[str, ...] = ("svg", "png")
@@ -94,7 +93,7 @@ class Look:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """An SVG in any case, which a page of HTML has."""
+        """Returns the formats, always with SVG, which HTML pages need."""
         return tuple(dict.fromkeys(("svg", *self.formats)))
 
     @property
@@ -111,7 +110,7 @@ class Look:
 
 
 def written(make: Callable[[Look], Figure], stem: Path, look: Look) -> list[Path]:
-    """What `make` draws, in this look, as files of STEM."""
+    """Writes the figure that `make` draws in this look; returns the files STEM.svg and so on."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -133,12 +132,13 @@ def colour(k: int) -> str:
 
 
 def dashes(k: int, over: bool = False) -> object:
-    """Solid as long as colours last; `over`: lines that may lie on each other, each its own."""
+    """Returns the dashes of line k: solid until colours repeat; with `over`, for lines that may
+    overlap, different for neighbours."""
     return DASHES[(k if over else k // len(PALETTE)) % len(DASHES)]
 
 
 def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
-    """The figure as a file of one of FORMATS."""
+    """Returns the figure as a file of one of FORMATS or OF_LATEX. Raises UsageError."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None, "ModDate": None}}
     file = io.BytesIO()
     try:
@@ -152,7 +152,7 @@ def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
 
 
 def saved(figure: Figure, stem: Path, kinds: Iterable[str], dpi: float = DPI) -> list[Path]:
-    """STEM.svg and so on, of FORMATS or OF_LATEX."""
+    """Writes STEM.svg and so on, of FORMATS or OF_LATEX; returns the paths."""
     files = [stem.with_name(f"{stem.name}.{kind}") for kind in kinds]
     for path in files:
         path.write_bytes(encoded(figure, path.suffix[1:], dpi))
@@ -160,7 +160,8 @@ def saved(figure: Figure, stem: Path, kinds: Iterable[str], dpi: float = DPI) ->
 
 
 def tidy(svg: str) -> str:
-    """Fonts that there are, and places to a hundredth of a point: digits are half of a file."""
+    """Returns an SVG with fallback fonts, and with coordinates rounded to 1/100 point: digits are
+    half of a file."""
     return re.sub(
         r'(?<= )(?:d|x|y|transform)="[^"]*"',
         lambda attribute: re.sub(r"(\.\d\d)\d+", r"\1", attribute[0]),

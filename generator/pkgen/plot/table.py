@@ -1,7 +1,7 @@
-"""Rows to be drawn, with the names and units of their columns: of a run, or of its file.
+"""Tables of rows to draw, with names and units of columns, from a run or a file.
 
-A CSV has units in its head (`x [m]`) or in the FILE.csv.json beside it, or none; so has a table
-that pkgen did not write. The column that is called t, or the first, is what the others are over.
+Units of a CSV are in its header (`x [m]`) or in its sidecar FILE.csv.json, or unknown. Tables need
+not be written by pkgen. The abscissa is the column t, or else the first column.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from ..system.near import near
 if TYPE_CHECKING:
     import numpy
 
-COARSE = 0.77  # of a change from row to row beside the whole one: eight rows a period
-CONSTANT = 1e-7  # of its size, that a constant varies by
-NOISE = 1e-12  # of the largest number of all
-FEWEST = 8  # rows by which a period is judged
+COARSE = 0.77  # RMS change between rows over standard deviation, at eight rows per period
+CONSTANT = 1e-7  # largest relative variation of a constant
+NOISE = 1e-12  # rounding noise relative to the largest number of the table
+FEWEST = 8  # fewest rows from which a period is estimated
 ENDS = (".csv", ".npy", ".csv" + PARTIAL)
 _HEAD = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 _INDEX = re.compile(r"\d+")
@@ -34,14 +34,14 @@ _INDEX = re.compile(r"\d+")
 
 @record(eq=False)
 class Table:
-    """`data` has a row a time, a column a quantity. Of many trajectories the first column says of
-    which one a row is."""
+    """`data` has a row per time and a column per quantity. With many trajectories, the first column
+    is the member of each row."""
 
-    label: str  # in a legend
+    label: str  # name in a legend
     columns: tuple[Quantity, ...]
     data: numpy.ndarray
     several: bool = False
-    told: Mapping[str, object] = field(default_factory=dict)  # the file beside the rows
+    told: Mapping[str, object] = field(default_factory=dict)  # the sidecar of the rows
     notes: tuple[str, ...] = ()
 
     @property
@@ -50,7 +50,7 @@ class Table:
 
     @property
     def abscissa(self) -> int:
-        """The column that the others are over."""
+        """The index of the column over which the others are drawn."""
         return self.names.index("t") if "t" in self.names else int(self.several)
 
     @property
@@ -59,7 +59,7 @@ class Table:
 
     @property
     def member(self) -> numpy.ndarray:
-        """Of which trajectory each row is: their numbers in order from 0."""
+        """The trajectory of each row, numbered from 0."""
         import numpy
 
         if not self.several:
@@ -68,7 +68,7 @@ class Table:
 
     @property
     def quantities(self) -> list[Quantity]:
-        """What may be drawn."""
+        """The columns that may be drawn."""
         return [
             c for k, c in enumerate(self.columns) if k != self.abscissa and (k or not self.several)
         ]
@@ -80,7 +80,7 @@ class Table:
         return self.columns[self.names.index(name)]
 
     def found(self, option: str, name: str) -> list[str]:
-        """The columns that a name means: one, or the members of a family, or components."""
+        """Returns the columns of a name: one, or members of a family, or components."""
         names = self.names
         if name in names:
             return [name]
@@ -93,7 +93,7 @@ class Table:
 
     @property
     def drifts(self) -> dict[str, dict[str, object]]:
-        """What the run knows of each constant, by its name."""
+        """The drifts in the run's report, by name of the constant."""
         report = self.told.get("report")
         found = report.get("drifts") if isinstance(report, dict) else None
         items = found if isinstance(found, list) else []
@@ -101,7 +101,7 @@ class Table:
 
     @property
     def sparse(self) -> bool:
-        """Whether rows are farther apart than the steps that an adaptive method had to make."""
+        """Whether rows are farther apart than the steps of an adaptive method."""
         report = self.told.get("report")
         if not isinstance(report, dict) or report.get("step") is not None or self.several:
             return False
@@ -109,8 +109,8 @@ class Table:
         return isinstance(steps, int) and steps > len(self.data)
 
     def rough(self, x: numpy.ndarray) -> bool:
-        """Whether a column has fewer than eight rows a period: lines between them are no motion.
-        Rounding beside what is larger is not judged."""
+        """Whether a column has fewer than eight rows per period, so that lines between rows would
+        mislead. Rounding noise does not count."""
         import numpy
 
         x, rest = x[numpy.isfinite(x)], numpy.delete(self.data, self.abscissa, axis=1)
@@ -123,7 +123,7 @@ class Table:
 
     @property
     def event(self) -> str | None:
-        """The name of the event at which all rows are, "" where it is not known."""
+        """The event whose occurrences all rows are; None without one, "" if its name is unknown."""
         settings = self.told.get("settings")
         if not isinstance(settings, dict) or settings.get("at") is None:
             return None
@@ -138,7 +138,7 @@ class Table:
 
 
 def base(name: str) -> str:
-    """Of a member of a family or a component: q[3]' is of q', omega(R).x of omega(R)."""
+    """Returns the family or vector of a name: q' for q[3]', omega(R) for omega(R).x."""
     family = re.fullmatch(r"(.*)\[\d+\]('*)", name)
     if family:
         return family[1] + family[2]
@@ -150,8 +150,8 @@ def part_of(name: str, whole: str) -> bool:
 
 
 def read(path: str) -> Table:
-    """A file that a run has left, or another table. Raises UsageError with the place of what is
-    wrong, OSError."""
+    """Reads a file of a run, or another table. Raises UsageError with the place of an error, or
+    OSError."""
     file = Path(path)
     if file.is_dir():
         raise UsageError(f"{path}: this is a directory; give files of rows")
@@ -167,8 +167,8 @@ def read(path: str) -> Table:
 
 
 def rows(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """Rows that a run has just left, and what is told of them; None: there is no more than
-    the start."""
+    """Returns the rows that a run has just written, with the sidecar `told`; None if the start is
+    the only row."""
     columns, data = _npy(path) if path.name.endswith(".npy") else _csv(path)
     made = _table(label, columns, data, told)
     return made if made.several or len(data) > 1 else None
@@ -191,7 +191,7 @@ def _table(
 
 
 def quantities(told: object) -> list[Quantity]:
-    """Columns as the file beside the rows tells of them; what is no column is passed over."""
+    """Returns the columns in a sidecar; invalid items are left out."""
     keys = ("name", "unit", "description")
     items = told if isinstance(told, list | tuple) else ()
     rows = [[item.get(key, "") for key in keys] for item in items if isinstance(item, dict)]
@@ -199,7 +199,7 @@ def quantities(told: object) -> list[Quantity]:
 
 
 def _told(path: Path, names: Iterable[str]) -> tuple[dict[str, object], str]:
-    """What stands beside the rows, and what is wrong with it; rows can be drawn without."""
+    """Returns the sidecar of a file, or {}, and a note about an error; it is not required."""
     place = beside(path)
     try:
         told = json.loads(place.read_text(encoding="utf-8"))
@@ -217,9 +217,9 @@ def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
     from numpy.lib.recfunctions import structured_to_unstructured
 
     try:
-        # A map of the file takes no memory for rows that its head claims and it does not have.
+        # A memory map allocates nothing for rows that the header claims but the file lacks.
         found = numpy.load(path, mmap_mode="r", allow_pickle=False)
-    except Exception as error:  # its parser of heads raises what it meets
+    except Exception as error:  # NumPy's header parser raises any type
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
@@ -265,7 +265,8 @@ def _csv(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
 
 
 def _slowly(path: Path, rest: str, columns: list[Quantity]) -> Iterable[list[float]]:
-    """What NumPy has not read: quoted cells; or the place of what is wrong."""
+    """Parses rows that NumPy could not read, such as quoted cells. Raises UsageError with the place
+    of an error."""
     for line, row in enumerate(csv.reader(rest.splitlines()), 2):
         if not any(cell.strip() for cell in row):
             continue
@@ -281,7 +282,7 @@ def _slowly(path: Path, rest: str, columns: list[Quantity]) -> Iterable[list[flo
 
 
 def _column(path: Path, cell: str) -> Quantity:
-    """theta [rad]: but q[3] is a name, and its index no unit."""
+    """Parses a header cell such as `theta [rad]`; the index in `q[3]` is not a unit."""
     name, of = _HEAD.fullmatch(cell.replace("\n", " ")).groups()  # type: ignore[union-attr]
     if of is not None and (not name or _INDEX.fullmatch(of)):
         name, of = cell.strip(), None

@@ -1,7 +1,6 @@
-"""Pictures in a terminal, for who works over ssh: eight dots a character, as Braille has them.
+"""Renders pictures in a terminal, with eight Braille dots per character.
 
-Where there are no colours lines are told apart by marks, a character each; so where there is no
-Unicode.
+Without colours or Unicode, lines are drawn by marks, one per character.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from .picture import Axis, Image, Line, Panel, Picture
 COLOURS = ("bright_blue", "red", "green", "magenta", "yellow", "cyan", "white")
 MARKS = "*+ox#%@"
 SHADES = " .:-=+*#%@"
-# Bits of the dots of a character, by row and column.
+# Bits of the dots of a Braille character, by row and column.
 DOTS = numpy.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 _ASCII = {
     "′": "'",
@@ -35,9 +34,9 @@ _ASCII = {
     "┤": "|",
     "━": "=",
 }
-HIGH, LOW = 22, 8  # rows of one panel, and at least of each of many
+HIGH, LOW = 22, 8  # most and fewest text rows of a panel
 MARGIN = 10
-FINE = 4000  # points of a line between two rows; more no terminal shows
+FINE = 4000  # most interpolated points between two rows
 
 
 def show(picture: Picture, console: Console | None = None) -> None:
@@ -61,7 +60,7 @@ def lines(picture: Picture, console: Console) -> list[Text]:
 
 
 def _spelt(panel: Panel) -> Panel:
-    """With names in ASCII, before any place is measured."""
+    """Returns the panel with labels in ASCII, before widths are measured."""
 
     def axis(one: Axis | None) -> Axis | None:
         return one and replace(one, label=_ascii(one.label))
@@ -73,7 +72,7 @@ def _spelt(panel: Panel) -> Panel:
 
 
 def _ascii(text: str) -> str:
-    """What may be said in any encoding."""
+    """Returns the text in ASCII."""
     text = "".join(_ASCII.get(c) or greek(c) or c for c in text)
     return unicodedata.normalize("NFKD", text).encode("ascii", "replace").decode()
 
@@ -152,7 +151,7 @@ def _span(panel: Panel, which: str) -> tuple[float, float]:
 def _equal(
     x: tuple[float, float], y: tuple[float, float], across: int, up: int
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """A dot is as high as it is wide, as near as terminals have it."""
+    """Widens a range so that the scales are equal; the dots of terminals are about square."""
     size = max((x[1] - x[0]) / across, (y[1] - y[0]) / up)
 
     def wide(span: tuple[float, float], dots: int) -> tuple[float, float]:
@@ -167,7 +166,7 @@ def _dotted(
 ) -> list[Text]:
     bits = numpy.zeros((height, columns), int)
     colours = numpy.full((height, columns), -1)
-    for line in reversed(panel.lines):  # the first lies on top
+    for line in reversed(panel.lines):  # the first line is on top
         i, j = _places(panel, line, x, y, 2 * columns, 4 * height)
         numpy.bitwise_or.at(bits, (j // 4, i // 2), DOTS[j % 4, i % 2])
         colours[j // 4, i // 2] = line.colour
@@ -199,7 +198,7 @@ def _places(
     across: int,
     up: int,
 ) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Columns and rows of dots on a line, rows from above."""
+    """Returns columns and rows of the dots of a line, with row 0 at the top."""
     a = (_on(panel.x, line.x) - x[0]) / (x[1] - x[0]) * (across - 1)
     b = (_on(panel.y, line.y) - y[0]) / (y[1] - y[0]) * (up - 1)
     if line.kind != "points" and len(a) > 1:
@@ -213,11 +212,11 @@ def _places(
 def _filled(
     a: numpy.ndarray, b: numpy.ndarray, strands: numpy.ndarray | None
 ) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """With points between, so that no dot is missing."""
+    """Interpolates points, so that lines have no gaps."""
     gaps = numpy.maximum(numpy.abs(numpy.diff(a)), numpy.abs(numpy.diff(b)))
     gaps = numpy.where(numpy.isfinite(gaps), gaps, 0)
     if strands is not None:
-        gaps[strands[1:] - 1] = 0  # from the end of one member to the start of the next
+        gaps[strands[1:] - 1] = 0  # no line from one member to the next
     counts = numpy.minimum(numpy.ceil(gaps).astype(int) + 1, FINE)
     begin = numpy.repeat(numpy.arange(len(counts)), counts)
     part = numpy.arange(len(begin)) - numpy.repeat(numpy.cumsum(counts) - counts, counts)
@@ -231,7 +230,7 @@ def _filled(
 
 
 def _seen(panel: Panel) -> Panel:
-    """Space on a plane: from the side and from above, as on paper."""
+    """Projects a panel in space to a plane, seen from the side and above, similar to matplotlib."""
     turn, lift = math.radians(-60), math.radians(25)
 
     def flat(line: Line) -> Line:

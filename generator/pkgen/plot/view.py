@@ -1,4 +1,4 @@
-"""What is to be drawn, as options say it."""
+"""The requested view of a table, from options."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LIST = re.compile(r",(?![^\[\]()]*[\])])")  # not within q[1,2]
 
 @record
 class View:
-    """`names` are those of the curves, each a tuple; `kind` "" is what the rows suggest."""
+    """`names` has a tuple of column names for each curve; with kind "" the rows decide."""
 
     kind: str = ""
     names: tuple[tuple[str, ...], ...] = ()
@@ -25,12 +25,12 @@ class View:
 
     @property
     def columns(self) -> list[str]:
-        """All that it names, once each."""
+        """All column names, once each."""
         return [*dict.fromkeys(name for names in self.names for name in names)]
 
 
 def asked(options: argparse.Namespace) -> View:
-    """Raises UsageError."""
+    """Returns the view that options request. Raises UsageError."""
     given = [kind for kind in KINDS if getattr(options, kind)]
     if len(given) > 1:
         raise UsageError(f"--{given[0]} and --{given[1]}: one picture at a time")

@@ -1,4 +1,4 @@
-"""A compiled model made a program and run: settings in, rows and a report out.
+"""Builds a compiled model and runs it: settings in, rows and a report out.
 
-Called by `scenes`, `analysis` and `cli`. Uses `compiler` and, below it, `system`.
+`scenes`, `analysis` and `cli` call this package. It uses `compiler` and `system`.
 """

@@ -1,7 +1,7 @@
-"""From generated C to a library that integrates it: the C compiler, the runtime, the cache.
+"""Builds libraries and programs from generated C, with the C compiler, the runtime and the cache.
 
-A model is compiled once for each text and family of methods, and kept in `PKGEN_CACHE`, else
-`$XDG_CACHE_HOME/pkgen`, else `~/.cache/pkgen`.
+A model is compiled once for each text and set of methods. The library is cached in `PKGEN_CACHE`,
+else `$XDG_CACHE_HOME/pkgen`, else `~/.cache/pkgen`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..system.toolchain import NATIVE, RUNTIME, Toolchain, compile_c, find_gsl, 
 from .library import load
 from .runtime import SHARED, WHOLE, needed, part_of, runtime_library, runtime_links, runtime_name
 
-# This file names the model, its blocks and methods. No model can have its name.
+# This file defines the struct pk_run_model. No model can have its name.
 CHOICE_FILE = "which-model.c"
 CHOICE = """#include <pk/gsl.h>
 #include <pk/methods.h>
@@ -34,7 +34,7 @@ extern const struct pk_run_model {of};
 const struct pk_run_model {of} = {{&{name}_system, {given}, {count}, methods, {n_own},
     sizeof methods / sizeof *methods, {diagnose}, {ensemble}}};
 """
-# What a library of a model shows: the documented functions and the model's own.
+# Exported symbols of a library: the documented functions and the model's own.
 EXPORTS_FILE = "exports"
 EXPORTS = "{{ global: pk_model; pk_run_*; pk_stability_*; {name}_*; local: *; }};\n"
 
@@ -49,7 +49,7 @@ def _choice(
     parts: Sequence[str] = WHOLE,
     gsl: bool = True,
 ) -> str:
-    """The model's name in C is `of`."""
+    """Returns the text of CHOICE_FILE; `of` is the C name of the struct pk_run_model."""
     families = [
         family
         for family in dict.fromkeys(method.family for method in METHODS.values())
@@ -79,7 +79,7 @@ def _choice(
 
 
 def _portable(tools: Toolchain, files: dict[str, str]) -> Toolchain:
-    """The runtime is to be so where the model is."""
+    """Returns the tools with flags for a portable runtime if the model is portable."""
     return replace(tools, flags=(*tools.flags, "-DPK_PORTABLE")) if is_portable(files) else tools
 
 
@@ -93,8 +93,8 @@ def _linked(
     form: Sequence[str] = (),
     own: Sequence[Own] = (),
 ) -> None:
-    """Compiles the files of a model and links it by these arguments. Where it has blocks, steps are
-    inlined in these."""
+    """Compiles the files of a model with flags `form` and links them with `arguments`. Steps are
+    inlined in the blocks of a model that has blocks, else in the model."""
     form = [*form, *in_c.flags(own)]
     files = {**files, in_c.FILE: in_c.tables(own)} if own else files
     for file_name, text in files.items():
@@ -117,12 +117,12 @@ def build_library(
     parts: Blocks = (),
     own: Sequence[Own] = (),
 ) -> Path:
-    """A shared library that integrates the model NAME, from its generated files. Steps of `methods`
-    are inlined. It has these methods and `able`, and all where neither names one.
+    """Returns the path of a shared library that integrates the model `name`, built from its files.
 
-    ensemble: runs many members, in blocks. diagnose: has diagnostics and answers about stability.
-    parts: blocks of coordinates that are integrated each by itself; NAME has outputs alone.
-    Raises BuildError with the compiler's messages.
+    Steps of `methods` are inlined. The library has the families of `methods` and `able`; all
+    methods if both are empty. ensemble: it can run ensembles. diagnose: it has diagnostics and
+    stability questions. parts: blocks of coordinates, each integrated by itself; then the model
+    itself has only outputs. Raises BuildError with the compiler's messages.
     """
     tools = _portable(tools or find_toolchain(), files)
     inlined = _inlined(tools, methods, own, ensemble)
@@ -148,7 +148,7 @@ def build_library(
 def _inlined(
     tools: Toolchain, methods: Sequence[str | None], own: Sequence[Own], ensemble: bool
 ) -> list[str]:
-    """Steps that are compiled with a model save time only where the compiler optimises."""
+    """Returns the flags that inline steps; none without optimization: it would save no time."""
     flags = [] if {"-O0", "-O1"} & set(tools.flags) else inline_flags(methods, own)
     return [*flags, "-DPK_INLINE_ENSEMBLE"] if flags and ensemble else flags
 
@@ -166,9 +166,9 @@ def build_program(
     own: Sequence[Own] = (),
     ensemble: bool = False,
 ) -> None:
-    """A program of its own, with `settings` in C; by `ensemble` for blocks of members. Without GSL,
-    which is under the GPL, unless asked for; for any processor of this kind unless `native`. Raises
-    BuildError."""
+    """Builds a standalone program `output`; `settings` is their C initializer. With `ensemble`, its
+    steps are inlined for blocks of members. It has GSL, which is under the GPL, only if `gsl`. It
+    runs on any processor of the architecture unless `native`. Raises BuildError."""
     tools = find_toolchain()
     if not gsl:
         tools = replace(tools, gsl_cflags=None, gsl_libs=())
@@ -188,7 +188,7 @@ def build_program(
         shutil.copy(folder / "program", output)
 
 
-# The runtime lists its methods without a model; it links with this one.
+# A model without equations, to link the runtime with when it only lists its methods.
 NO_MODEL = """#include <pk/system.h>
 extern const struct pk_system no_model_system;
 const struct pk_system no_model_system = {.abi = PK_ABI, .name = "no_model"};
@@ -196,24 +196,24 @@ const struct pk_system no_model_system = {.abi = PK_ABI, .name = "no_model"};
 
 
 def own_methods(own: Sequence[Own]) -> list[dict[str, object]]:
-    """Those of a model, as the runtime describes them."""
+    """Returns descriptions of the model's own methods, made by the runtime."""
     if not own:
         return []
     return load(build_library({"no_model.c": NO_MODEL}, "no_model", own=own)).methods(own=True)
 
 
-LISTED = RUNTIME / "methods.json"  # limits take seconds to find
+LISTED = RUNTIME / "methods.json"  # stored, since stability limits take seconds to compute
 
 
 def runtime_methods() -> list[dict[str, object]]:
-    """The methods of the runtime as it describes them, GSL's where GSL is installed."""
+    """Returns descriptions of the runtime's methods; GSL's only if GSL is installed."""
     listed: list[dict[str, object]] = json.loads(LISTED.read_text(encoding="utf-8"))
-    if {str(m["name"]) for m in listed} != METHODS.keys():  # a method is new
+    if {str(m["name"]) for m in listed} != METHODS.keys():  # the list is outdated
         listed = described_methods()
     gsl = find_gsl()[0] is not None
     return [m for m in listed if gsl or METHODS[str(m["name"])].family != "GSL"]
 
 
 def described_methods() -> list[dict[str, object]]:
-    """The same from the compiled runtime."""
+    """Returns the descriptions from the compiled runtime."""
     return load(build_library({"no_model.c": NO_MODEL}, "no_model")).methods()

@@ -1,8 +1,7 @@
-"""What `pkgen run --diagnose` asks for, and of which models it is; its results are told by
-`diagnostics_text.py`.
+"""The option `pkgen run --diagnose`: names of diagnostics, and the models to which they apply.
 
-Their names and needs are those of runtime/run/diagnose/diagnostics.h, beside the files that make
-them; docs/diagnostics.md has their keys.
+Names and required kernels are read from runtime/run/diagnose/diagnostics.h. docs/diagnostics.md
+explains the keys of results; `diagnostics_text.py` formats them.
 """
 
 from __future__ import annotations
@@ -26,15 +25,16 @@ def _named(column: int, word: str) -> tuple[str, ...]:
 
 _ROWS = _ROW.findall(TABLE.read_text(encoding="utf-8"))
 OF_MEMBERS = _named(1, "MEMBERS")
-OF_REDUCED = _named(1, "REDUCED")  # without others, of what a scene's reductions leave
+OF_REDUCED = _named(1, "REDUCED")  # requested alone, of the reduced system of a scene
 NAMES = tuple(name for name, *_ in _ROWS if name not in OF_MEMBERS)
 OF_PARTICLES = frozenset(("all", *_named(2, "PARTICLES")))
-LINEARISED = frozenset(("all", *_named(2, "LINEAR")))  # by `linear`
+LINEARISED = frozenset(("all", *_named(2, "LINEAR")))  # need the kernel `linear`
 OF_ALL_KERNELS = frozenset(_named(2, "EVERY"))
 
 
 def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
-    """`--diagnose lyapunov,spectrum`, each once, or `all`: those that apply."""
+    """Parses `--diagnose lyapunov,spectrum`: returns each name once, or ("all",). Raises
+    UsageError."""
     if text is None:
         return ()
     names = [name.strip() for name in text.split(",")]
@@ -52,14 +52,15 @@ def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
 
 
 def refuse_several(names: tuple[str, ...], what: str) -> None:
-    """All but what is of members together. Raises UsageError."""
+    """Refuses diagnostics of one trajectory for several. Raises UsageError."""
     if set(names) != set(OF_MEMBERS):
         raise UsageError(f"--diagnose is for one trajectory, not {what}, which has 'area' alone")
 
 
 def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
-    """All of them where `linear` is needed, which a large model leaves out unless it is named; and
-    particles, which every model leaves out, where these are asked for."""
+    """Returns the kernels that the diagnostics need; None: the default kernels are enough.
+
+    A large model has `linear` only if it is named, and every model has PARTICLES only if named."""
     from ..back.kernels import KERNELS
     from ..back.kernels_canonical import CANONICAL
 
@@ -72,8 +73,8 @@ def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
 
 
 def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> None:
-    """What is of particles of a model that has none, and of members of one motion. Raises
-    UsageError."""
+    """Refuses diagnostics of particles for a model without particles, and diagnostics of members
+    for one trajectory. Raises UsageError."""
     if not several and set(OF_MEMBERS).intersection(names):
         raise UsageError(
             "--diagnose area is of a closed loop of starts: of a scene with a swarm, or --ensemble"
@@ -99,7 +100,7 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
 
 
 def name_places(report: dict, compilation: Compilation) -> None:
-    """In the results of what is of particles: where these are, and what of L is not theirs."""
+    """Adds to results about particles their positions, and the part of L that is not theirs."""
     for name, found in report.get("diagnostics", {}).items():
         if name in OF_PARTICLES and found["status"] == "PK_DONE":
             particles = compilation.equations.particles
@@ -108,5 +109,5 @@ def name_places(report: dict, compilation: Compilation) -> None:
 
 
 def of_whole(text: str | None) -> bool:
-    """Whether what is asked for is of the whole motion, so that nothing is reduced."""
+    """Whether a requested diagnostic needs the whole motion, so that a scene is not reduced."""
     return text is not None and not {*asked(text)} <= {*OF_REDUCED}

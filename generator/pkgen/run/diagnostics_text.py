@@ -1,21 +1,21 @@
-"""Drifts and the results of `pkgen run --diagnose` as lines for a person."""
+"""Formats drifts and the results of `pkgen run --diagnose` as lines of text."""
 
 from __future__ import annotations
 
 import math
 
-UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
-NO_TORQUE = 1e-12  # of the size of what it is the sum of
-CONJUGATE_SHOWN = 64  # points that a report has at most
-OFF, SHOWN = 1e-3, 5  # a drift that is told as an error; constants that are named
-LOST, MAGNIFIED = 1e-6, 1e3  # a drift of X's own value; times that of its scale
-EPSILON = 1e-13  # of the scale: a value below it is 0 but for rounding
-BROAD = 0.03  # a residual that lines do not explain
+UNIFORM = 1e-9  # relative size below which deviations from uniform motion, or its drift, count as 0
+NO_TORQUE = 1e-12  # a torque below this, relative to the terms of its sum, is round-off
+CONJUGATE_SHOWN = 64  # most conjugate points in a report
+OFF, SHOWN = 1e-3, 5  # drift reported as an error; most constants named
+LOST, MAGNIFIED = 1e-6, 1e3  # least reported drift relative to the value, and over drift["max"]
+EPSILON = 1e-13  # a value below this, relative to the scale, is 0 up to rounding
+BROAD = 0.03  # residual above which spectral lines do not explain the motion
 
 
 def kept_line(drifts: list[dict]) -> list[str]:
-    """One line of all constants: how well each was kept, or by how much it is off. Then a line for
-    each that lost digits. Nothing where nothing is constant."""
+    """Returns one line with the drifts of all constants, then a line for each constant that lost
+    digits. Returns [] if there are no constants."""
     said = []
     for drift in drifts:
         name, most = drift["name"], drift["max"]
@@ -33,7 +33,7 @@ def kept_line(drifts: list[dict]) -> list[str]:
 
 
 def drift_lines(drifts: list[dict]) -> list[str]:
-    """A line a constant: its drift, and how that grows."""
+    """Returns a line for each constant: its drift, and how the drift grows."""
     said = []
     for drift in drifts:
         name, scale = drift["name"], drift["scale"]
@@ -45,14 +45,15 @@ def drift_lines(drifts: list[dict]) -> list[str]:
         growth = drift["growth"]
         if drift["exponent"] or drift["spread"]:
             growth += f" (t^{drift['exponent']:.2f})"
-        if not drift["first"] and drift["max"] == 1:  # of what is not beside something larger
+        if not drift["first"] and drift["max"] == 1:  # the scale is its own largest value
             growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
         said.append(f"{line}: {growth}{_lost(drift).replace(': ', '; ', 1)}")
     return said
 
 
 def _lost(drift: dict) -> str:
-    """Digits that a constant loses where it is small beside what it is a sum of."""
+    """Returns a remark for a constant that is small compared with the terms of its sum and so loses
+    digits, or ""."""
     first, scale = abs(drift["first"]), drift["scale"]
     if drift["max"] is None:
         return ""
@@ -63,7 +64,7 @@ def _lost(drift: dict) -> str:
 
 
 def lines(found: dict[str, dict], time: str) -> list[str]:
-    """The results in words; `time` is the unit of time. What failed the driver has said."""
+    """Returns the results in words; `time` is the unit of time. The driver reports failures."""
     said = []
     for name, result in found.items():
         if result["status"] == "PK_DONE":
@@ -73,7 +74,7 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
 
 
 def _plainly(name: str, found: dict) -> str:
-    """Of a diagnostic without words of its own: its keys and values."""
+    """Returns the keys and values of a diagnostic that has no formatter."""
     shown = (f"{key} {value}" for key, value in found.items() if key not in ("status", "reason"))
     return f"{name}: {', '.join(shown)}"
 
@@ -213,7 +214,7 @@ def _action(found: dict, time: str) -> list[str]:
 
 
 def _places(found: dict) -> str:
-    """Of which particles the results are, and of what part of L."""
+    """Returns the particles of the results, and the part of L that is not theirs."""
     places = found["places"]
     said = ", ".join(places[:4]) + (f" and {len(places) - 4} more" if places[4:] else "")
     return said + (f" ({found['beyond']})" if found["beyond"] else "")
@@ -258,7 +259,7 @@ def _lrl(found: dict, time: str) -> list[str]:
 
 def _modes(found: dict, time: str) -> list[str]:
     squares = found["squares"]
-    leaving = [math.sqrt(-x) for x in squares if x < 0]  # the first of them, for they are in order
+    leaving = [math.sqrt(-x) for x in squares if x < 0]  # the squares are sorted
     swings = [f for f in found["frequencies"] if f is not None]
     said = []
     if leaving:

@@ -1,4 +1,4 @@
-"""The members of an ensemble: what differs from one to the next, and what can."""
+"""The members of an ensemble, and the quantities that may differ between them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 @record
 class Column:
-    """What a column sets: the driver's word for its kind, the index there, its SI unit; `member`
-    is of a family of parameters that C has as such."""
+    """A quantity that a column sets: the runtime's name of its kind, its index, its SI unit.
+    `member` is the 0-based member in a family of parameters kept as a loop."""
 
     name: str
     kind: str
@@ -38,25 +38,25 @@ class Ensemble:
 
     path: str
     columns: tuple[Column, ...]
-    lines: Sequence[int]  # where each member stands in the file, or its number in the swarm
-    values: array.array | numpy.ndarray = field(repr=False)  # of doubles, member by member
-    counted: str = ""  # the variable of a swarm
+    lines: Sequence[int]  # the line of each member in the file, or its number in the swarm
+    values: array.array | numpy.ndarray = field(repr=False)  # doubles, member by member
+    counted: str = ""  # the counting variable of a swarm
 
     @property
     def member(self) -> Quantity:
-        """The column that says which member a row is of."""
+        """Returns the column with the member of each row."""
         if self.counted:
             return Quantity(self.counted, "", "member of the swarm")
         return Quantity("member", "", "row of the ensemble's file, from 1")
 
     @property
     def title(self) -> str:
-        """What its members are from, for the file beside the rows."""
+        """Returns the origin of the members, for the sidecar file."""
         return f"swarm {self.counted}" if self.counted else os.path.basename(self.path)
 
     def placed(self, messages: str) -> str:
-        """Messages of the run, with the line of the file that a member stands on, or with its
-        number in the swarm."""
+        """Returns messages of a run, with members named by line of the file or number in the
+        swarm."""
         if self.counted:
             return re.sub(r"\bmember (-?\d+)", rf"{self.counted} = \1", messages)
 
@@ -66,12 +66,12 @@ class Ensemble:
         return re.sub(r"^run: member (\d+): ", place, messages, flags=re.M)
 
     def named(self, member: int) -> str:
-        """A member, by its number."""
+        """Returns the text for a member number."""
         return f"{self.counted} = {member}" if self.counted else f"member {member}"
 
 
 class Settable(Mapping[str, Column]):
-    """What may differ from member to member, by name; families are not written out."""
+    """The quantities that may differ between members, by name, without a list of family members."""
 
     def __init__(self, compilation: Compilation):
         self._kinds = {
@@ -81,7 +81,7 @@ class Settable(Mapping[str, Column]):
             "v": named.coordinates(compilation, rates=True),
         }
         self._looped = compilation.looped
-        starts = compilation.report.starts  # now parameters, of which momenta follow
+        starts = compilation.report.starts  # became parameters, which momenta depend on
         self._starts = {name + "'" * order: x for (name, order), x in starts.items()}
 
     def __getitem__(self, name: str) -> Column:

@@ -1,4 +1,4 @@
-"""pk/run.h and pk/stability.h by ctypes: their structures and functions, read in the headers."""
+"""ctypes structures and functions of pk/run.h and pk/stability.h, parsed from the headers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..system.toolchain import RUNTIME
 _COMMENT = re.compile(r"/\*.*?\*/", re.S)
 _STRUCT = re.compile(r"struct (\w+) \{(.*?)\n\};", re.S)
 _FUNCTION = re.compile(r"^((?:const )?[\w ]+ \*?)(pk_(?:run|stability)_\w+)\(([^;]*)\);", re.M)
-# A type, then stars and names, those of a function with its arguments.
+# A type, then either names with stars, or a function pointer with its arguments.
 _DECLARED = re.compile(r"(?:const )?((?:struct |enum |unsigned )?\w+) ([^(]+|\(\*(\w+)\)\((.*)\))")
 _PLAIN: dict[str, object] = {
     "void": None,
@@ -27,7 +27,7 @@ _PLAIN: dict[str, object] = {
 
 
 def _type(name: str, stars: int) -> object:
-    """What nobody looks into is an address."""
+    """Returns the ctypes type; a pointer to an unknown type is a void pointer."""
     found = _PLAIN[name] if name in _PLAIN else STRUCTURES.get(name)
     if stars and (found is None or name == "char"):
         found = ctypes.c_char_p if name == "char" else ctypes.c_void_p
@@ -38,7 +38,7 @@ def _type(name: str, stars: int) -> object:
 
 
 def _declared(text: str) -> list[tuple[str, object]]:
-    """Names and types of `double a, *b`, or of one function."""
+    """Parses `double a, *b` or one function pointer; returns names and types."""
     name, names, function, arguments = _DECLARED.fullmatch(" ".join(text.split())).groups()
     if function:
         return [(function, CFUNCTYPE(_type(name, 0), *_arguments(arguments)))]
@@ -51,7 +51,7 @@ def _arguments(text: str) -> list[object]:
 
 
 STRUCTURES: dict[str, type[Structure]] = {}
-FUNCTIONS: dict[str, tuple[object, list[object]]] = {}  # results and arguments
+FUNCTIONS: dict[str, tuple[object, list[object]]] = {}  # name: (result, arguments)
 for _header in ("run.h", "stability.h"):
     _text = _COMMENT.sub("", (RUNTIME / "include/pk" / _header).read_text(encoding="utf-8"))
     for _name, _members in _STRUCT.findall(_text):
@@ -65,4 +65,4 @@ _ROWS = re.findall(
     r"X\((PK_\w+), (-?\d+), ", (RUNTIME / "include/pk/status.h").read_text(encoding="utf-8")
 )
 _NAMES = {int(number): name for name, number in _ROWS}
-STATUSES = [_NAMES[n] for n in range(1, min(_NAMES) - 1, -1)]  # of enum pk_status, from 1 down
+STATUSES = [_NAMES[n] for n in range(1, min(_NAMES) - 1, -1)]  # enum pk_status, from 1 downwards

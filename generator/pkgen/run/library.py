@@ -1,7 +1,7 @@
-"""A compiled model in process: the runtime's layer of runs (pk/run.h, pk/stability.h) by ctypes.
+"""A compiled model in process: calls the runtime's run layer (pk/run.h, pk/stability.h) by ctypes.
 
-`pk_run_size` tells the sizes of structures, and a library of others is refused. A run holds no lock
-of the interpreter. What is to end it is seen in `poll`, some ten times a second.
+A library whose structure sizes (`pk_run_size`) differ is refused. A run does not hold the
+interpreter lock. The runtime calls `poll` about ten times a second; its result may end the run.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ _SIZED = [
 _Settings, *_, _Question = _SIZED
 _FIELDS = dict(_Settings._fields_)
 COMPUTE = _FIELDS["compute"]
-# Members that have no meaning in a program of its own.
+# Members of pk_run_settings without meaning in a standalone program.
 OF_A_CALL = ("poll", "context", "member_values", "compute", "stops", "seen", "computed")
-Poll = Callable[[float], bool]  # of the part that is done; True: stop
+Poll = Callable[[float], bool]  # fraction done -> True to stop
 
 
 @cache
 def load(path: Path) -> Library:
-    """The library of a model, which stays as long as the process does."""
+    """Returns the library of a model; it stays loaded until the process ends."""
     return Library(path)
 
 
@@ -60,11 +60,11 @@ class Library:
         self.model = STRUCTURES["struct pk_run_model"].in_dll(self.c, "pk_model")
 
     def methods(self, own: bool = False) -> list[dict[str, object]]:
-        """The runtime describes its methods, or the model's own."""
+        """Returns the runtime's descriptions of its methods, or of the model's own."""
         return json.loads(self.c.pk_stability_methods(self.model, own))
 
     def settings(self, given: Settings, **more: object) -> Structure:
-        """As C has them; `more` are members that are set as they stand."""
+        """Returns the settings as a C structure; `more` sets members directly."""
         s = self.c.pk_run_defaults()
         s.method = given.method.encode()
         s.until, s.rtol = given.until, given.rtol
@@ -103,7 +103,7 @@ class Library:
         idle: bool = False,
         **more: object,
     ) -> Run:
-        """A run that is over; or an `idle` one, whose kernels are called."""
+        """Runs to the end and returns the run; an `idle` run is not started, but has kernels."""
         s = self.settings(settings, **more)
         if ensemble is not None:
             count = len(ensemble.lines) * len(ensemble.columns)
@@ -118,7 +118,7 @@ class Library:
 
 
 class Run:
-    """A run that is over: `code`, `report`, `messages`; `not_finite` if a constant is not."""
+    """A finished run: `code`, `report`, `messages`; `not_finite`: a constant is not finite."""
 
     def __init__(self, library: Library, settings: Structure, poll: Poll | None, idle: bool):
         self._c = library.c
@@ -129,7 +129,7 @@ class Run:
             try:
                 if poll and poll(part):
                     ended.append(True)
-            except BaseException as error:  # nothing may go through C
+            except BaseException as error:  # no exception may pass through C
                 ended.append(error)
             return int(bool(ended))
 
@@ -146,8 +146,8 @@ class Run:
         self.report = json.loads(self._c.pk_run_report(self._run))
 
     def _go(self, ended: list[BaseException | bool]) -> int:
-        """To the end; the code. Python's handlers of signals run between Python's statements in the
-        main thread alone: that one waits, so that Ctrl-C is noted in the midst of a long step."""
+        """Runs to the end and returns the code. Python runs signal handlers only between statements
+        of the main thread, so the run has its own thread: Ctrl-C works during a long step."""
         codes: list[int] = []
         if threading.current_thread() is not threading.main_thread():
             return self._c.pk_run_go(self._run)
@@ -158,8 +158,8 @@ class Run:
         return codes[0]
 
     def rows(self, low: bool = False) -> numpy.ndarray:
-        """Kept rows, t first (the member before it): a row each. `low`: what they lack of more
-        digits, to be added."""
+        """Returns the kept rows, shape (rows, columns): t first, in an ensemble after the member.
+        `low`: corrections to add for more digits than double."""
         import numpy
 
         high, rest, columns = POINTER(c_double)(), POINTER(c_double)(), c_size_t()
@@ -170,7 +170,7 @@ class Run:
         return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
 
     def members(self) -> numpy.ndarray:
-        """Of each member of an ensemble: how it ended, its last valid time, what is kept."""
+        """Returns a row for each ensemble member: final status, last valid time, kept numbers."""
         import numpy
 
         numbers, columns = POINTER(c_double)(), c_size_t()
@@ -180,7 +180,7 @@ class Run:
         return numpy.ctypeslib.as_array(numbers, (count, columns.value)).copy()
 
     def laps(self, seconds: float) -> float:
-        """Seconds of the processor for one such run without rows; infinite if it fails."""
+        """Returns the processor seconds of one such run without rows; infinite if it fails."""
         return self._c.pk_run_laps(self._run, seconds) or float("inf")
 
     def evaluate(
@@ -191,13 +191,13 @@ class Run:
         v: numpy.ndarray,
         u: numpy.ndarray | None = None,
     ) -> numpy.ndarray:
-        """A kernel at many states: q and v of shape (count, n), t (count,), u (count, inputs) or
-        None, which is the run's; the result (count, width), not a number where M is singular."""
+        """Evaluates a kernel at many states: v of shape (count, n), q (count, at most n), t
+        (count,), u (count, inputs) or None: the run's. Returns (count, width); NaN: M singular."""
         import numpy
 
         count, n = v.shape
         t = numpy.ascontiguousarray(numpy.broadcast_to(t, (count,)), dtype=float)
-        # Of first-order variables there are rates alone: their places among q are nobody's.
+        # First-order variables are in v only: the runtime ignores their places in q.
         whole = numpy.zeros((count, n))
         whole[:, : q.shape[1]] = q
         v = numpy.ascontiguousarray(v, dtype=float)
@@ -209,8 +209,8 @@ class Run:
         return out
 
     def begin(self, state: numpy.ndarray, u: numpy.ndarray) -> Callable[[float, int], int]:
-        """Starts to integrate step by step. The function returned takes a time and whether to make
-        one step alone, with the inputs u; it writes t, q and v to `state` and returns the status
+        """Starts to integrate step by step with the inputs `u`. The returned function takes a time
+        and whether to make only one step; it writes t, q and v to `state` and returns the status
         (enum pk_status). Raises UsageError."""
         if self._c.pk_run_begin(self._run):
             raise UsageError(self.said().strip())
@@ -222,8 +222,8 @@ class Run:
         return str(self._c.pk_run_messages(self._run).decode())
 
     def rates(self) -> Callable[[float, numpy.ndarray], numpy.ndarray]:
-        """y' as a function of t and y, for one caller at a time; y = (coordinates, rates and
-        first-order variables). Raises UsageError where a model has no accelerations."""
+        """Returns y' as a function of t and y = (coordinates, rates and first-order variables); the
+        function is not reentrant. Raises UsageError if the model has no accelerations."""
         import numpy
 
         n, what = self._c.pk_run_width(self._run, b"acceleration"), b"acceleration"
@@ -245,7 +245,7 @@ class Run:
         return rates
 
     def given(self) -> dict[str, list[float]]:
-        """Parameters and start as they are in memory."""
+        """Returns parameters and start as the run has them in memory."""
         return json.loads(self._c.pk_run_given(self._run))
 
     def close(self) -> None:
@@ -257,7 +257,7 @@ class Run:
 
 
 class Stability:
-    """Answers about one model with settings that stay."""
+    """Answers stability questions about one model with fixed settings."""
 
     def __init__(self, library: Library, settings: Settings):
         self._c = library.c
@@ -267,7 +267,7 @@ class Stability:
             raise NumericsFailed("out of memory")
 
     def ask(self, what: str, **question: object) -> dict:
-        """Raises UsageError."""
+        """Returns the answer to a question `what`. Raises UsageError."""
         q = _Question(mode=-1, other=-1)
         for name, value in question.items():
             if isinstance(value, str):
@@ -275,7 +275,7 @@ class Stability:
             elif isinstance(value, tuple):
                 value = (c_double * len(value))(*value)
             setattr(q, name, value)
-        with self._one:  # an answer stands until the next question
+        with self._one:  # the next question overwrites an answer
             found = self._c.pk_stability_ask(self._of, what.encode(), q)
             said = self._c.pk_stability_wrong(self._of).decode() if found is None else ""
         if found is None:
@@ -305,7 +305,7 @@ def _expected(c: Compared) -> tuple[object, ...]:
 
 
 def initializer(s: Structure) -> str:
-    """The C that has these settings, as `program_settings`."""
+    """Returns C that defines these settings as `program_settings`."""
     lists, members = [], []
     for name, kind in _FIELDS.items():
         value = getattr(s, name)

@@ -1,9 +1,9 @@
-"""`pkgen run --ensemble FILE`: a row a trajectory, what differs from the others in its columns.
+"""`pkgen run --ensemble FILE`: each row is a trajectory, each column a quantity that varies.
 
 Columns are named as in --set and --start: parameters and inputs (`m1`, `k[2]`), coordinates
-(`theta1`, `q[1]`) and their rates (`theta1'`). What no column names is the same for all: the
-model's value, or that of --set, --start. In CSV a value is written as there, its unit with it or
-left out; a column of Parquet may have its unit in the metadata of its field, as `unit`.
+(`theta1`, `q[1]`) and their rates (`theta1'`). All other quantities have the value of the model, or
+of --set or --start, in all members. A value in CSV is written as in these options, with or without
+a unit. A Parquet column may have a unit, as `unit` in the metadata of its field.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
 
 
 def read(path: str, compilation: Compilation) -> Ensemble:
-    """The members of a file. Raises UsageError with the place of what is wrong."""
+    """Reads the members of a file. Raises UsageError with the place of an error."""
     if path.endswith(".parquet"):
         return _Reader(path, compilation).parquet()
     try:
-        if os.path.isfile(path):  # what can be read twice
+        if os.path.isfile(path):  # unlike a pipe, it can be read twice
             found = _Reader(path, compilation).plain()
             if found is not None:
                 return found
@@ -52,8 +52,8 @@ def read(path: str, compilation: Compilation) -> Ensemble:
 
 
 def of_columns(path: str, columns: Sequence[Column], values: Sequence[numpy.ndarray]) -> Ensemble:
-    """Of numbers in memory, a column each, in SI; the line of a member is its row, from 1. Raises
-    UsageError."""
+    """Makes an ensemble of arrays in SI units, one per column; members are numbered by row from 1.
+    Raises UsageError."""
     if not values or any(x.shape != values[0].shape or x.ndim != 1 for x in values):
         raise UsageError(f"{path}: members are columns of one length, named as what they set")
     if not len(values[0]):
@@ -99,7 +99,7 @@ class _Reader:
         return Ensemble(self.path, columns, lines, values)
 
     def plain(self) -> Ensemble | None:
-        """Of CSV whose cells are plain numbers alone; None of any other."""
+        """Reads CSV whose cells are all plain numbers; returns None for any other CSV."""
         with open(self.path, "rb") as file:
             if file.read(3) != codecs.BOM_UTF8:
                 file.seek(0)
@@ -120,7 +120,7 @@ class _Reader:
         return Ensemble(self.path, columns, range(2, members + 2), values) if members else None
 
     def parquet(self) -> Ensemble:
-        """Of Parquet; the line of a member is its row, from 1."""
+        """Reads Parquet; members are numbered by row from 1."""
         try:
             import pyarrow.parquet
         except ImportError:
@@ -141,7 +141,7 @@ class _Reader:
         return of_columns(self.path, columns, found)
 
     def _of_parquet(self, file: pyarrow.parquet.ParquetFile, column: Column, one: pyarrow.Field):
-        """A column in SI."""
+        """Returns a column in SI units."""
         import pyarrow
 
         if not (pyarrow.types.is_floating(one.type) or pyarrow.types.is_integer(one.type)):
@@ -159,7 +159,7 @@ class _Reader:
             )
 
     def _lines(self, file: TextIO) -> Iterator[str]:
-        """What never ends, /dev/zero say, is not read to its end."""
+        """Yields lines; raises UsageError at a long line, such as of the endless /dev/zero."""
         number = 0
         while text := file.readline(limits.ENSEMBLE_LINE):
             number += 1
@@ -169,7 +169,7 @@ class _Reader:
             yield text
 
     def _rows(self, file: TextIO) -> Iterator[tuple[int, list[str]]]:
-        """Rows that are not blank, with their lines."""
+        """Yields (line number, cells) of rows that are not blank."""
         reader = csv.reader(self._lines(file), strict=True)
         for row in reader:
             if any(cell.strip() for cell in row):
@@ -205,14 +205,14 @@ class _Reader:
         return self.known[name]
 
     def _value(self, line: int, column: Column, text: str) -> float:
-        # A bare number is in the SI unit of what it sets: the fast way, as files are long.
+        # A plain number is in SI units; long files need this fast path.
         found = float(text) if PLAIN.fullmatch(text) else self._quantity(line, column, text)
         if not math.isfinite(found):
             raise UsageError(f"{self.path}:{line}: column {column.name}: {text} is not finite")
         return found
 
     def _quantity(self, line: int, column: Column, text: str) -> float:
-        """At a line of the file, or at none, which is 0."""
+        """Parses a value with a unit; `line` is for messages, 0 for none."""
         place = (
             f"{self.path}:{line}: column {column.name}"
             if line

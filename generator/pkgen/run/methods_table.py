@@ -1,4 +1,4 @@
-"""The methods of the runtime as a table for people; `--json` has the same as data."""
+"""The methods of the runtime as a text table; `--json` prints the same data."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from ..methods import METHODS
 from ..own.trees import MOST_ORDER
 
-SOME = 5  # methods named in the line of a use
+SOME = 5  # most methods named in the line of a use
 
 HEADER = (
     "method",
@@ -30,7 +30,7 @@ h lambda  the same of a decay q'' = -lambda q'
 """
 
 
-# By family, in this order: when to take its methods.
+# For each family, in the order of the table: when to use its methods.
 USES = {
     "GAUSS": "smooth motions, to any accuracy (the default)",
     "EMBEDDED": "motions with kinks, or of many coordinates",
@@ -56,7 +56,7 @@ WORDS = {
 
 
 def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
-    """Uses with their methods; then a line a method, in this order; then each one's reference."""
+    """Returns uses with their methods, then a table line and a reference for each method."""
     named = {str(m["name"]): m for m in found}
     uses = {use: [n for n in named if METHODS[n].family == of] for of, use in USES.items()}
     uses = {use: names for use, names in uses.items() if names}
@@ -77,7 +77,7 @@ def _some(names: Sequence[str]) -> str:
 
 
 def own_text(found: Sequence[Mapping[str, Any]]) -> str:
-    """Of the author's own methods: a paragraph each."""
+    """Returns a paragraph for each of the model's own methods."""
     return "\n\n".join(_paragraph(m) for m in found)
 
 
@@ -108,10 +108,10 @@ def _said(key: str, value: object) -> str:
 
 
 def in_words(requires: Iterable[str]) -> list[str]:
-    """The facts that a method requires of a system."""
+    """Returns the facts that a method requires of a system, in words."""
     found = [fact.replace("_", " ") for fact in requires]
     found = [WORDS.get(fact, fact) for fact in found]
-    if found[1:]:  # the second says so
+    if found[1:]:  # the other facts imply it
         found = [fact for fact in found if fact != "mass constant"]
     return found
 

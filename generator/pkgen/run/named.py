@@ -1,4 +1,4 @@
-"""The quantities of a compiled model by name, families not written out: there may be millions."""
+"""The quantities of a compiled model by name. Families, of maybe millions, are not listed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..middle.quantities import families, single_rotations
 from ..model import Model, Parameter, State
 from ..record import record
 
-SUGGESTED = 12  # members of a family that a hint goes through
+SUGGESTED = 12  # members of a family that a hint in a message considers
 
 
 @record
@@ -32,7 +32,7 @@ class Declared:
         return Quantity(shown, self.quantity.unit, self.quantity.description)
 
     def members(self, most: int = sys.maxsize) -> list[Quantity]:
-        """The first of them."""
+        """Returns the first `most` members."""
         if self.lo is None:
             return [self.quantity]
         return [self.member(index) for index in range(self.lo, self.lo + min(self.count, most))]
@@ -43,14 +43,14 @@ class Declared:
 
 
 class Named:
-    """Name -> (flat index, quantity). Iteration gives names to suggest, of a family the first."""
+    """Maps name -> (flat index, quantity). Iteration yields only the first names of families."""
 
     def __init__(self, declared: list[Declared]):
         self.declared = declared
         self._by_name = {d.quantity.name: d for d in declared}
 
     def find(self, name: str) -> tuple[Declared, int | None] | None:
-        """What was declared, and the index of the member."""
+        """Returns the declared name and the index of the member; None if the name is unknown."""
         for base, index in ((name, None), parted(name)):
             found = self._by_name.get(base)
             one = found is not None and found.lo is None and index is None
@@ -70,7 +70,7 @@ class Named:
         return flat, declared.member(index)
 
     def place(self, flat: int) -> tuple[int, int]:
-        """Which declared name a flat index is of, and the member counted from 0."""
+        """Returns the number of the declared name of a flat index, and the 0-based member."""
         k = bisect(self.declared, flat, key=lambda item: item.first) - 1
         return k, flat - self.declared[k].first
 
@@ -79,7 +79,7 @@ class Named:
             yield from (quantity.name for quantity in item.members(SUGGESTED + 1))
 
     def names(self) -> Iterator[str]:
-        """All of them."""
+        """Yields all names."""
         return (quantity.name for item in self.declared for quantity in item.members())
 
     @property
@@ -87,7 +87,7 @@ class Named:
         return sum(item.count for item in self.declared)
 
     def columns(self, most: int) -> list[Quantity]:
-        """A quantity a column; of a family of more than `most` members one for all: q[1..N]."""
+        """Returns a quantity per column; one for a whole family of more than `most`: q[1..N]."""
         found = []
         for item in self.declared:
             if item.count > most:
@@ -98,8 +98,8 @@ class Named:
 
 
 def coordinates(compilation: Compilation, rates: bool = False) -> Named:
-    """Those of the equations: a scene may have reduced the model's. Behind the rates stand the
-    states, as they do in C and in every row."""
+    """Returns the coordinates of the equations, which a scene may have reduced; or their rates
+    followed by the states, the order of v in C and in every row."""
     if compilation.looped:
         return _moving(compilation.model, rates)
     e = compilation.equations
@@ -107,12 +107,12 @@ def coordinates(compilation: Compilation, rates: bool = False) -> Named:
 
 
 def declared(compilation: Compilation) -> Named:
-    """The coordinates and states that the model declares."""
+    """Returns the coordinates and states that the model declares."""
     return _moving(compilation.declared, False, states=True)
 
 
 def states(compilation: Compilation) -> frozenset[str]:
-    """The names of the states that are left."""
+    """Returns the names of the states that are left after a scene's reductions."""
     if compilation.looped:
         return frozenset(state.name for state in compilation.model.states)
     return frozenset(q.name for q in compilation.equations.states)
@@ -123,8 +123,8 @@ def with_attitudes(compilation: Compilation) -> bool:
 
 
 def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
-    """Of coordinates and rotations, and then of their rates, the order in which a model with
-    rotations declares them: a quaternion stands where its rotation does, not among the states."""
+    """Returns sort keys of coordinates and rotations, then of their rates, in the order of their
+    declarations: a quaternion stands at its rotation, not among the states."""
     model, e = compilation.declared, compilation.equations
     spans = {item.name: item.span.start for item in model.coordinates}
     found = {}
@@ -137,13 +137,13 @@ def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
 
 
 def has_energy(compilation: Compilation) -> bool:
-    """States alone have none."""
+    """Whether the model has an energy: a model of states alone has none."""
     of = compilation.model if compilation.looped else compilation.equations
     return bool(of.coordinates)
 
 
 def _moving(model: Model, rates: bool, states: bool = False) -> Named:
-    """Coordinates, or their rates and the states."""
+    """Returns the coordinates (with `states`, the states too), or the rates and the states."""
     moving = (*model.coordinates, *model.states)
     found = families(model, moving)
     made = []
@@ -160,14 +160,14 @@ def _moving(model: Model, rates: bool, states: bool = False) -> Named:
 
 
 def parameters(compilation: Compilation) -> Named:
-    """By flat index; see position() for what the loops of C count."""
+    """Returns the parameters by flat index; place() converts it for families kept as loops."""
     if not compilation.looped:
         return Named(_each(slot.quantity for slot in compilation.program.equations.parameters))
     return Named(_plain(compilation.model, compilation.model.parameters))
 
 
 def events(compilation: Compilation) -> list[str]:
-    """Those that are looked for."""
+    """Returns the names of the detected events."""
     return [q.name for q in compilation.equations.event_names]
 
 
@@ -176,7 +176,7 @@ def inputs(compilation: Compilation) -> Named:
 
 
 def observed(compilation: Compilation) -> list[Quantity]:
-    """Each by itself, by the number that it has in C."""
+    """Returns every single output, in the order of C."""
     return [quantity for item in outputs(compilation).declared for quantity in item.members()]
 
 
@@ -194,7 +194,7 @@ def outputs(compilation: Compilation) -> Named:
 
 
 def kinds(compilation: Compilation) -> dict[str, Named]:
-    """The columns that rows have, in their order, by the driver's word for their kind."""
+    """Returns the columns of rows in order, by the runtime's name of their kind."""
     unit = "" if compilation.model.dimensionless else "J"
     energy = [Quantity("energy", unit, "q'.dL/dq' - L")] if has_energy(compilation) else []
     return {
@@ -210,7 +210,8 @@ def set_parameters(
     values: Iterable[tuple[int, float]],
     members: Iterable[tuple[int, int, float]],
 ) -> dict[tuple[str, int | None], float]:
-    """What settings set, by name and index; `members` are of families that are loops."""
+    """Returns the parameters that settings set, by name and index; `members` holds (number,
+    position, value) for families kept as loops."""
     declared = parameters(compilation).declared
     found = {parted(declared[k].quantity.name): x for k, x in values}
     for k, position, x in members:
@@ -219,7 +220,7 @@ def set_parameters(
 
 
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
-    """Each by itself, members of families too."""
+    """Declares each quantity by itself, also members of families."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
 
 

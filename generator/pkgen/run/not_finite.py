@@ -1,4 +1,4 @@
-"""Which constant of a model is not finite at a run's parameters: 1/m at m = 0."""
+"""Finds a constant of a model that is not finite at a run's parameters, such as 1/m at m = 0."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..graph.wording import wording
 
 
 def constant(compilation: Compilation, given: dict[int, float]) -> str:
-    """The first such constant with the parameters it is made of, in words; "" if there is none."""
+    """Returns a message with the first such constant and its parameters; "" if there is none."""
     e = compilation.equations
     g, slots, values = e.graph, e.parameters, {}
 
@@ -20,7 +20,7 @@ def constant(compilation: Compilation, given: dict[int, float]) -> str:
 
     known: dict[int, float] = {}
     below: dict[int, frozenset[int]] = {}
-    for index, slot in enumerate(slots):  # a default follows earlier parameters
+    for index, slot in enumerate(slots):  # a default may depend on earlier parameters
         values[Symbol(Kind.PARAMETER, index)] = given.get(index, 0.0)
         if index not in given:
             (values[Symbol(Kind.PARAMETER, index)],) = evaluate(g, [slot.default], values)

@@ -1,4 +1,4 @@
-"""CSV whose cells are plain numbers alone, read a block at a time."""
+"""Fast reader of CSV whose cells are all plain numbers, block by block."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COMMA, END, POINT, ZERO, NINE = b",\n.09"
 
 
 def blocks(file: BinaryIO, longest: int):
-    """Whole lines, with \\n alone at their ends; None before a line that is longer."""
+    """Yields blocks of whole lines that end with \\n; yields None at a line of `longest` bytes."""
     rest = b""
     while chunk := file.read(BLOCK):
         chunk = rest + chunk
@@ -29,11 +29,11 @@ def blocks(file: BinaryIO, longest: int):
 
 
 def numbers(block: bytes, columns: int) -> numpy.ndarray | None:
-    """Of whole lines, line by line; None unless each has so many numbers, all finite."""
+    """Parses whole lines to a flat array; None unless each line has `columns` finite numbers."""
     if block.translate(None, ALLOWED):
         return None
     text = numpy.frombuffer(block, numpy.uint8)
-    points = numpy.flatnonzero(text == POINT)  # strtod takes .5 and 1. too, the language does not
+    points = numpy.flatnonzero(text == POINT)  # .5 and 1. are no numbers of the language
     beside = text[numpy.concatenate([points - 1, points + 1])]
     if ((beside < ZERO) | (beside > NINE)).any():
         return None
@@ -44,7 +44,7 @@ def numbers(block: bytes, columns: int) -> numpy.ndarray | None:
     if (ends[:, :-1] != COMMA).any() or (ends[:, -1] != END).any():
         return None
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # of what is no number
+        warnings.simplefilter("error", DeprecationWarning)  # raised for text that is no number
         try:
             found = numpy.fromstring(block[:-1].replace(b"\n", b","), sep=",")
         except (DeprecationWarning, ValueError):

@@ -1,4 +1,4 @@
-"""How many rows a run writes: by itself, at most, and what is said of them."""
+"""The number of rows that a run writes: the default, the limit, and messages about them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from . import named
 from .settings import Settings
 
 ROWS = 1000
-NUMBERS = 10_000_000  # written where --every is not given: some 200 MB
+NUMBERS = 10_000_000  # most numbers written without --every: about 200 MB
 
 
 def interval(until: float, step: float | None, numbers: int, most: int = ROWS) -> float:
-    """Time between rows if none is given: `most` rows (fewer, of a long family), a fixed step kept
-    as it is."""
+    """Returns the default time between rows: `most` rows, fewer if a row is long. With a fixed step
+    size it is a multiple of the step."""
     rows = max(1, min(most, NUMBERS // numbers))
     return step * math.ceil(until / (rows * step)) if step else until / rows
 
@@ -31,7 +31,7 @@ def refuse_too_many(
     numbers: int,
     members: int | None,
 ) -> None:
-    """No disk would hold what somebody asks for by mistake. `members`: of several together."""
+    """Raises UsageError for more rows than a disk may hold; `members`: the size of an ensemble."""
     said = too_much(rows, numbers, members)
     if not said:
         return
@@ -51,7 +51,7 @@ def refuse_too_many(
 
 
 def note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:
-    """What is to be said of rows that were not asked for and are fewer than one would think."""
+    """Returns a note if the default number of rows was reduced because rows are long, or ""."""
     numbers = sum(named.coordinates(compilation, rates=rates).count for rates in (False, True))
     if settings.every is None or options.every is not None or numbers * ROWS <= NUMBERS:
         return ""

@@ -1,6 +1,6 @@
-"""The C runtime, compiled in parts: each once for a compiler, its flags and the processor, when a
-model first needs it. Parts are kept in the cache (system/cache.py). A cache that comes to another
-processor is not used there.
+"""Compiles the C runtime in parts, each when a model first needs it, and keeps them in the cache
+(system/cache.py). The key of the cache has the compiler, its flags and the processor, so objects
+for another processor are not used.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from ..system.toolchain import NATIVE, RUNTIME, STANDARD, BuildError, Toolchain,
 SHARED = ("-fPIC", "-fno-semantic-interposition")
 HIDDEN = "-fvisibility=hidden"  # names that no header declares are not exported
 GSL = "libpk_gsl.a"
-LINK_WITH = "link"  # the file beside the libraries with what their users link with
-# The runtime's parts, each compiled when a model first needs it: its folders.
+LINK_WITH = "link"  # file in the folder of the libraries: flags that their users link with
+# The source folders of each part.
 CORE = ("core", "constraints", "explicit", "integrate", "events", "watch")
 PARTS = {
     "core": (
@@ -38,8 +38,8 @@ PARTS = {
 }
 WHOLE = tuple(PARTS)
 ARCHIVES = {"run": "librun.a", "omp": "librun.a", "gsl": GSL, "src": "libpk.a"}  # by top folder
-# Loops over lanes and steps that are not inlined in the model, compiled by all flags. The rest
-# compiles in half the time at -O1, or -Og. A run takes 0 to 5 % longer, of many rows or events 10.
+# HOT: loops over lanes and steps not inlined in a model, compiled with all flags. The rest compiles
+# in half the time at -O1 (QUICK) or -Og. Runs take 0 to 5 % longer, with many rows or events 10 %.
 QUICK = ("src/core", "src/explicit", "src/implicit", "src/integrate", "src/variational")
 HOT = (
     *("src/ensemble/*.c", "src/variational/*.c", "src/implicit/gauss_dense.c"),
@@ -47,7 +47,7 @@ HOT = (
     *("src/core/scale.c", "src/constraints/project.c", "src/watch/diagnostics.c"),
     *("src/events/events_look.c", "src/events/crossings.c"),
 )
-FAMILIES = {  # of methods that are not in the core
+FAMILIES = {  # the parts of families of methods that are not in the core
     **dict.fromkeys(("COLLOCATION", "GAUSS", "RADAU", "EXPONENTIAL"), "implicit"),
     **dict.fromkeys(("LIE_MIDPOINT", "RATTLE"), "variational"),
     "GSL": "diagnose",
@@ -55,8 +55,8 @@ FAMILIES = {  # of methods that are not in the core
 
 
 def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
-    """The directory with librun.a, libpk.a and, where there is GSL, libpk_gsl.a of these parts for
-    this compiler, made if missing."""
+    """Returns the directory with librun.a, libpk.a and, if GSL is installed, libpk_gsl.a of these
+    parts; builds missing ones."""
     names = [part for part in PARTS if part in parts]
 
     def make(new: Path) -> None:
@@ -75,9 +75,9 @@ def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
 
 
 def runtime_name(tools: Toolchain) -> str:
-    """A digest of the sources, the compiler and its flags."""
+    """Returns a digest of the sources, the compiler and its flags."""
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())
-    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # the flags stand in this file
+    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # this file has some flags
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
 
@@ -89,7 +89,7 @@ def _ar() -> str:
 
 
 def _compiled(tools: Toolchain, part: str) -> Path:
-    """The objects of a part, named ARCHIVE-FOLDER_FILE.o."""
+    """Returns the folder with the objects of a part, named ARCHIVE-FOLDER_FILE.o."""
 
     def make(new: Path) -> None:
         say(f"compiling the runtime: {part} (once)")
@@ -120,7 +120,7 @@ def _compiled(tools: Toolchain, part: str) -> Path:
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    """As many compilers at once as there are processors, whatever the parts."""
+    """One pool for all parts: at most as many compilers at once as there are processors."""
     return ThreadPoolExecutor(os.cpu_count())
 
 
@@ -136,7 +136,7 @@ def _link_with(library: Path) -> list[str]:
 
 
 def _threads(tools: Toolchain, directory: Path) -> list[str]:
-    """Flags for OpenMP, where the compiler can link with it."""
+    """Returns flags for OpenMP if the compiler can link with it, else []."""
     (directory / "omp.c").write_text(
         "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n",
         encoding="utf-8",
@@ -149,7 +149,7 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
 
 
 def runtime_links(tools: Toolchain, library: Path) -> list[str]:
-    """Libraries to link after librun.a. The core needs no GSL."""
+    """Returns the libraries to link after librun.a. The core needs no GSL."""
     gsl = [str(library / GSL)] if (library / GSL).exists() else []
     libraries = tools.gsl_libs if gsl or not tools.has_gsl else ()
     return [*gsl, str(library / "libpk.a"), *libraries, "-lm", *_link_with(library)]
@@ -160,11 +160,11 @@ def _gsl(tools: Toolchain) -> list[str]:
 
 
 def needed(methods: Iterable[Method], more: Iterable[str] = ()) -> tuple[str, ...]:
-    """The parts that runs by these methods need, with `more`."""
+    """Returns the parts that runs by these methods need, and `more`."""
     found = {"core", *more, *(part_of(method.family) for method in methods)}
     return tuple(part for part in PARTS if part in found)
 
 
 def part_of(family: str) -> str:
-    """The part that has the methods of a family."""
+    """Returns the part that contains the methods of a family."""
     return FAMILIES.get(family, "core")

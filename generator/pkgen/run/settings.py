@@ -9,7 +9,7 @@ from ..record import record
 
 @record
 class PartSettings:
-    """How a block of coordinates is integrated by itself."""
+    """Settings of one block of coordinates that is integrated by itself."""
 
     method: str
     step: float | None
@@ -19,7 +19,7 @@ class PartSettings:
 
 @record
 class Shown:
-    """A column of the rows: its kind, the index there."""
+    """A column of the rows: its kind, and its index among the columns of that kind."""
 
     kind: str  # q, v, observed, energy
     index: int
@@ -30,26 +30,26 @@ class Shown:
 class Compared:
     """A relation between columns."""
 
-    text: str  # the expectation as it is written
-    relation: str
+    text: str  # the text of the expectation in the model
+    relation: str  # =, < or >
     a: Shown
     b: Shown
-    within: Shown | None
-    at: float | None  # a time
-    event: int | None  # with neither: in all rows
+    within: Shown | None  # tolerance
+    at: float | None  # time of the check
+    event: int | None  # event of the check; if both are None: in all rows
 
 
 @record
 class Watched:
-    """What is to be measured; a drift is of an output, or of the energy (None). Outputs that
-    are hidden are made for this alone."""
+    """Relations to check and drifts to measure, of outputs by index or of the energy (None).
+    `hidden` outputs exist only for this."""
 
     compared: tuple[Compared, ...] = ()
     drifts: tuple[int | None, ...] = ()
     hidden: tuple[int, ...] = ()
 
     def columns(self) -> list[Shown]:
-        """Both sides of each relation, under the name of the whole."""
+        """Returns both sides of each relation, each named with the text of the relation."""
         sides = ((c.text, side) for c in self.compared for side in (c.a, c.b))
         return [replace(side, name=text) for text, side in sides]
 
@@ -59,31 +59,32 @@ NOTHING = Watched()
 
 @record
 class Settings:
-    """Of one run; values in SI. Indices count flattened quantities in declaration order, those of
-    parameters declared names where families are loops."""
+    """Settings of one run, in SI units. Indices count flattened quantities in declaration order; if
+    families are kept as loops, parameters are counted by declared name."""
 
     method: str
     until: float
-    every: float | None  # None: rows at an event, or an ensemble's final states, alone
+    every: float | None  # None: rows only at event `at`, or final states of an ensemble
     step: float | None
     rtol: float
-    atol: float | None  # None: of the motion
+    atol: float | None  # None: chosen from the motion
     iteration: str
     max_steps: int
     max_step: float | None
     parameters: tuple[tuple[int, float], ...]
-    members: tuple[tuple[int, int, float], ...]  # of families kept as loops: which one, position
+    members: tuple[tuple[int, int, float], ...]  # in loops over families: (index, position, value)
     inputs: tuple[tuple[int, float], ...]
     start_q: tuple[tuple[int, float], ...]
     start_v: tuple[tuple[int, float], ...]
-    show: tuple[Shown, ...] = ()  # the columns behind t; none: all
-    at: int | None = None  # the event that has rows
-    # Of members "events", or "times" too, are looked for, "": none; "none": no drifts either.
+    show: tuple[Shown, ...] = ()  # the columns after t; (): all
+    at: int | None = None  # the event whose occurrences are rows
+    # Ensemble members: "events" detects events, "times" also reports first times. "": neither.
+    # "none": neither, and no drifts.
     watch: str = ""
     diagnose: tuple[str, ...] = ()
-    watched: Watched = NOTHING  # what a scene expects
-    rows: str = ""  # land or dense: by steps that end there, or between steps; "": as it is best
-    accuracy: float | None = None  # promised, by a method that is yet to be chosen
-    compiled_for: tuple[str, ...] = ()  # methods that are fastest in the program; none: its own
-    parts: tuple[PartSettings, ...] = ()  # none: all as the whole
-    units: bool = False  # in the header
+    watched: Watched = NOTHING  # expectations of a scene
+    rows: str = ""  # "land": steps end at rows; "dense": dense output; "": whichever is better
+    accuracy: float | None = None  # promised accuracy, while the method is still to be chosen
+    compiled_for: tuple[str, ...] = ()  # methods with inlined steps; (): `method` and of `parts`
+    parts: tuple[PartSettings, ...] = ()  # (): all coordinates together
+    units: bool = False  # whether the CSV header has units

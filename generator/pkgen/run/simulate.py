@@ -1,4 +1,4 @@
-"""`pkgen run`: integrate a compiled model, and keep what came out."""
+"""`pkgen run`: integrates a compiled model, and writes rows and the report."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from .ensemble import Ensemble
 from .library import Run, load
 from .settings import Settings, Shown
 
-LISTED = 10_000  # members of a family that are described one by one
+LISTED = 10_000  # largest family whose members are described one by one
 
 
 @record
 class Outcome:
-    """How a run ended: the code, its report, and what it said."""
+    """The result of a run: its code, report and messages."""
 
     code: int
     report: dict[str, object]
@@ -36,7 +36,7 @@ class Outcome:
 
     @property
     def whole(self) -> bool:
-        """Whether all rows are written; a diagnostic, made after them, may fail."""
+        """Whether all rows are written; a later diagnostic may still have failed."""
         return bool(self.report.get("whole"))
 
 
@@ -46,7 +46,7 @@ def columns(
     show: tuple[Shown, ...] = (),
     listed: int = LISTED,
 ) -> list[Quantity]:
-    """The columns of the CSV, in order; of a family of more than `listed` members one for all."""
+    """Returns the columns of the CSV in order; one for a family of more than `listed` members."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     kinds = named.kinds(compilation)
     if show:
@@ -57,7 +57,7 @@ def columns(
 
 
 def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Path:
-    """The library of the model. Raises BuildError if C cannot be compiled."""
+    """Builds the library of the model. Raises BuildError if C cannot be compiled."""
     return build_library(
         compilation.files,
         compilation.model.name,
@@ -80,9 +80,9 @@ def simulate(
     npy: bool = False,
     **more: object,
 ) -> Outcome:
-    """Run the model, its rows going to `output`, as CSV or as an array of float64 with named
-    columns: numpy.load(file)["theta1"]. SIGINT ends it with what there is. `more` are settings of
-    the runtime that stand as they are."""
+    """Runs the model and writes its rows to `output`, as CSV or (`npy`) as an array of float64 with
+    named columns: numpy.load(file)["theta1"]. SIGINT ends the run and keeps its rows. `more` sets
+    members of pk_run_settings directly."""
     if npy:
         import numpy
 
@@ -107,7 +107,7 @@ def followed(
     on_progress: Callable[[float], None] | None = None,
     **more: object,
 ) -> tuple[Run, Outcome]:
-    """The run, and how it ended; its rows are kept unless they go elsewhere."""
+    """Runs the model; returns run and outcome. Rows stay in memory unless `more` has csv."""
     with children.stopping() as stopped:
 
         def poll(part: float) -> bool:
@@ -122,7 +122,7 @@ def followed(
 def outcome(
     compilation: Compilation, settings: Settings, done: Run, ensemble: Ensemble | None = None
 ) -> Outcome:
-    """Of a run that is over, with what its messages name as the user knows it."""
+    """Returns the outcome of a finished run, with quantities in messages as the user names them."""
     messages = "".join(f"run: {line}\n" for line in done.messages.splitlines())
     if done.not_finite and not compilation.looped:
         constant = not_finite.constant(compilation, dict(settings.parameters))
@@ -131,7 +131,7 @@ def outcome(
 
 
 def _write_header(columns: list[Quantity], fd: int) -> None:
-    """In place of the runtime's, which knows no units of time and energy."""
+    """Writes the CSV header; the runtime's own has no units of time and energy."""
     with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
         names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
         writer(file, lineterminator="\n").writerow(names)
@@ -144,7 +144,7 @@ def sidecar(
     data: str,
     ensemble: Ensemble | None = None,
 ) -> dict[str, object]:
-    """What stands beside an output file: units, settings and the report."""
+    """Returns the content of the sidecar of an output file: units, settings and the report."""
     of = {"ensemble": ensemble.title} if ensemble else {}
     return {
         "pkgen": __version__,

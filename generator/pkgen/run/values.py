@@ -1,4 +1,4 @@
-"""Values, names and assignments in options of the command line, for a given model. Every error is a
+"""Parses values, names and assignments in command line options for a model. Every error is a
 UsageError."""
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .simulate import columns
 
 @record
 class _Start:
-    order: int  # 0 of a coordinate, 1 of a rate
+    order: int  # 0: a coordinate, 1: a rate
     index: int
     value: float
 
@@ -33,7 +33,7 @@ _NEXT = re.compile(r",\s*(?=[A-Za-z_]\w*(?:\[[^\]]*\])?'*\s*=)")
 
 
 class Values:
-    """Values of options for one model: its units, its sizes, its names."""
+    """Parser of option values for one model, with its units, sizes and names."""
 
     def __init__(self, compilation: Compilation):
         self.compilation = compilation
@@ -60,7 +60,7 @@ class Values:
         return self.kept(found)
 
     def kept(self, found: Fraction | float) -> float:
-        """What a run makes of a value; whoever wants the decimals that are written keeps them."""
+        """Returns a value as a float; a subclass may keep the exact decimals."""
         return float(found)
 
     def positive(self, option: str, text: str | None, unit: str) -> float | None:
@@ -79,7 +79,7 @@ class Values:
         known: named.Named,
         others: named.Named,
     ) -> tuple[tuple[int, float], ...]:
-        """Those of the assignments whose left side is in `known`, as (index, value)."""
+        """Returns the assignments whose left side is in `known`, as (index, value)."""
         found = []
         for left, text in assignments:
             name = self.flat_name(option, left)
@@ -91,8 +91,8 @@ class Values:
         return tuple(found)
 
     def read(self, sets: list[tuple[str, str]]) -> tuple[list[tuple[str, str]], list[str]]:
-        """`--set`: those of parameters that are there, and what the scene left out; these must be
-        right all the same."""
+        """Splits `--set` into assignments of existing parameters and names of parameters that the
+        scene removed; values of these are checked too."""
         declared = {p.name: p for p in self.compilation.declared.parameters}
         found, unread = [], []
         for left, text in sets:
@@ -108,7 +108,8 @@ class Values:
         return found, unread
 
     def starts(self, given: list[str]) -> tuple[list[_Start], dict[int, float]]:
-        """`--start`: those of coordinates and rates, and those that have become parameters."""
+        """Parses `--start`: returns starts of coordinates and rates, and starts that became
+        parameters, as index: value."""
         report = self.compilation.report
         parameters = named.parameters(self.compilation)
         declared = named.declared(self.compilation)
@@ -126,7 +127,7 @@ class Values:
                 raise UsageError(
                     f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
                 )
-            elif name in self.coordinates or name in self.rates:  # which a state is
+            elif name in self.coordinates or name in self.rates:  # the rates include the states
                 order = side.order or int(name not in self.coordinates)
                 among = self.rates if order else self.coordinates
                 index, quantity = among[name + "'" * side.order]
@@ -144,7 +145,7 @@ class Values:
         return found, of_parameters
 
     def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
-        """What a rotation and its body rates are started by."""
+        """Returns the quantities that set the start of a rotation and of its body rates."""
         rotations = single_rotations(self.compilation.declared)
         return {r.name: r.quaternion for r in rotations} | {
             f"omega({r.name})": r.rates for r in rotations
@@ -153,7 +154,7 @@ class Values:
     def by_key(
         self, parameters: named.Named, values: dict[int, float]
     ) -> dict[tuple[str, int | None], float]:
-        """Values of parameters under their names and indices."""
+        """Returns values of parameters by (name, index)."""
         found = {}
         for item in parameters.declared:
             for flat, x in values.items():
@@ -163,7 +164,7 @@ class Values:
         return found
 
     def shown(self, name: str, option: str = "--record") -> Shown:
-        """A column of the rows, by the index that the driver counts."""
+        """Returns the column of a name, with the index of the runtime. Raises UsageError."""
         kinds = named.kinds(self.compilation)
         for kind, known in kinds.items():
             if name in known:
@@ -172,7 +173,7 @@ class Values:
         raise UsageError(unknown(option, name, columns, "column"))
 
     def standard(self) -> list[Shown]:
-        """What rows have of a model with rotations, in the order in which it is declared."""
+        """Returns the default columns of a model with rotations, in the order of declarations."""
         names = [column.name for column in columns(self.compilation, listed=sys.maxsize)[1:]]
         places = named.places(self.compilation)
         return [self.shown(name) for name in sorted(names, key=lambda n: places.get(n, (2, 0)))]

@@ -1,4 +1,4 @@
-"""What a scene asks of a model: the equations it needs, settings of a run, what it expects.
+"""Scenes: the equations that a scene needs, settings of its run, and its expectations.
 
-Called by `explain`, `analysis` and `cli`.
+`explain`, `analysis` and `cli` call this package.
 """

@@ -1,5 +1,5 @@
-"""What is wrong with a scene that only its equations show: a method that does not fit them, a drift
-of what is not constant, a motion that cannot be given."""
+"""Errors of a scene that only its equations show: a method that does not fit them, a drift of a
+quantity that is not constant, a motion that cannot be prescribed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from . import compile_plan as scene_use
 from . import expects, lengths
 from . import model as scene_model
 
-# What options make of the model that the scene does not.
+# Options that change the model which a scene alone would give, with their texts in messages.
 _OTHERWISE = {
     "no_reduce": "--no-reduce switches reductions off",
     "set": "--set leaves parameters to the run",
@@ -40,8 +40,8 @@ NOT_PROMISED = (
 
 
 def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagnostic]:
-    """Of a scene as it is written; `given` are sizes other than the file's."""
-    unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as it is run
+    """Returns the errors of a scene without options; `given`: sizes that replace the file's."""
+    unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as in a run
     use = scene_use.as_written(scene.name)
     made = stages(declared.source, given, unroll=unroll, use=use)
     try:
@@ -57,8 +57,8 @@ def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagn
 
 
 def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) -> None:
-    """Of a scene that is run, options beside it. Raises ModelError; UsageError where the scene is
-    right and these are not."""
+    """Checks a scene that runs with options. Raises ModelError for errors of the scene alone,
+    UsageError for errors that the options cause."""
     equations, structure = compilation.equations, compilation.structure
     alone = replace(scene, method="") if options.method else scene
     own = compilation.model.methods
@@ -73,7 +73,7 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
     as_written = wrong(declared, lengths.given(options.size), alone)
     if as_written:
         raise ModelError(declared.source, as_written)
-    # What is constant in the scene is so without its reductions: it is the same motion.
+    # Without --set, drift errors do not count: the scene has the same motion without reductions.
     for item in found if options.set else compiled:
         why = ", ".join(text for name, text in _OTHERWISE.items() if getattr(options, name))
         place = declared.source.place(item.span)
@@ -81,7 +81,7 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
 
 
 def refuse_method(compilation: Compilation, scene: Scene) -> None:
-    """Of a scene whose C is written. Raises ModelError."""
+    """Checks the method of a scene whose C is written. Raises ModelError."""
     found = [*_unfit(scene, compilation.structure, compilation.model.methods)]
     if found:
         raise ModelError(compilation.declared.source, found)
@@ -119,7 +119,7 @@ def _drifting(
 
 
 def _alike(declared: Model, scene: Scene, report: Report) -> Iterator[Diagnostic]:
-    """Members of a swarm whose starts have no effect on what is recorded of them."""
+    """Yields an error for a swarm whose starts have no effect on the recorded columns."""
     differ = [s for s in scene.starts if scene_model.of_swarm(scene, s.value)]
     if not differ or any(_has_effect(declared, start, report) for start in differ):
         return

@@ -1,4 +1,4 @@
-"""What a scene makes of its model, from the options of the command line beside it."""
+"""How a scene and the options of the command line restrict a model: makes a `Use` for compiling."""
 
 from __future__ import annotations
 
@@ -28,33 +28,33 @@ from . import scene as scenes
 from .options import OPTIONS, is_motion, with_options
 
 FOLD = "fold"
-EXACT = "exact"  # the flow of a linear system, by its exponential
-UNREAD = "unread"  # parameters
+EXACT = "exact"  # the exact flow of a linear system by the matrix exponential
+UNREAD = "unread"  # removal of parameters that nothing reads
 EVERY = frozenset((*REDUCTIONS, FOLD, APART, EXACT, UNREAD))
 
 
 @record(kw_only=True)
 class Overrides:
-    """What options say beside the scene."""
+    """Options that override a scene."""
 
-    columns: tuple[str, ...] | None = None  # other ones
+    columns: tuple[str, ...] | None = None  # recorded columns; None: the scene's
     event: str | None = None
-    run_time: frozenset[str] = frozenset()  # parameters to be set in the run
-    off: frozenset[str] = frozenset()  # reductions that are not to be made
+    run_time: frozenset[str] = frozenset()  # parameters that are set at run time
+    off: frozenset[str] = frozenset()  # reductions that are switched off
     method: str = ""
-    apart: bool = False  # blocks of coordinates may be integrated apart
-    judged: bool = True  # what the scene expects is measured
+    apart: bool = False  # whether blocks of coordinates may be integrated separately
+    judged: bool = True  # whether the scene's expectations are checked
     rtol: float | None = None
-    steps: bool = False  # a step is given
-    several: bool = False  # members of a file
+    steps: bool = False  # whether a step size is given
+    several: bool = False  # whether an ensemble file has members
 
     def event_of(self, scene: Scene) -> str:
-        """The one at which rows are, "" of none."""
+        """Returns the event whose occurrences are rows, or ""."""
         return self.event or (scene.record.at if scene.record else "")
 
 
 def of_run(options: argparse.Namespace) -> Use | None:
-    """For a run: no more than its rows need; without a scene all coordinates and parameters."""
+    """Returns the use for a run: what its rows need; without a scene, everything."""
     columns = None
     if options.record is not None:
         columns = tuple("".join(name.split()) for name in options.record.split(","))
@@ -63,7 +63,7 @@ def of_run(options: argparse.Namespace) -> Use | None:
     if options.diagnose:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
-        # Normal modes are of what rests, and cyclic coordinates go on.
+        # Normal modes need an equilibrium, and cyclic coordinates do not rest: these are removed.
         off |= {*REDUCTIONS} - ({"cyclic"} if options.diagnose == "modes" else set())
     asked = Overrides(
         columns=columns,
@@ -79,7 +79,7 @@ def of_run(options: argparse.Namespace) -> Use | None:
     use = replace(_use(name, asked), declared=with_options(options, columns or ()))
 
     def kernels(used: Model, made: tuple | None) -> frozenset[str] | None:
-        """Diagnostics, and trials of methods, call others."""
+        """Returns the kernels of the run; None for diagnostics and trials of methods: all."""
         scene = _chosen(used, name, asked)
         own = (options.method, options.step, options.rtol, options.atol)
         if options.diagnose or (scene.accuracy is not None and not any(own)):
@@ -90,7 +90,7 @@ def of_run(options: argparse.Namespace) -> Use | None:
 
 
 def _number(text: str | None) -> float | None:
-    """Of an option that is judged elsewhere."""
+    """Parses an option; returns None for an error, which is reported elsewhere."""
     try:
         return None if text is None else float(text)
     except ValueError:
@@ -98,10 +98,10 @@ def _number(text: str | None) -> float | None:
 
 
 def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None) -> frozenset[str]:
-    """What the method of a run calls: the default one, as far as it is known before values are."""
+    """Returns the kernels of the run's method, or of its default before parameters are known."""
     method, rtol = asked.method or scene.method, asked.rtol
     if rtol is None and scene.rtol is not None:
-        with suppress(WrongValue):  # of a parameter: what is chosen is right, if not the fewest
+        with suppress(WrongValue):  # a parameter: the default is valid, maybe with more kernels
             rtol = Values(model, {}).number("rtol", scene.rtol)
     steps = asked.steps or scene.step is not None
     at = asked.event_of(scene)
@@ -113,14 +113,14 @@ def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     found = called(of) if of else called("gauss") | {"mass", LINEAR_OF_FEW}
     watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
     if watched:
-        found -= {"advance"}  # many steps in one call would pass over them
+        found -= {"advance"}  # its many steps in one call would miss events
     if several and (made is None or _side_by_side(*made, of)):
         found |= {"members"}
     return found
 
 
 def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None) -> frozenset[str]:
-    """What a run calls besides: the drift of what is constant, and how singular M is."""
+    """Returns the other kernels of a run: for drifts of constants, and for a check of M."""
     found = {"canonical", "conserve"}
     columns = asked.columns or scene_model.columns(scene)
     whole = asked.columns is None and scene.record is None
@@ -130,7 +130,7 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
     definite = structure and getattr(structure, "definite", True)
-    solved = made and getattr(made[0], "constraints", ())  # by the inertia
+    solved = made and getattr(made[0], "constraints", ())  # constrained motion uses the inertia
     needed = not definite or not (several or solved or structure.mass_diagonal)
     if needed and not (made and _without_mass(made[0])):
         found |= {"mass"}
@@ -138,24 +138,24 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
 
 
 def _without_mass(e: object) -> bool:
-    """Whether the accelerations come along a tree: of so many bodies M is longer than these."""
+    """Whether a tree of bodies has accelerations without M, whose code would be longer."""
     return isinstance(e, Equations) and e.acceleration is not None and looped(e.graph, e.mass)
 
 
 def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
-    """As runtime/src/ensemble/abreast.c has it; loops are over members of a family."""
+    """Whether members run in lanes (runtime/src/ensemble/abreast.c); not if kept as loops."""
     if not isinstance(equations, Equations) or equations.constraints:
         return False
     return in_lanes(method, structure)
 
 
 def whole(options: argparse.Namespace) -> Use | None:
-    """For charts and maps: all coordinates that the scene does not hold, all parameters."""
+    """Returns the use for charts and maps: all parameters, all coordinates that are not held."""
     return _of_options(options, None)
 
 
 def enclosed(options: argparse.Namespace) -> Use | None:
-    """For bounds: all of it, and what the scene sets as it is written, not as a double."""
+    """Returns the use for rigorous bounds: everything, with a scene's settings as exact numbers."""
     columns = None
     if options.record is not None:
         columns = tuple("".join(name.split()) for name in options.record.split(","))
@@ -165,7 +165,7 @@ def enclosed(options: argparse.Namespace) -> Use | None:
 def _of_options(
     options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str] = EVERY
 ) -> Use | None:
-    """All of a model, or of what a scene makes of it, with columns and motions of inputs."""
+    """Returns the use of a model with a scene, columns or input motions of options; else None."""
     if options.scene is None and columns is None and not any(map(is_motion, options.set)):
         return None
     asked = Overrides(columns=columns, run_time=_run_time(options), off=off)
@@ -174,30 +174,30 @@ def _of_options(
 
 
 def _run_time(options: argparse.Namespace) -> frozenset[str]:
-    """The parameters and inputs that are set to numbers, when a program runs."""
+    """Returns the parameters and inputs that --set sets to numbers, at run time."""
     numbers = (text for text in options.set if not is_motion(text))
     return frozenset(text.partition("=")[0].strip() for text in numbers)
 
 
 def as_written(name: str) -> Use:
-    """For what is to be known of a scene without options; no C is made of it."""
+    """Returns the use for checks of a scene without options; no C is made of it."""
     use = _use(name, Overrides(apart=True))
     return Use(use.model, use.needs, lambda *_: ENOUGH)
 
 
 def of_compile(options: argparse.Namespace) -> Use | None:
-    """For C of a scene."""
+    """Returns the use for writing the C of a scene; None without a scene."""
     if options.scene is None:
         return None
-    more = frozenset({"canonical"}) if options.canonical else frozenset()  # p of the starts
+    more = frozenset({"canonical"}) if options.canonical else frozenset()  # momenta at the start
     return of_scene(options.scene, switched_off(options.no_reduce), more)
 
 
 def of_scene(
     name: str, off: frozenset[str] = frozenset(), more: frozenset[str] = frozenset()
 ) -> Use:
-    """For C to be embedded: named after model and scene, and no more kernels than the scene's
-    method calls, and `more`."""
+    """Returns the use for embedded C: named after model and scene, with only the kernels of the
+    scene's method and columns, and `more`."""
     asked = Overrides(off=off, apart=True, judged=False)
     use = _use(name, asked, swarm=True)
 
@@ -213,21 +213,22 @@ def of_scene(
 
 
 def shown(model: Model, scene: Scene) -> frozenset[str]:
-    """The kernels of what it records: all where it says nothing about that."""
+    """Returns the kernels of the scene's recorded columns; by default all columns."""
     if scene.record is None:
         return frozenset({"energy", "conserve"})
     return frozenset({"energy"} & set(scene_model.columns(scene)))
 
 
 def _divided(model: Model, scene: Scene, columns: Iterable[str]) -> bool:
-    """Whether an accuracy can be promised part by part: not of what may be made of several."""
+    """Whether blocks may be separate: an accuracy cannot be promised block by block for columns or
+    expectations that may combine several blocks."""
     coordinates = {item.name for item in model.coordinates}
     plain = all(column.rstrip("'").split("[")[0] in coordinates for column in columns)
     return scene.accuracy is None or (plain and not scene.expects)
 
 
 def switched_off(text: str | None) -> frozenset[str]:
-    """`--no-reduce`, or `--no-reduce=cyclic,fold`."""
+    """Parses `--no-reduce` (all) or `--no-reduce=cyclic,fold`. Raises UsageError."""
     if text is None:
         return frozenset()
     names = frozenset(name.strip() for name in text.split(","))

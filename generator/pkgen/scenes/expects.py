@@ -1,8 +1,7 @@
-"""`expect`: what a scene promises of its run, as outputs of the model and settings of the driver.
+"""`expect` statements of a scene, as outputs of the model and settings of the runtime.
 
-A relation between what moves is measured in C where it is to hold: runtime/run/look/expect.c. One
-of numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the run is over:
-`scenes/judge.py`.
+Relations between columns are checked in C during the run: runtime/run/look/expect.c. Relations of
+drift(X) and time(EVENT), numbers of a whole run, are checked after it: `scenes/judge.py`.
 """
 
 from __future__ import annotations
@@ -20,7 +19,8 @@ from ..tree import Expr, Name, Number, Prime
 def outputs(
     scene: Scene, has: Callable[[str], bool] = lambda _: False
 ) -> dict[str, tuple[Expr, Span]]:
-    """What the model is to have as outputs, under their names; `has` knows what is a column."""
+    """Returns the outputs that the model needs for expectations, by name; `has` tests for existing
+    columns."""
     found = {}
     for i, item in enumerate(scene.expects, 1):
         for k, call in enumerate(calls(item, "drift"), 1):
@@ -35,19 +35,19 @@ def outputs(
 
 
 def columns(scene: Scene) -> frozenset[str]:
-    """The names of columns that it compares."""
+    """Returns the names of the columns that expectations compare."""
     sides = (side for item in scene.expects if not of_run(item) for side in (item.a, item.b))
     return frozenset(map(column, sides)) - {""}
 
 
 def drifting(scene: Scene) -> frozenset[str]:
-    """The names whose drift is asked for."""
+    """Returns the names of columns whose drift is requested."""
     drifts = (call for item in scene.expects for call in calls(item, "drift"))
     return frozenset(column(call.arguments[0]) for call in drifts) - {""}
 
 
 def column(expr: Expr) -> str:
-    """The name of a column, of an expression that is no more than that: x, x', q[2]; or ""."""
+    """Returns the column that an expression names, such as x, x', q[2]; "" for other ones."""
     if isinstance(expr, Prime):
         of = column(expr.of)
         return of and of + "'"
@@ -57,14 +57,14 @@ def column(expr: Expr) -> str:
 
 
 def events(scene: Scene) -> frozenset[str]:
-    """Those at which something is expected, or whose time is."""
+    """Returns the events at which a relation is expected, or whose time is compared."""
     times = (call for item in scene.expects for call in calls(item, "time"))
     names = {item.event for item in scene.expects if item.event}
     return frozenset(names | {call.arguments[0].id for call in times})
 
 
 def written(source: Source, item: Expect) -> str:
-    """An expectation as its author has it."""
+    """Returns the text of an expectation in the model."""
     text = " ".join(source.text[item.span.start : item.span.end].split())
     return f"{text} ({item.component})" if item.component else text
 
@@ -77,8 +77,8 @@ def watched(
     times: tuple[float | None, ...],
     shown: Callable[[str], Shown],
 ) -> Watched:
-    """`observed` and `events` are those of what was compiled, and `shown` looks up its columns;
-    `times` are those of the expectations."""
+    """Returns the settings for expectations. `observed` and `events` are the names in the compiled
+    model, `shown` finds its columns; `times` has a time or None for each expectation."""
     index = {name: k for k, name in enumerate(observed)}
     compared, drifts = [], []
 

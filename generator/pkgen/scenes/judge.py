@@ -1,4 +1,4 @@
-"""Whether a scene's expectations were met, by what the driver reports."""
+"""Evaluates a scene's expectations from the report of a run."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .expects import of_run, written
 
 @record
 class Verdict:
-    """Of one expectation: `value` and `bound` where it was missed most, or least met."""
+    """The verdict on one expectation; `value` and `bound` are from the worst case."""
 
     text: str
     span: Span
     met: bool
-    said: str  # why it is not met
+    said: str  # reason for a miss
     value: float | None
     bound: float | None
     within: float | None
@@ -37,7 +37,7 @@ class Verdict:
 
 
 class Judge:
-    """Of a run of a scene; `values` are those of its parameters, `member` names one of several."""
+    """Judges a run of a scene; `values` has its parameters, `member` gives a member's name."""
 
     def __init__(
         self,
@@ -110,7 +110,7 @@ class Judge:
         return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
 
     def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
-        """The case that misses by the most, or is nearest to it: of one run, or of a member."""
+        """Returns the verdict of the case, a run or a member, with the largest miss."""
         worst = None
         for numbers, member in cases:
             verdict = self._case(item, numbers, member)
@@ -140,12 +140,12 @@ class Judge:
         return self._verdict(item, met, said, **keep)
 
     def _event(self, name: str) -> dict:
-        """There is none where the start was refused."""
+        """Returns the report of an event; without times if the start was refused."""
         none = {"name": name, "times": []}
         return next((e for e in self.report["events"] if e["name"] == name), none)
 
     def _times(self, name: str) -> list[float | None]:
-        """When it first happens: in the run, or in each member."""
+        """Returns the first time of an event, in the run or in each member; None if never."""
         event = self._event(name)
         return event["first"] if "first" in event else [*event["times"][:1]] or [None]
 
@@ -155,7 +155,7 @@ class Judge:
                 return Number(Fraction(numbers[part]), part.span)
             return None
 
-        if expr in numbers:  # by itself, of many members
+        if expr in numbers:  # fast path for many members
             return numbers[expr]
         if any(isinstance(part, Call) and part in numbers for part in within(expr)):
             return self.values.number("expect", replaced(expr, known))
@@ -172,7 +172,7 @@ class Judge:
         within: float | None = None,
         **_: object,
     ) -> str:
-        """The value, the bound, and by how much."""
+        """Returns the message of a miss: the value, the bound, and their difference."""
         if value is None or bound is None:
             return f"no finite number{where}"
         off = abs(value - bound)

@@ -1,4 +1,4 @@
-"""Lengths of families: those of the command line, and up to which a run has no loops."""
+"""Lengths of families: --size, and the limits up to which families are unrolled."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from .. import limits
 from ..system.exits import UsageError
 
 UNROLL = 16  # coordinates up to which a run is faster as straight-line code
-UNROLL_MEMBERS = 64  # those of an ensemble, which straight-line code has in lanes
+UNROLL_MEMBERS = 64  # the same for ensembles, whose straight-line code runs in SIMD lanes
 
 
 def unroll(options: argparse.Namespace, several: bool = False) -> int | None:
-    """Up to how many coordinates families are written out; None: any number."""
+    """Returns the number of coordinates up to which families are unrolled; None: no limit."""
     usual = UNROLL_MEMBERS if several else UNROLL
     return {"all": None, "none": 0}.get(getattr(options, "unroll", None), usual)
 
 
 def given(assignments: Iterable[str]) -> dict[str, int]:
-    """`--size N=64`, repeatable."""
+    """Parses `--size N=64`, repeatable. Raises UsageError."""
     found = {}
     for text in assignments:
         name, equal, value = text.partition("=")

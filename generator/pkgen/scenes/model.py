@@ -1,7 +1,7 @@
-"""What a scene makes of its model before that is compiled: starts, driven inputs, outputs.
+"""Changes that a scene makes to its model before compiling: starts, driven inputs, outputs.
 
-Outputs that only an expectation needs are hidden: their names begin with a digit, as no author's
-do, and rows have no column of them.
+Outputs for expectations alone are hidden: their names begin with a digit, unlike names in models,
+and rows have no column of them.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from . import expects
 
 
 def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
-    """The model with the scene's starts, inputs that it drives, and outputs for what no column has
-    yet. Inputs in `given` are set by an option and so not driven."""
+    """Returns the model with the scene's starts, driven inputs, and outputs that are not yet
+    columns. Inputs in `given` are set by an option and so not driven."""
     held = _held(model, scene)
     extra: dict[str, Definition] = {}
 
@@ -55,7 +55,7 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
 def written_out(
     model: Model, columns: Iterable[str], scene: Scene | None = None
 ) -> tuple[str, ...]:
-    """Columns as an option names them: of a vector, each component; the scene's are known too."""
+    """Returns the columns that an option names, with vectors and rotations as components."""
     recorded = scene.record.columns if scene is not None and scene.record else ()
     known = {item.name.rstrip("'") for item in (*model.observed, *model.conserved, *recorded)}
     known |= {parted(item.name.rstrip("'"))[0] for item in recorded}
@@ -79,8 +79,8 @@ def written_out(
 
 
 def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
-    """The scene with other columns. A name that can be none is left out: it is reported where
-    columns are looked up among those of the run."""
+    """Returns the scene with other columns. Invalid names are left out here, and reported when
+    columns of the run are looked up."""
     held = _held(model, scene)
     own = {item.name: item for item in (scene.record.columns if scene.record else ())}
     found: list[Definition] = []
@@ -107,7 +107,7 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
 
 
 def _unit(model: Model, side: LeftSide) -> str | None:
-    """Of what can be a column, besides outputs, which each run has."""
+    """Returns the unit of a possible column that is not an output; None for other names."""
     energies = ("L",) if model.lagrangian else ("L", "T", "V")
     if side.name in energies and side.index is None and not side.order:
         return "" if model.dimensionless else "J"
@@ -140,7 +140,7 @@ def _has(
 
 
 def of_swarm(scene: Scene, value: Expr) -> bool:
-    """Whether a start differs from member to member; that of the model is the first one's."""
+    """Whether the value of a start depends on the member of the swarm."""
     return scene.swarm is not None and scene.swarm.variable in names(value)
 
 
@@ -151,7 +151,7 @@ def _first(scene: Scene, start: Start) -> Start:
 
 
 def reads(model: Model, scene: Scene) -> frozenset[str]:
-    """What a run of it computes its numbers from, besides what is compiled."""
+    """Returns the names from which a run computes its settings, besides the compiled model."""
     asked = [scene.until, scene.step, scene.rtol, scene.record.every if scene.record else None]
     asked += [item.value for item in (*scene.assignments, *scene.starts)]
     asked += [x for item in scene.expects for x in (item.a, item.b, item.within, item.at)]
@@ -163,22 +163,22 @@ def reads(model: Model, scene: Scene) -> frozenset[str]:
 
 
 def columns(scene: Scene) -> list[str]:
-    """The names of what it records."""
+    """Returns the names of the recorded columns."""
     return [item.name for item in scene.record.columns] if scene.record else []
 
 
 def needed(scene: Scene) -> frozenset[str]:
-    """What it needs besides what it records. A claim whose drift is expected is watched."""
+    """Returns the columns of expectations, also claims whose drift is expected."""
     return frozenset(expects.outputs(scene)) | expects.columns(scene) | expects.drifting(scene)
 
 
 def events(scene: Scene) -> frozenset[str]:
-    """Events that it asks about, besides the one at which it records."""
+    """Returns the events of expectations; the event at which rows are recorded is not included."""
     return expects.events(scene)
 
 
 def _held(model: Model, scene: Scene) -> set[str]:
-    """The coordinates whose motion is given, and which are recorded as outputs."""
+    """Returns the coordinates whose motion is prescribed; they are recorded as outputs."""
     known = sizes(model)
     return {
         indexed(item.name, None if item.index is None else integer(item.index, known))
@@ -187,8 +187,8 @@ def _held(model: Model, scene: Scene) -> set[str]:
 
 
 def _is_column(model: Model, name: str) -> bool:
-    """Whether each run has it. What lies beyond the ends of a family moves as they say: it is no
-    coordinate."""
+    """Whether each run has this column. A member beyond the ends of a family has a prescribed
+    motion: it is not a coordinate."""
     once = name.removesuffix("'")
     base, index = parted(once)
     if any(item.rate and name == item.rate for item in model.coordinates):
@@ -196,14 +196,15 @@ def _is_column(model: Model, name: str) -> bool:
     for item in model.coordinates:
         if item.name == base:
             return "'" not in once and _has(model, item, index)
-    for item in model.states:  # the rate of one is an output
+    for item in model.states:  # the rate of a state is an output
         if item.name == base:
             return "'" not in name and _has(model, item, index)
     return name == once and base in {"energy", *(o.name for o in model.observed)}
 
 
 def _claims(model: Model, value: Expr) -> Expr:
-    """The expression with what is claimed constant written out: claims are no outputs."""
+    """Returns the expression with claimed constants replaced by their definitions, since claims
+    are not outputs."""
     claims = {item.name: item for item in model.conserved}
 
     def written(part: Expr) -> Expr | None:
@@ -219,7 +220,7 @@ def _claims(model: Model, value: Expr) -> Expr:
 
 
 def _driven(model: Model, scene: Scene, given: Collection[str]) -> Model:
-    """Inputs that the scene gives become definitions, so that their derivatives are theirs."""
+    """Turns inputs that the scene drives into definitions, so that they have time derivatives."""
     driven = {
         item.name: item
         for item in scene.assignments

@@ -1,5 +1,5 @@
-"""What options of the command line say as a scene does: `--set` of an input to a function of t and
-`--record` of definitions are checked as clauses of a scene behind the text of the model."""
+"""Options that act like clauses of a scene: `--set` of an input to a function of t, and `--record`
+of definitions. They are checked as a scene that is appended to the text of the model."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from ..system.exits import UsageError
 from . import model as scene_model
 from . import scene as scenes
 
-OPTIONS = "0_options"  # the scene that options make where none is chosen
+OPTIONS = "0_options"  # name of the scene made of options if no scene is chosen
 _ACCELERATION = re.compile(r".*''|omega\(.*'")
 
 
 def is_motion(text: str) -> bool:
-    """Whether an assignment of the command line is of a function of t."""
+    """Whether an assignment of the command line sets a function of t."""
     _, _, value = text.partition("=")
     return bool(re.search(r"\bt\b", re.sub(r"\[[^\]]*\]", "", value)))
 
 
 def _stems(column: str) -> set[str]:
-    """What the name of a column may be of, with and without a component: of `leg.com.x'` both
-    `leg.com.x` and `leg.com`, of a member `leg[2].com.x` of a family too."""
+    """Returns the names of which a column may be a component or a rate: `leg.com.x` and `leg.com`
+    for `leg.com.x'`, and for the family member `leg[2].com.x`."""
     name = re.sub(r"\[[^\]]*\]", "", column).partition("'")[0]
     return {name, name.rpartition(".")[0]}
 
 
 def numbers(options: argparse.Namespace) -> list[str]:
-    """`--set`, but what has become part of the model."""
+    """Returns the assignments of `--set` that are not functions of t, which the model contains."""
     return [text for text in options.set if not is_motion(text)]
 
 
 def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callable[[Model], Model]:
-    """What makes the chosen scene one with the inputs that options drive, and with the columns that
-    are definitions; of neither there is a scene without clauses."""
+    """Returns a function that adds the driven inputs and the columns of options to the chosen scene
+    of a model, or adds a scene OPTIONS if none is chosen."""
 
     def declared(model: Model) -> Model:
         lets = {item.name for item in (*model.definitions, *model.inputs)}
@@ -66,7 +66,7 @@ def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callabl
 
 
 def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
-    """The clauses as a scene. Raises UsageError with their place on the command line."""
+    """Checks the clauses as a scene. Raises UsageError with their place on the command line."""
     name = "_options"
     for text in clauses:
         if set(text) & {"\n", "#"}:
@@ -81,7 +81,7 @@ def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
 
 
 def columns_of(options: argparse.Namespace, declared: Model) -> tuple[str, ...]:
-    """`--record`: vectors by their components."""
+    """Returns the columns of `--record`, with vectors as components."""
     name = options.scene or OPTIONS
     chosen = next((s for s in declared.scenes if s.name == name), None)
     return scene_model.written_out(declared, options.record.split(","), chosen)

@@ -1,4 +1,4 @@
-"""A scene's part in `pkgen run`: the values of its parameters, its members, what it expects."""
+"""A scene's part in `pkgen run`: parameter values, members of a swarm, expectations."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _SWARM = re.compile(r"^\s*swarm\b", re.MULTILINE)
 
 
 def is_swarm(options: argparse.Namespace) -> bool:
-    """Whether the scene of the command line has many members; its model is compiled for lanes."""
+    """Whether the scene of the command line has a swarm; its model is compiled for SIMD lanes."""
     if options.scene is None:
         return False
     source = read(options.model)
@@ -38,7 +38,7 @@ def is_swarm(options: argparse.Namespace) -> bool:
 
 
 def refuse_swarm(options: argparse.Namespace, model: Model, scene: Scene) -> None:
-    """What a swarm cannot be together with."""
+    """Refuses options that cannot be combined with a swarm. Raises UsageError."""
     at = model.source.place(scene.swarm.span)
     if options.ensemble is not None:
         raise UsageError(f"--ensemble {options.ensemble}: {at}: the scene has a swarm already")
@@ -47,13 +47,13 @@ def refuse_swarm(options: argparse.Namespace, model: Model, scene: Scene) -> Non
 
 
 def count(model: Model, scene: Scene) -> int:
-    """The members of its swarm."""
+    """Returns the number of members of the scene's swarm."""
     lo, hi = (integer(end, sizes(model)) for end in (scene.swarm.lo, scene.swarm.hi))
     return hi - lo + 1
 
 
 def values(compilation: Compilation, scene: Scene, settings: Settings) -> Values:
-    """Of the parameters that a run has."""
+    """Returns the values of parameters in a run."""
     given = named.set_parameters(compilation, settings.parameters, settings.members)
     return scenes.values(compilation.declared, scene, given)
 
@@ -72,7 +72,7 @@ def members(
 def watched(
     compilation: Compilation, scene: Scene, settings: Settings, several: bool
 ) -> expects.Watched:
-    """What the driver measures for the scene's expectations. Raises UsageError."""
+    """Returns the settings for the scene's expectations. Raises UsageError."""
     found = values(compilation, scene, settings)
     try:
         times = tuple(found.not_negative("at", item.at) for item in scene.expects)
@@ -89,8 +89,8 @@ def watched(
 
 
 def watch(compilation: Compilation, scene: Scene | None, settings: Settings) -> str:
-    """Whether events of members are looked for, and their first times reported, as the driver reads
-    it: members without any run side by side."""
+    """Returns Settings.watch of an ensemble: whether members detect events, and report first times.
+    Members without event detection run in SIMD lanes."""
     if scene is not None and any(calls(item, "time") for item in scene.expects):
         return "times"
     stops = any(event.stop for event in compilation.model.events)
@@ -105,7 +105,7 @@ def verdicts(
     report: dict,
     ensemble: Ensemble | None,
 ) -> list[Verdict]:
-    """Whether what it expects was met; nothing of a run that has no report."""
+    """Returns the verdicts on expectations; [] for a run without a report."""
     if not scene.expects or "expects" not in report:
         return []
     member = ensemble.named if ensemble else None

@@ -1,4 +1,4 @@
-"""What the options of the command line mean for a given model. Every error is a UsageError."""
+"""Settings of a run from options of the command line, for a model. Every error is a UsageError."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from . import scene
 
 UNTIL = 10.0
 RTOL = 1e-10
-THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
+THREADS_MOST = 1024  # a system may refuse to start more, which would abort the program
 
 
 def _once(option: str, names: Iterable[str]) -> None:
@@ -37,7 +37,7 @@ def _once(option: str, names: Iterable[str]) -> None:
 
 
 def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
-    """`--kernels mass,force`."""
+    """Parses `--kernels mass,force`."""
     if text is None:
         return None
     wanted = [name.strip() for name in text.split(",")]
@@ -67,8 +67,8 @@ def settings(
     members: int | None = None,
     chosen: Scene | None = None,
 ) -> Settings:
-    """The settings of `pkgen run`, all values in SI: options first, then what the scene says, then
-    defaults. `members` are those of an ensemble or a swarm; None: one trajectory."""
+    """Returns the settings of `pkgen run` in SI units: from options, else from the scene, else
+    defaults. `members`: the size of an ensemble or swarm; None: one trajectory."""
     values = Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
     starts, start_parameters = values.starts(options.start)
@@ -87,7 +87,7 @@ def settings(
         of_scene = {
             parameters[indexed(name, index)][0]: x
             for (name, index), x in said.parameters.items()
-            if indexed(name, index) in parameters  # others are folded
+            if indexed(name, index) in parameters  # others were replaced by constants
         }
         parameters_set = {**of_scene, **parameters_set}
         of_scene = {inputs[n][0]: x for n, x in said.inputs.items() if n in inputs}
@@ -114,7 +114,7 @@ def settings(
     count = until / every + 1 if every else 1
     rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
     method = _method(options, said.method, compilation.model.methods)
-    # No setting of an adaptive method, or of its rows, is meant for one that is exact.
+    # The exact method is chosen only if no tolerance or step size is set.
     free = options.rtol is None and said.rtol is None and step is None
     exact = free and members is None and not options.diagnose
     exact = exact and scene_use.EXACT not in scene_use.switched_off(options.no_reduce)
@@ -151,7 +151,7 @@ def settings(
 
 
 def unread(options: argparse.Namespace, compilation: Compilation) -> str:
-    """What is said of parameters that are set and that the scene does not read."""
+    """Returns a message about parameters that are set but that the scene does not read, or ""."""
     values = Values(compilation)
     _, names = values.read([assignment("--set", text) for text in scene_options.numbers(options)])
     if not names:
@@ -161,14 +161,15 @@ def unread(options: argparse.Namespace, compilation: Compilation) -> str:
 
 
 def _author_chooses(options: argparse.Namespace) -> bool:
-    """Whether the command line says by which method or setting."""
+    """Whether the command line sets a method, a step size or a tolerance."""
     return any(x is not None for x in (options.method, options.step, options.rtol, options.atol))
 
 
 def _recorded(
     options: argparse.Namespace, values: Values, chosen: Scene | None
 ) -> tuple[tuple[Shown, ...], int | None]:
-    """The columns of rows (none: all of them), and the event at which rows are."""
+    """Returns the columns of rows (empty: all), and the index of the event whose occurrences are
+    rows, or None."""
     compilation = values.compilation
     show = at = None
     if chosen is not None and chosen.record is not None:
@@ -190,13 +191,13 @@ def _recorded(
 
 
 def _method(options: argparse.Namespace, of_scene: str, own: tuple[Own, ...]) -> str:
-    """The method asked for, "" if none is."""
+    """Returns the requested method, or "". Raises UsageError for options that do not fit it."""
     methods = known(own)
     if options.method is not None and options.method not in methods:
         raise UsageError(unknown("--method", options.method, methods, "method"))
     name = options.method or of_scene
     if name and "adaptive" not in methods[name].traits:
-        inner = "fast" in methods[name].requires  # of whose steps one is the longest
+        inner = "fast" in methods[name].requires  # max_step bounds its inner steps
         for option in ("rtol", "atol", *(() if inner else ("max_step",))):
             if getattr(options, option) is not None:
                 shown = "--" + option.replace("_", "-")
@@ -205,7 +206,7 @@ def _method(options: argparse.Namespace, of_scene: str, own: tuple[Own, ...]) ->
 
 
 def threads(options: argparse.Namespace, several: bool) -> int | None:
-    """How many threads an ensemble is to use; None: all there are."""
+    """Returns the number of threads of an ensemble; None: all processors."""
     if options.threads is None:
         return None
     if not several:
@@ -218,7 +219,8 @@ def threads(options: argparse.Namespace, several: bool) -> int | None:
 def _places(
     compilation: Compilation, parameters: named.Named, values: tuple[tuple[int, float], ...]
 ) -> tuple[tuple[tuple[int, float], ...], tuple[tuple[int, int, float], ...]]:
-    """Flat indices of parameters as the driver counts them: single ones, members of families."""
+    """Converts flat indices of parameters to those of the runtime: (index, value) of single ones,
+    (index, member, value) of members of families kept as loops."""
     if not compilation.looped:
         return values, ()
     single, members = [], []

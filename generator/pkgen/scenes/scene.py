@@ -1,8 +1,7 @@
-"""`--scene NAME`: what a scene makes of its model, and the numbers that it sets for a run.
+"""`--scene NAME`: the scene of that name, and the numbers that it sets for a run.
 
-A scene's starts and what it records beside coordinates, rates, observed names and the energy are
-compiled with the model. Its numbers are settings of the run, computed here with the parameters'
-values, so that options of the command line can override them.
+A scene's starts and its recorded expressions are compiled with the model. Its numbers are settings
+of the run, computed here from parameter values, so that options can override them.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from ..system.near import unknown
 
 
 def chosen(model: Model, name: str) -> Scene:
-    """The scene of that name. Raises UsageError."""
+    """Returns the scene of that name. Raises UsageError; ModelError if sizes do not fit it."""
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
         raise UsageError(unknown("--scene", name, scenes, "scene"))
@@ -28,13 +27,13 @@ def chosen(model: Model, name: str) -> Scene:
 
 
 def wrong(model: Model, scene: Scene, span: Span, why: object) -> UsageError:
-    """What options make of a scene that it cannot be."""
+    """Returns an error in a scene that options cause."""
     return UsageError(f"{model.source.place(span)}: scene '{scene.name}': {why}")
 
 
 @record
 class Numbers:
-    """What a scene sets, in SI; None, "" and nothing where it says nothing."""
+    """The numbers that a scene sets, in SI units; None, "" or empty for what it does not set."""
 
     parameters: dict[Key, float]
     inputs: dict[str, float]
@@ -47,7 +46,8 @@ class Numbers:
 
 
 def values(model: Model, scene: Scene, given: Mapping[Key, float]) -> Values:
-    """Those of all parameters and constants in a run of the scene; the model is as declared."""
+    """Returns the values of all parameters and constants in a run of the scene; `model` is the
+    declared model."""
     names = {p.name for p in model.parameters}
     found = Values(model, {key: x for key, x in given.items() if key[0] in names})
     numbers(model, scene, given, found)
@@ -57,8 +57,8 @@ def values(model: Model, scene: Scene, given: Mapping[Key, float]) -> Values:
 def numbers(
     model: Model, scene: Scene, given: Mapping[Key, float], found: Values | None = None
 ) -> Numbers:
-    """The scene's settings where the command line has set the parameters in `given`; the values by
-    which they are computed are left in `found`."""
+    """Returns the scene's settings; `given` holds parameters set by the command line. The values of
+    parameters are added to `found`."""
     found = found or Values(model, given)
     try:
         return _numbers(found, scene, given)
@@ -71,7 +71,7 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
     inputs: dict[str, float] = {}
     names = {p.name for p in found.model.parameters}
     for item in scene.assignments:
-        if item.varies:  # a part of the model, or overridden
+        if item.varies:  # a function of t is part of the model
             continue
         for index, value in found.assigned(item):
             if item.name not in names:

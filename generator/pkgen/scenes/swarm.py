@@ -1,6 +1,6 @@
 """`swarm k = 1..100000` in a scene: the starts of all members, computed at once.
 
-Values that use k are arrays, one number a member; the rest is computed as everywhere, exactly.
+Values that depend on k are arrays with a number per member; other values are computed exactly.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Array = np.ndarray | float | tuple
 
 
 def _started(model: Model, item: Start, index: int | None) -> str:
-    """What starts: a body rate has a name of its own."""
+    """Returns the name of the started quantity; a body rate has a name of its own."""
     rate = next((c.rate for c in model.coordinates if c.name == item.name), "")
     return rate if rate and item.order else indexed(item.name, index) + "'" * item.order
 
@@ -34,13 +34,13 @@ def _started(model: Model, item: Start, index: int | None) -> str:
 def members(
     model: Model, scene: Scene, values: Values, known: Mapping[str, Column], given: Collection[str]
 ) -> Ensemble:
-    """The members of a scene's swarm. `known` is what a member may set: of starts that influence
-    nothing there is none. `given` are starts that options set for all."""
+    """Returns the members of a scene's swarm. `known` holds the quantities that members may set;
+    starts without effect are not in it. `given` holds starts that options set for all members."""
     swarm = scene.swarm
     first, last = (integer(end, values.sizes) for end in (swarm.lo, swarm.hi))
     count = np.arange(first, last + 1, dtype=float)
     starts: dict[str, tuple[Start, dict[str, int]]] = {}
-    for item in scene.starts:  # the last one counts
+    for item in scene.starts:  # a later start overrides
         for loop, index in _unrolled(item, values.sizes):
             starts[_started(model, item, index)] = item, loop
     chosen = {
@@ -77,7 +77,7 @@ def _unrolled(item: Start, sizes: Mapping[str, int]):
 
 
 class _Members(Evaluation):
-    """Expressions for all members: a number where k does not occur, else an array."""
+    """Evaluates expressions for all members: to a number if k does not occur, else to an array."""
 
     def __init__(self, model: Model, scene: Scene, values: Mapping, count: np.ndarray) -> None:
         super().__init__(values)

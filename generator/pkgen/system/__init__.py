@@ -1,4 +1,4 @@
-"""The machine: files, caches, child processes, limits of memory, the C compiler, pages of HTML.
+"""The system: files, caches, child processes, limits of memory, the C compiler, HTML pages.
 
-Knows nothing of models. Everything may call it.
+The package knows nothing of models. All packages may call it.
 """

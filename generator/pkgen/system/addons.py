@@ -1,10 +1,10 @@
-"""Add-ons: what packages beside pkgen bring, found by their entry points.
+"""Add-ons: extensions by other packages, found by their entry points.
 
     [project.entry-points."pkgen.commands"]
     film = "pkgen_film.command"
 
-KINDS says what each group holds. A distribution may name an add-on that is not in it: that is said
-when somebody asks for it.
+KINDS describes the objects of each group. A distribution may name an add-on that is not installed:
+`package` reports that when the add-on is used.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ KINDS = {
 
 @cache
 def points(kind: str) -> dict[str, EntryPoint]:
-    """The entry points of the group pkgen.KIND, by name."""
-    from importlib.metadata import entry_points  # takes 35 ms: not for every command
+    """Returns the entry points of the group pkgen.KIND, by name."""
+    from importlib.metadata import entry_points  # takes 35 ms, so not for every command
 
     return {point.name: point for point in sorted(entry_points(group=f"pkgen.{kind}"))}
 
 
 def package(point: EntryPoint) -> ModuleType:
-    """The package of an add-on. Raises UsageError where it is not here."""
+    """Imports the package of an add-on. Raises UsageError if it is not installed."""
     name = point.value.partition(":")[0].partition(".")[0]
     try:
         return import_module(name)
@@ -53,14 +53,14 @@ def package(point: EntryPoint) -> ModuleType:
 
 
 def load(kind: str, name: str) -> Any:
-    """What an add-on brings. Raises UsageError where it is not here."""
+    """Loads the object of an add-on. Raises UsageError if it is not installed."""
     point = points(kind)[name]
     package(point)
     return point.load()
 
 
 def here(kind: str) -> dict[str, EntryPoint]:
-    """The entry points of a kind whose add-on is here."""
+    """Returns the entry points of a kind whose add-ons are installed."""
     found = {}
     for name, point in points(kind).items():
         try:
@@ -72,7 +72,7 @@ def here(kind: str) -> dict[str, EntryPoint]:
 
 
 def of_folder(name: str) -> ModuleType | None:
-    """The add-on whose folder stands there in place of a model or of rows."""
+    """Returns the add-on that handles a folder or URL given in place of a model, or None."""
     if not (Path(name).is_dir() or "://" in name):
         return None
     modules = (load("folders", kind) for kind in here("folders"))

@@ -1,7 +1,7 @@
-"""Where pkgen keeps what it need not make again: compiled runtimes and programs, parser tables.
+"""The cache of compiled runtimes and programs, and of parser tables.
 
-What is kept is run as code. So an entry, a folder with the digests of its files, is used only where
-all of it is this user's, nobody else can write it, and it is as it was made; else it is made again.
+Entries are run as code. An entry is a folder with the digests of its files. It is used only if all
+of it belongs to this user, no one else can write it, and the digests match; else it is remade.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from .files import MARK, scratch, sweep
 from .progress import say, trace
 
 DIGESTS = "digests"
-KEPT = 100  # entries of a kind, the newest, and any that were used in the last
-RECENT = 3600.0  # seconds: another process may be about to run one
-STALE = 600.0  # seconds, of a folder that nobody fills any more
+KEPT = 100  # newest entries of a kind that are kept, besides those used within RECENT
+RECENT = 3600.0  # seconds: another process may be about to use an entry
+STALE = 600.0  # seconds after which an unfinished folder may be removed
 
 
 def cache_directory() -> Path:
-    """`PKGEN_CACHE`, else `$XDG_CACHE_HOME/pkgen`, else `~/.cache/pkgen`; it may not exist."""
+    """Returns PKGEN_CACHE, else $XDG_CACHE_HOME/pkgen, else ~/.cache/pkgen; it may not exist."""
     named = os.environ.get("PKGEN_CACHE")
     if named:
         return Path(named)
@@ -36,8 +36,8 @@ def cache_directory() -> Path:
 
 
 def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
-    """The folder `name` among those of its kind; where it is missing, or not as it was made, `make`
-    fills one, once for all processes that ask. Raises BuildError where none can be kept."""
+    """Returns the folder of the entry `name`. If it is missing or damaged, `make` fills a new one,
+    once for all concurrent processes. Raises BuildError if the cache cannot be written."""
     kinds = cache_directory() / kind
     folder = kinds / name
     try:
@@ -57,7 +57,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
             f"cannot write to the cache {kinds}: {error.strerror}; "
             "name another directory with the environment variable PKGEN_CACHE"
         ) from None
-    with suppress(OSError):  # a cache that is only read
+    with suppress(OSError):  # the cache may be read-only
         os.utime(folder)
     return folder
 
@@ -65,7 +65,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
 def _fill(folder: Path, make: Callable[[Path], None]) -> None:
     with scratch(folder.parent, ".new-") as new:
         make(new)
-        (new / MARK).unlink(missing_ok=True)  # an entry is no scratch folder any more
+        (new / MARK).unlink(missing_ok=True)  # an entry is not a scratch folder
         files = sorted(path for path in new.iterdir() if path.is_file())
         lines = [f"{folder.name}", *(f"{_digest(path)} {path.name}" for path in files)]
         (new / DIGESTS).write_text("\n".join(lines), encoding="utf-8")
@@ -82,14 +82,14 @@ def _digest(path: Path) -> str:
 
 
 def _own(path: Path, kind: Callable[[int], bool]) -> bool:
-    """Whether it is of that kind, this user's, and nobody else's to write."""
+    """Whether a path is of that kind, belongs to this user, and no one else can write it."""
     known = path.lstat()
     mine = known.st_uid == os.geteuid() and not known.st_mode & 0o022
     return mine and kind(known.st_mode)
 
 
 def _sound(folder: Path) -> bool:
-    """Whether an entry is there, this user's, and as it was made."""
+    """Whether an entry exists, belongs to this user, and matches its digests."""
     try:
         if not (_own(folder, stat.S_ISDIR) and _own(folder / DIGESTS, stat.S_ISREG)):
             return False
@@ -104,8 +104,8 @@ def _sound(folder: Path) -> bool:
 
 
 def _refuse_foreign(folder: Path) -> None:
-    """Another user who can replace an entry could put his own program between its check and its
-    start. In a sticky folder, as /tmp is, he can not. No mode is changed: it may be on purpose."""
+    """Raises BuildError if another user could replace an entry between its check and its use. In a
+    sticky folder, such as /tmp, that is impossible. Modes are not changed: they may be intended."""
     known = folder.stat()
     why = ""
     if known.st_uid != os.geteuid():
@@ -119,7 +119,7 @@ def _refuse_foreign(folder: Path) -> None:
 
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """One process at a time."""
+    """Holds a lock file: one process at a time."""
     while True:
         fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
         with suppress(OSError):  # a file system without locks
@@ -132,7 +132,7 @@ def _alone(path: Path) -> Iterator[None]:
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(fd), path.stat()):
                 break
-        os.close(fd)  # who held it has removed it
+        os.close(fd)  # its previous holder has removed the file
     try:
         yield
     finally:
@@ -141,10 +141,10 @@ def _alone(path: Path) -> Iterator[None]:
 
 
 def _prune(kinds: Path) -> None:
-    """Keep the newest entries; the rest can be made again."""
+    """Removes all but the newest and the recently used entries."""
     found = []
     for path in kinds.iterdir():
-        with suppress(FileNotFoundError):  # another process prunes as well
+        with suppress(FileNotFoundError):  # another process may prune too
             found.append((path.stat().st_mtime, path))
     entries = sorted(entry for entry in found if not entry[1].name.startswith("."))
     for used, old in entries[:-KEPT]:

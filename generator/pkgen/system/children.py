@@ -1,8 +1,8 @@
-"""The processes that pkgen starts: none outlives it.
+"""Child processes of pkgen: no child outlives it.
 
-All are of one process group, led by a shell that waits at a pipe which pkgen alone holds open.
-However pkgen ends, by SIGKILL too, the system closes the pipe, and the shell kills the group: what
-gcc has started as well, which a signal to the child alone (PR_SET_PDEATHSIG) would not reach.
+All are in one process group, led by a shell that waits at a pipe which only pkgen holds open.
+However pkgen ends, even by SIGKILL, the system closes the pipe, and the shell kills the group. That
+includes children of gcc, which a signal to gcc alone (PR_SET_PDEATHSIG) would not reach.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from contextlib import contextmanager, suppress
 
 from .exits import INTERRUPTED, NumericsFailed
 
-# A terminal's signals go to the group in its foreground, which is pkgen's.
+# The terminal sends signals to pkgen's own group in the foreground, not to this group.
 KEEPER = "read nothing; kill -KILL 0"
 ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-# By which queues warn of a limit of time: Slurm's --signal, -notify of Grid Engine, limits of LSF.
+# Batch systems announce a time limit by these: Slurm --signal, Grid Engine -notify, LSF limits.
 ENDS += (signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)
 
 _keeper: subprocess.Popen[bytes] | None = None
-_ended = False  # threads may go on for a while; they start no more
+_ended = False  # threads that still run start no more processes
 _starting = threading.Lock()
 _stops: list[Callable[[int], None]] = []
 
@@ -36,7 +36,7 @@ def _joined(group: int) -> dict[str, object]:
 
 
 def group() -> dict[str, object]:
-    """What subprocess is told, so that a process is of the group."""
+    """Returns arguments for subprocess that put a process into the group."""
     global _keeper
     with _starting:
         if _ended:
@@ -54,12 +54,12 @@ def group() -> dict[str, object]:
 
 
 def on_end(stop: Callable[[int], None]) -> None:
-    """Registers a stop function: called with 1 when all end, with 0 when work begins anew."""
+    """Registers a stop function: called with 1 when all must end, with 0 when work begins anew."""
     _stops.append(stop)
 
 
 def kill() -> None:
-    """End all of them, at once."""
+    """Ends all child processes at once."""
     global _ended
     _ended = True
     for stop in _stops:
@@ -70,14 +70,14 @@ def kill() -> None:
 
 
 def ended() -> bool:
-    """Whether all was told to end: what is begun now ends at once."""
+    """Whether kill() was called: new work ends at once."""
     return _ended
 
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """SIGINT, SIGTERM and SIGHUP end pkgen and what it has started, as KeyboardInterrupt; what is
-    ignored, as by nohup, stays so. SIGTSTP (Ctrl-Z) stops all of them."""
+    """Within it, the signals ENDS end the children and raise KeyboardInterrupt. Ignored signals, as
+    by nohup, stay ignored. SIGTSTP (Ctrl-Z) stops pkgen and its children."""
     global _ended
     _ended = False
     for stop in _stops:
@@ -93,7 +93,7 @@ def _end(_signal: int, _frame: object) -> None:
 
 
 def finishing() -> None:
-    """All that is asked for is made: what would end the command now comes too late to be told."""
+    """Ignores the signals ENDS from now on, since all results are written."""
     if threading.current_thread() is threading.main_thread():
         for number in ENDS:
             if signal.getsignal(number) is _end:
@@ -115,7 +115,7 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
                 for number in [*left]:
                     signal.signal(number, left[number])
                     del left[number]
-            except BaseException as error:  # every handler is restored before the error goes on
+            except BaseException as error:  # restore every handler before raising
                 late = error
         if late is not None:
             raise late
@@ -123,8 +123,8 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
 
 @contextmanager
 def postponed(raised: list) -> Iterator[None]:
-    """Handlers of signals that raise: their exceptions are noted, and the block goes on. So none
-    leaves it while C works in memory that the block holds, nor breaks into Thread.join."""
+    """Within it, exceptions of signal handlers are appended to `raised`, and the block continues.
+    Otherwise one could end the block while C uses its memory, or interrupt Thread.join."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -149,13 +149,13 @@ def _stop(_signal: int, _frame: object) -> None:
         if _keeper is not None and _keeper.poll() is None:
             os.killpg(_keeper.pid, number)
         if own:
-            os.kill(os.getpid(), number)  # here it waits for SIGCONT
+            os.kill(os.getpid(), number)  # stops here until SIGCONT
 
 
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
-    """Whether what is to end pkgen was asked for while it runs a model, which then ends with what
-    it has; a second time ends pkgen at once. Threads are not asked."""
+    """Yields a function: whether a signal of ENDS has come, after which a run ends and keeps its
+    rows. A second signal ends pkgen at once. In other threads the function returns False."""
     said: list[int] = []
 
     def note(number: int, _frame: object) -> None:

@@ -4,18 +4,18 @@ DONE = 0
 MODEL_WRONG = 1
 USAGE = 2
 COMPILER_FAILED = 3
-NUMERICS_FAILED = 4  # the C driver ends with it
-LEFT = 75  # with a checkpoint, from which the run goes on
+NUMERICS_FAILED = 4  # also the code of the C driver
+LEFT = 75  # ended with a checkpoint, from which the run can resume
 INTERRUPTED = 130
 
 
 class UsageError(Exception):
-    """The command line asks for what there is not."""
+    """The options of a command or the arguments of a call are invalid."""
 
 
 class NumericsFailed(Exception):
-    """The C driver, or what was to be found with it, failed; the text is its reason."""
+    """The C driver, or a computation with it, failed; the text is the reason."""
 
 
 class BuildError(Exception):
-    """No C compiler, or it refused; the text is what it said. Or no cache for what it makes."""
+    """There is no C compiler, or it failed (the text has its messages), or there is no cache."""

@@ -1,8 +1,8 @@
-"""Files that a command leaves, whole or not at all; and scratch folders, which none leaves.
+"""Writes output files completely or not at all; makes scratch folders, which are always removed.
 
-A file is written beside its place and renamed at the end. What is not finished has `.partial`
-behind its name, and so has what describes it. What is no regular file (a pipe, a device) is written
-as it stands, and so is `-`, standard output. A symbolic link is followed.
+A file is written next to its place and renamed at the end. The names of an unfinished file and of
+its description end in `.partial`. Pipes, devices and `-` (standard output) are written directly.
+Symbolic links are followed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .progress import trace
 STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
 SCRATCH = "pkgen."
-MARK = ".pkgen-scratch"  # the file in a scratch folder by which pkgen knows it again
+MARK = ".pkgen-scratch"  # a file that identifies a scratch folder of pkgen
 
 
 def partial(path: Path) -> Path:
@@ -38,18 +38,18 @@ def partial(path: Path) -> Path:
 
 
 def beside(path: Path) -> Path:
-    """The file that describes another one."""
+    """Returns the path of the file that describes another one."""
     return path.with_name(path.name + ".json")
 
 
 def place(path: Path) -> Path | None:
-    """Where a file is to be, links followed; None: it is a stream. Raises OSError or UsageError
-    where none can be written."""
+    """Returns the path of a file with links followed; None for a stream. Raises OSError or
+    UsageError if it cannot be written."""
     for _ in range(40):  # as many links as Linux follows
         if not path.is_symlink():
             break
         to = os.readlink(path)
-        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # of a process: its standard output
+        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # a stream of this process
             return None
         path = path.parent / to
     try:
@@ -75,7 +75,7 @@ def uninterrupted() -> Iterator[None]:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """An error of writing says of what."""
+    """Adds the file name to an error of writing."""
     try:
         yield
     except OSError as error:
@@ -86,7 +86,7 @@ def _named(path: Path) -> Iterator[None]:
 def replace(
     contents: Mapping[Path, str | bytes], renamed: Mapping[Path, Path] | None = None
 ) -> None:
-    """Write files, all of them or none; after `renamed`, files that are written already."""
+    """Writes all files or none; first renames the finished files in `renamed`."""
     made: dict[Path, Path] = {}
     try:
         for path, content in contents.items():
@@ -108,7 +108,7 @@ def replace(
             with _named(path), _opened(scratch, end, os.O_EXCL) as file:
                 file.write(data)
         with uninterrupted():
-            if renamed:  # never what describes the one beside the other
+            if renamed:  # an old description must never be next to a new file
                 for end in made.values():
                     end.unlink(missing_ok=True)
             for scratch, end in ((renamed or {}) | made).items():
@@ -121,7 +121,7 @@ def replace(
 
 
 def moved(files: Iterable[Path], directory: Path) -> list[Path]:
-    """Files of a scratch folder, written to their place."""
+    """Writes files of a scratch folder to a directory; returns their new paths."""
     written = {directory / file.name: file.read_bytes() for file in files}
     directory.mkdir(parents=True, exist_ok=True)
     replace(written)
@@ -129,7 +129,7 @@ def moved(files: Iterable[Path], directory: Path) -> list[Path]:
 
 
 def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
-    """A file to be written, with the rights of what it is to replace."""
+    """Opens a file for writing, with the permissions of the file that it will replace."""
     fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | how, 0o666)
     with suppress(FileNotFoundError):
         os.fchmod(fd, stat.S_IMODE(end.stat().st_mode))
@@ -137,11 +137,11 @@ def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
 
 
 class Result:
-    """A file that grows for long, and FILE.json, which describes it. Until both are finished they
-    are FILE.partial and FILE.partial.json, and what was there before is as it was.
+    """A file that grows during a run, and FILE.json, which describes it. Until both are finished
+    they are FILE.partial and FILE.partial.json, and existing files stay unchanged.
 
-    `kept`, of a run that another one may go on with: FILE.partial stays as it is if it is left,
-    "all" of it, and where it is "begun" that is what it goes on from."""
+    `kept`, for runs with checkpoints: "all" keeps all of FILE.partial if the run is left; "begun"
+    also continues an existing FILE.partial."""
 
     def __init__(self, path: Path, description: str, kept: str = ""):
         self.path, self.end, self.kept = path, place(path), kept
@@ -160,23 +160,23 @@ class Result:
         return self
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
-        """Neither finished nor left: what there is stays, described as it was at first."""
+        """Keeps the rows and the first description if an error ends the block."""
         if kind is not None and self.end is not None:
             with suppress(OSError, ValueError):
                 self._rows()
 
     def finish(self, description: str) -> None:
-        """It is whole: put it where it is to be."""
+        """Moves the finished file to its place."""
         with _named(self.path):
-            self.file.close()  # where a full disk may be told of
+            self.file.close()  # may report a full disk
         done = {} if self.end is None else {self.growing: self.end}
         replace({beside(self.path): description}, done)
         if self.end is not None:
             beside(self.growing).unlink(missing_ok=True)
 
     def leave(self, description: str) -> Path | None:
-        """It is not, and stays where it is, cut behind its last line; returns where. What has no
-        row is not kept."""
+        """Leaves an unfinished file, cut after its last whole line. Returns its path, or None if it
+        has no rows and is removed."""
         if self.end is None:
             self.file.close()
             replace({beside(self.path): description})
@@ -190,7 +190,7 @@ class Result:
         return self.growing if kept else None
 
     def _rows(self) -> bool:
-        """Whether there are any: else nothing is kept."""
+        """Returns whether the file has rows; removes it otherwise."""
         self.file.flush()
         if self.kept:
             return True
@@ -202,7 +202,7 @@ class Result:
 
 
 def _locked(path: Path, end: Path) -> IO[bytes]:
-    """The file, open to be written and locked: of two commands one writes it."""
+    """Opens a file for writing and locks it. Raises UsageError if another command writes it."""
     while True:
         file = _opened(path, end)
         try:
@@ -219,7 +219,7 @@ def _locked(path: Path, end: Path) -> IO[bytes]:
 
 
 def cut(path: Path) -> bool:
-    """Cut a table behind its last whole line; whether it has rows below its head."""
+    """Cuts a table after its last whole line. Returns whether it has rows below its header."""
     with open(path, "r+b") as file:
         if file.read(6) == b"\x93NUMPY":
             return True
@@ -234,8 +234,8 @@ def cut(path: Path) -> bool:
 
 @contextmanager
 def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]:
-    """A folder of one's own, gone behind it. It is locked as long as its process lives, and holds a
-    mark: the folder of a process that was killed is removed by the next one."""
+    """Yields a new folder, removed at the end. It has a mark, and is locked while its process
+    lives: another process removes folders of killed processes."""
     if parent is None:
         parent = Path(tempfile.gettempdir())
         sweep(parent, prefix)
@@ -245,7 +245,7 @@ def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]
         try:
             with suppress(OSError):  # a file system without locks: nobody else removes it
                 fcntl.flock(lock, fcntl.LOCK_EX)
-            # Locked before it is marked: no other process takes it for one of the dead.
+            # Lock before marking: another process must not take it for abandoned.
             (path / MARK).write_text(f"{_marked(path.name)}{secrets.token_hex(16)}\n")
             yield path
         finally:
@@ -259,7 +259,7 @@ def _marked(name: str) -> str:
 
 
 def _is_scratch(path: str, name: str) -> bool:
-    """By its mark, which names it: other folders, copies of one too, are none."""
+    """Whether a folder has a mark with its own name, which copies of a folder do not have."""
     fd = os.open(os.path.join(path, MARK), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     with open(fd, "rb") as mark:
         if os.fstat(fd).st_uid != os.geteuid():
@@ -270,7 +270,7 @@ def _is_scratch(path: str, name: str) -> bool:
 
 @cache
 def sweep(parent: Path, prefix: str, age: float = 0.0) -> None:
-    """Remove scratch folders whose processes have ended, once a process."""
+    """Removes scratch folders whose processes have ended; once per process."""
     with suppress(OSError), os.scandir(parent) as entries:
         for entry in entries:
             if not entry.name.startswith(prefix):

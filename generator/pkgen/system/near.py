@@ -1,16 +1,16 @@
-"""What somebody may have meant who wrote a word that is not known."""
+"""Hints for unknown names: similar known names."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
 
-# What pkgen has, and no model.
+# Kinds of names that belong to pkgen, not to a model.
 _OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option", "package", "host", "command"))
 
 
 def near(name: str, known: list[str], kind: str) -> str:
-    """Those that may be meant by a wrong name, or else those that there are."""
+    """Returns a hint with names similar to a wrong name, else with the known names."""
     they = "there are" if kind in _OF_PKGEN else "it has"
     meant = difflib.get_close_matches(name, known, n=3)
     if meant:
@@ -22,6 +22,6 @@ def near(name: str, known: list[str], kind: str) -> str:
 
 
 def unknown(option: str, name: str, known: Iterable[str], kind: str) -> str:
-    """What is said of a name that is not there."""
+    """Returns the message for an unknown name in an option."""
     who = "there is" if kind in _OF_PKGEN else "the model has"
     return f"{option} {name}: {who} no such {kind}; {near(name, list(known), kind)}"

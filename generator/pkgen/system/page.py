@@ -1,4 +1,4 @@
-"""Self-contained HTML pages: a style, tables, pictures inline. They ask for nothing elsewhere."""
+"""Self-contained HTML pages: a style, tables, inline pictures. They load no other resources."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NUMBER = re.compile(r"[-+]?\d[\d.,]*(e[-+]?\d+)?( %)?")
 
 
 def document(title: str, sections: Iterable[str], style: str = "") -> str:
-    """A page of sections in HTML; those that are empty are left out. `style` is added to STYLE."""
+    """Returns a page of HTML sections, without the empty ones. `style` is added to STYLE."""
     body = "\n".join(section for section in sections if section)
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n'
@@ -51,7 +51,7 @@ def table(
     rows: Iterable[Sequence[str]],
     failed: Callable[[Sequence[str]], bool] = lambda row: False,
 ) -> str:
-    """Of plain text; rows that `failed` are marked."""
+    """Returns a table of plain text; rows for which `failed` is true are marked."""
     head = "".join(f"<th>{escape(text)}</th>" for text in headings)
     lines = [f"<table><tr>{head}</tr>"]
     for row in rows:
@@ -66,7 +66,7 @@ def _cell(text: str) -> str:
 
 
 def picture(svg: str, number: int = 0) -> str:
-    """An SVG without its prologue and without addresses, its ids its own among several."""
+    """Returns an SVG without its prologue and URLs; `number` makes its ids unique on a page."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", svg)

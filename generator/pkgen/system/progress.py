@@ -1,4 +1,4 @@
-"""What is said on standard error while something takes long: lines, a progress bar."""
+"""Progress on standard error: lines of text, a progress bar."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from typing import Protocol
 
 
 class Show(Protocol):
-    """What part of the work is done, from 0 to 1, and what is being done."""
+    """Shows the fraction of work done, from 0 to 1, and a text for the current step."""
 
     def __call__(self, part: float, text: str = "") -> None: ...
 
 
 def unseen(part: float, text: str = "") -> None:
-    """Progress where nobody looks."""
+    """Ignores progress."""
 
 
 def took(began: float) -> str:
-    """Since then by time.monotonic(), in words."""
+    """Returns the time since `began`, a time.monotonic(), in words."""
     own = time.process_time() + sum(os.times()[2:4])
     return f"took {time.monotonic() - began:.3g} s, {own:.3g} s of the processor's"
 
@@ -31,12 +31,12 @@ def say(text: str) -> None:
     print(f"pkgen: {text}\n", end="", file=sys.stderr, flush=True)  # lines of threads stay whole
 
 
-_watched: float | None = None  # when `-v` began to tell what is done
+_watched: float | None = None  # start time of the messages of `-v`
 
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Within it, what is done is said, with its time."""
+    """Within it, trace() prints messages with their times."""
     global _watched
     _watched = time.monotonic()
     try:
@@ -46,14 +46,14 @@ def watched() -> Iterator[None]:
 
 
 def trace(text: str) -> None:
-    """What has been done, for who has asked."""
+    """Prints a message within watched()."""
     if _watched is not None:
         say(f"{time.monotonic() - _watched:7.3f} s  {text}")
 
 
 @contextmanager
 def progress(title: str) -> Iterator[Show | None]:
-    """Yields what to call, or None where standard error is no terminal."""
+    """Yields a function that shows progress, or None if standard error is not a terminal."""
     if not sys.stderr.isatty() or find_spec("rich") is None:
         yield None
         return
@@ -65,7 +65,7 @@ def progress(title: str) -> Iterator[Show | None]:
         def render(self, task: Task) -> Text:
             return super().render(task) + Text(" left,")
 
-    # The time goes on where a part takes long: a sign of life.
+    # The elapsed time keeps changing during long steps, to show that the program is alive.
     columns = (*Progress.get_default_columns()[:-1], Left(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=1.0)

@@ -9,18 +9,18 @@ from contextlib import contextmanager
 
 
 class ResourcesExceeded(BaseException):
-    """Compiling took more than its share; the text says what and how to allow more.
+    """Compiling exceeded its limits; the text says which limit, and how to allow more.
 
-    It comes from a signal, wherever the program is; so libraries that catch every Exception, as
-    lark does while it reads its tables, must not swallow it."""
+    A signal handler raises it anywhere in the program. It is a BaseException, since libraries may
+    catch every Exception, as lark does while it reads its tables."""
 
 
 @contextmanager
 def bounded(cpu_seconds: float, memory_bytes: int) -> Iterator[None]:
-    """Within it, more CPU time or address space raises ResourcesExceeded.
+    """Within it, use of more CPU time or address space raises ResourcesExceeded.
 
-    The time is that of this process alone, counted by a timer signal; the memory is what is
-    added to what the process has already. Works in the main thread of a process.
+    The time is that of this process alone, measured by a timer signal; the memory is an addition
+    to the current address space. It works in the main thread only.
     """
 
     def out_of_time(_signal: int, _frame: object) -> None:
@@ -49,7 +49,7 @@ def bounded(cpu_seconds: float, memory_bytes: int) -> Iterator[None]:
 
 
 def _address_space() -> int:
-    """Bytes of address space in use, from /proc; where there is none, a guess that is ample."""
+    """Returns the bytes of address space in use, from /proc; without /proc, a generous guess."""
     try:
         with open("/proc/self/statm", encoding="ascii") as f:
             return int(f.read().split()[0]) * resource.getpagesize()

@@ -1,4 +1,4 @@
-"""The C compiler: which one, with which flags, and how it is run."""
+"""Finds and runs the C compiler, and chooses its flags."""
 
 from __future__ import annotations
 
@@ -18,11 +18,10 @@ from .exits import BuildError
 from .progress import trace
 
 RUNTIME = Path(pkgen_runtime.__file__).parent
-# No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
-# clang differ in their defaults; it is off, since lanes and scalars then agree to the bit and
-# compilers nearly so, and it would gain 2 to 6 % (inlined rk4, dop853). -O3 for the loops over
-# lanes; but joining scalar statements to vectors costs 5 % in small steps, whose numbers have
-# just been stored one by one.
+# No fast-math: it deletes compensated sums and NaN tests. Contraction is off, since the defaults of
+# gcc and clang differ, and without it lanes and scalars agree to the bit and compilers nearly so;
+# it would gain 2 to 6 % (inlined rk4, dop853). -O3 is for the loops over lanes. No SLP
+# vectorization: it costs 5 % in small steps, whose numbers have just been stored one by one.
 FLAGS = (
     "-O3",
     "-fno-tree-slp-vectorize",
@@ -30,9 +29,9 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-trapping-math",
 )
-# A function that no header declares would return an int.
+# C would assume that an undeclared function returns int.
 DECLARED = "-Werror=implicit-function-declaration"
-# For this very processor; the first that the compiler accepts.
+# Flags for the processor at hand; the first that the compiler accepts is used.
 NATIVE = (("-march=native",), ("-mcpu=native",), ())
 STANDARD = "-std=c11"
 TIMEOUT_SECONDS = 300
@@ -40,14 +39,14 @@ TIMEOUT_SECONDS = 300
 
 @record
 class Toolchain:
-    """A C compiler with its flags, and GSL's where it is installed."""
+    """A C compiler with its flags, and the flags of GSL if it is installed."""
 
     cc: tuple[str, ...]
     flags: tuple[str, ...]
     gsl_cflags: tuple[str, ...] | None
     gsl_libs: tuple[str, ...]
     version: str
-    target: str  # digest of what the compiler says of the processor
+    target: str  # digest of the compiler's macros, which describe the processor
 
     @property
     def has_gsl(self) -> bool:
@@ -55,7 +54,7 @@ class Toolchain:
 
 
 def find_toolchain() -> Toolchain:
-    """`$CC` if set, else gcc, clang or cc, whichever comes first."""
+    """Returns `$CC` if set, else the first of gcc, clang and cc. Raises BuildError."""
     wanted = os.environ.get("CC")
     candidates = [_words("CC", wanted)] if wanted else [["gcc"], ["clang"], ["cc"]]
     for candidate in candidates:
@@ -79,7 +78,7 @@ def find_toolchain() -> Toolchain:
 
 
 def _words(name: str, text: str) -> list[str]:
-    """An environment variable as a shell would take it apart."""
+    """Splits the value of an environment variable as a shell does. Raises BuildError."""
     try:
         return shlex.split(text)
     except ValueError as error:
@@ -89,7 +88,7 @@ def _words(name: str, text: str) -> list[str]:
 
 
 def _native(cc: list[str]) -> tuple[tuple[str, ...], str]:
-    """Flags for the processor at hand, and the macros by which the compiler describes it."""
+    """Returns flags for the processor at hand, and the compiler's macros, which describe it."""
     for flags in NATIVE:
         macros = _output([*cc, *flags, "-dM", "-E", "-x", "c", os.devnull])
         if macros is not None:
@@ -99,13 +98,13 @@ def _native(cc: list[str]) -> tuple[tuple[str, ...], str]:
 
 @cache
 def find_gsl() -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
-    """GSL's flags for the compiler, None without GSL, and for the linker."""
+    """Returns GSL's flags for the compiler (None without GSL) and for the linker."""
     config = shutil.which("gsl-config")
     if config is None:
         return None, ()
     cflags = shlex.split(_output([config, "--cflags"]) or "")
     libs = shlex.split(_output([config, "--libs"]) or "-lgsl -lgslcblas")
-    # /usr/include is searched anyway, and named as -I would come before the compiler's own.
+    # /usr/include is searched anyway; with -I it would precede the compiler's own headers.
     return tuple(f for f in cflags if f != "-I/usr/include"), tuple(libs)
 
 
@@ -129,7 +128,7 @@ def run(command: list[str], directory: Path) -> None:
         done = subprocess.run(
             command,
             cwd=directory,
-            env={**os.environ, "TMPDIR": str(directory)},  # what gcc leaves where it is killed
+            env={**os.environ, "TMPDIR": str(directory)},  # temporary files of a killed gcc
             capture_output=True,
             text=True,
             timeout=TIMEOUT_SECONDS,
