@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { UNIT_MOST_STEPS = 10000000 }; /* of the method in one call, which takes seconds */
+#ifndef UNIT_MOST_STEPS
+#define UNIT_MOST_STEPS 10000000 /* of the method in one call: seconds */
+#endif
 
 static int cross(void *context, const struct pk_events *events)
 {
