@@ -177,6 +177,7 @@ def test_settings_and_bounds(rig) -> None:
     assert "not positive" in u.refused(u.fmu.enterInitializationMode, -1.0)
 
 
+@pytest.mark.long
 def test_a_communication_step_has_an_end(rig) -> None:
     """A step of 1 s takes 1e12 steps of the method: the unit stops on its way and says so."""
     u = rig()

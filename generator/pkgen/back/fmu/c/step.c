@@ -6,7 +6,8 @@
 #include <string.h>
 
 #ifndef UNIT_MOST_STEPS
-#define UNIT_MOST_STEPS 10000000 /* of the method in one call: seconds */
+/* Ten million steps of a method take seconds. A call that needs more ends on its way. */
+#define UNIT_MOST_STEPS 10000000
 #endif
 
 static int cross(void *context, const struct pk_events *events)
