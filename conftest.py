@@ -39,9 +39,11 @@ def pytest_configure(config: pytest.Config) -> None:
     """What a first run says of the runtime, no test is told: it is compiled before.
 
     A shell starts what it puts in the background without SIGINT, which programs inherit.
-    Results alone are compared, so -O1 is enough; the long tests have the flags of users.
+    Results alone are compared, so -O1 is enough; of the long tests those of the first three
+    shards of twelve have the flags of users.
     """
-    if "not long" in config.getoption("markexpr"):
+    shard = int((config.getoption("--shard") or "1").partition("/")[0])
+    if "not long" in config.getoption("markexpr") or shard > 3:
         os.environ.setdefault("CFLAGS", "-O1")
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)

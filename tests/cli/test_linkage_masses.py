@@ -43,7 +43,8 @@ def _apart(of: Linkage, maximal: pkgen.Result, minimal: pkgen.Result) -> float:
     return max(abs(maximal[f"r{k}"][-1] - minimal[rod.angle][-1]) for k, rod in enumerate(of.rods))
 
 
-@pytest.mark.parametrize("seed", long_but([1], range(24)))
+# Those from 43 on once found an error.
+@pytest.mark.parametrize("seed", long_but([1], [*range(20), 43, 71, 76, 96]))
 def test_random_linkages_are_their_angles(tmp_path, seed):
     of = linkage(seed)
     minimal, maximal = _loaded(tmp_path, of.minimal), _loaded(tmp_path, of.maximal)

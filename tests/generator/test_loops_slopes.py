@@ -217,7 +217,7 @@ def test_totals_are_unknowns(name: str, tmp_path) -> None:
         assert_newton(at, state, expected, text, 1e-11)
 
 
-@pytest.mark.parametrize("seed", long_but([0], range(24)))
+@pytest.mark.parametrize("seed", long_but([0], range(25)))
 def test_constraints_are_closed_by_their_multipliers(seed: int, tmp_path) -> None:
     dice = random.Random(seed)
     text = bound(dice)
@@ -232,7 +232,7 @@ def test_constraints_are_closed_by_their_multipliers(seed: int, tmp_path) -> Non
     assert largest > 0
 
 
-@pytest.mark.parametrize("seed", long_but([], range(16)))
+@pytest.mark.parametrize("seed", long_but([], [*range(15), 24]))
 def test_rotations_have_bands(seed: int, tmp_path) -> None:
     """With accelerations for unknowns where momenta depend on attitudes."""
     dice = random.Random(seed)

@@ -46,8 +46,12 @@ function(pk_add_model target)
     endif()
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${model}")
     set(stem "${folder}/${name}")
+    set(made "${stem}.c" "${stem}.h")
+    if(form)
+      list(APPEND made "${stem}_system.c" "${stem}_system.h")
+    endif()
     add_custom_command(
-      OUTPUT "${stem}.c" "${stem}.h"
+      OUTPUT ${made}
       COMMAND "${pk_PKGEN}" "${model}" -o "${folder}" --depfile "${stem}.d" ${form} ${pk_OPTIONS}
       DEPENDS "${model}" "${pk_PKGEN}"
       DEPFILE "${stem}.d"

@@ -129,17 +129,17 @@ rolling drive: x' = w
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("seed", "model", "count"), [*((k, RIG, 100_000) for k in range(3)), (6, BOUND, 60_000)]
+    ("seed", "model", "count"), [*((k, RIG, 100_000) for k in (0, 1, 7)), (6, BOUND, 60_000)]
 )
 def test_calls_at_random_under_sanitizers(
     seed: int, model: str, count: int, unit, tmp_path: Path
 ) -> None:
-    """Among more calls there is a step of co-simulation that takes minutes."""
     path = unit(model)
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path)
     files = [*map(str, (tmp_path / "sources").rglob("*.c")), Path(__file__).parent / "fmu_fuzz.c"]
     flags = ["-std=c11", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    flags.append("-DUNIT_MOST_STEPS=100000")  # seed 7 and 6 ask for steps of 1e-304
     headers = f"-I{Path(fmpy.__file__).parent / 'c-code'}"
     subprocess.run(["gcc", *flags, headers, *files, "-o", tmp_path / "fuzz", "-lm"], check=True)
     token = fmpy.read_model_description(str(path)).instantiationToken
@@ -177,6 +177,7 @@ def test_settings_and_bounds(rig) -> None:
     assert "not positive" in u.refused(u.fmu.enterInitializationMode, -1.0)
 
 
+@pytest.mark.long
 def test_a_communication_step_has_an_end(rig) -> None:
     """A step of 1 s takes 1e12 steps of the method: the unit stops on its way and says so."""
     u = rig()

@@ -150,7 +150,7 @@ def test_a_tableau_of_ones_own_is_taken(tmp_path: Path) -> None:
 DRAGGED = ROOT / "models/chains/peierls_nabarro.lag"
 
 
-@pytest.mark.parametrize("model", long_but([DRAGGED], MODELS), ids=lambda path: path.stem)
+@pytest.mark.parametrize("model", long_but([DRAGGED, PENDULUM], MODELS), ids=lambda path: path.stem)
 def test_every_model_is_that_of_a_run(model: Path, tmp_path: Path) -> None:
     """Without fused multiply-add on both sides, or it is refused for what a step alone is without.
     Families that a run keeps as loops are written out here: other roundings."""
