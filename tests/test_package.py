@@ -15,7 +15,11 @@ import pytest
 from conftest import ROOT
 
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")  # Python 3.10 has no tomllib
-ROOTS = {path.name: path.resolve() for path in (ROOT / "generator").glob("pkgen*") if path.exists()}
+ROOTS = {
+    path.name: path.resolve()
+    for path in (ROOT / "generator").glob("pkgen*")
+    if path.exists() and path.name.isidentifier()  # pkgen_lag.egg-info is no package
+}
 
 
 def _listed(key: str) -> list[str]:
