@@ -19,7 +19,25 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     help_ = "within rigorous bounds: a radius beside each value"
     add("--enclose", dest="instead", action="store_const", const=run, help=help_)
-    add("--digits", metavar="N", help="that --enclose is to certify (default 15)")
+    add("--digits", metavar="N", action=_Digits, help="that --enclose is to certify (default 15)")
+
+
+class _Digits(argparse.Action):
+    """Keeps N, and refuses it unless --enclose is also given."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        options: argparse.Namespace,
+        value: str,
+        flag: str | None = None,
+    ) -> None:
+        options.digits = value
+        options.instead = options.instead or _digits_alone
+
+
+def _digits_alone(options: argparse.Namespace) -> int:
+    raise UsageError("--digits is for --enclose; a run's accuracy is --rtol's")
 
 
 def run(options: argparse.Namespace) -> int:
