@@ -18,7 +18,7 @@ BUDGET = {  # area: lines, tokens
     "runtime": (34_500, 324_000),
     "addons": (20_300, 182_000),
 }
-WORDS = 37_000  # of docs for users
+WORDS = 35_000  # what a user reads: README.md and docs, but for docs/dev
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
 C_TOKEN = re.compile(r"[A-Za-z_]\w*|\d[\w.]*|\S")
 C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
