@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, run_pkgen, seeds
 from pkgen.api.model import DEFAULTS
 from pkgen.compiler import compile_model
 from pkgen.describe.drawing import drawing, drawn
@@ -149,7 +149,7 @@ def _random(rng: random.Random, values: dict[str, float], depth: int) -> tuple[s
     return "(" + form.format(a, b) + ")", float(function(x, y))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", seeds(range(3), 2))
 def test_random_drawings_have_the_numbers_that_they_say(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     t, x, y, u, v = (rng.uniform(-2, 2) for _ in range(5))
@@ -244,7 +244,6 @@ draw rod from [i, q[i], 0] to [i + 1, q[i+1], 0], i = 1..N-1
         assert shapes[1]["kind"] == "rod"
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
 def test_every_model_is_described_and_has_its_drawing(path: Path) -> None:
     done = run_pkgen("describe", path, "--json")

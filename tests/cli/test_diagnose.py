@@ -142,7 +142,6 @@ def test_a_chain_is_unrolled_for_its_derivatives(pkgen) -> None:
     assert found["lyapunov"]["motion"] == "regular" and found["lyapunov"]["exponent"] < 0.02
 
 
-@pytest.mark.long  # least_action takes 22 s
 def test_what_is_said(pkgen) -> None:
     arguments = ["--until", "60", "--method", "rk4", "--step", "0.05"]
     done = pkgen("run", DOUBLE, "--diagnose", "all", *starts(2), *arguments, "-v")

@@ -96,7 +96,6 @@ def test_kinks(pkgen, tmp_path: Path) -> None:
     assert abs(found["period"] - 2 * math.pi) < 1e-14
 
 
-@pytest.mark.long
 def test_adiabatic_invariance(pkgen, tmp_path: Path) -> None:
     # While the pendulum grows to three times its length J keeps to some rate/omega of its size,
     # and its frequency (of small swings l^-1/2) does not.
@@ -129,7 +128,6 @@ def test_of_what_a_scene_leaves(pkgen, tmp_path: Path) -> None:
     assert "a scene whose reductions leave one" in done.stderr
 
 
-@pytest.mark.long
 def test_motions_that_have_none(pkgen, tmp_path: Path) -> None:
     for start, orbit in (
         (["theta=0"], "at rest in an equilibrium"),

@@ -50,7 +50,6 @@ def test_of_a_linear_chain(pkgen, tmp_path: Path) -> None:
     assert "modes: at the end 0.87 in all modes, 0.607199 in mode 3" in said
 
 
-@pytest.mark.long
 def test_recurrence(pkgen, tmp_path: Path) -> None:
     # REGIMES F1: E = .07704437 in the first mode, and .98127 of it again after 146.447 periods; in
     # between it is elsewhere. The nonlinear energy is what is left of a constant h.
@@ -66,7 +65,6 @@ def test_recurrence(pkgen, tmp_path: Path) -> None:
     assert all(abs(row[1] + row[2] - first[1]) < 1e-9 for row in found["rows"])
 
 
-@pytest.mark.long
 def test_free_ends_and_a_pendulum(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "model.lag"
     path.write_text(FREE)
@@ -148,7 +146,6 @@ def test_about_the_turn_of_an_angle_that_is_next(pkgen, tmp_path: Path) -> None:
     assert all(row[1] < math.pi**2 / 2 + 4.5 for row in found["rows"])
 
 
-@pytest.mark.long
 def test_energies_without_what_a_total_derivative_adds_to_momenta(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "gauge.lag"
     path.write_text("""model gauge

@@ -69,7 +69,6 @@ def test_the_apsides_turn_as_the_step_has_it(pkgen, tmp_path: Path) -> None:
     assert "lrl: it has turned by -0.0006" in said
 
 
-@pytest.mark.long
 def test_precession_of_another_force(pkgen, tmp_path: Path) -> None:
     # Of -b/r^2 beside -mu/r: 2 pi (1/sqrt(1 - 2 b/L^2) - 1) from pericentre to pericentre.
     options = ["--set", "b=0.01", "--until", "60", "--method", "gauss8", "--step", "0.01"]
@@ -89,7 +88,6 @@ def test_precession_of_another_force(pkgen, tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.long
 def test_polar_coordinates_and_two_bodies(pkgen, tmp_path: Path) -> None:
     steps = ["--until", "40", "--method", "gauss8", "--step", "0.01"]
     of, _ = found(pkgen, tmp_path, POLAR, "lrl,angular_momentum", *steps)

@@ -169,7 +169,6 @@ def test_what_no_machine_could_do_is_refused(pkgen, ensemble) -> None:
     assert done.returncode == 2 and "--threads 100000: 1024 at most" in done.stderr
 
 
-@pytest.mark.long  # a runtime of its own is built
 def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> None:
     """A compiler that cannot link OpenMP still runs ensembles; a new cache is filled, and used."""
     compiler = tmp_path / "cc"

@@ -6,12 +6,12 @@ import random
 
 import pytest
 
-from conftest import ROOT, long_but, written
+from conftest import ROOT, seeds, written
 
 GIMBALS = ROOT / "models" / "constrained" / "gimbals.lag"
 
 
-@pytest.mark.parametrize("seed", long_but(range(8), range(60)))
+@pytest.mark.parametrize("seed", seeds(range(3), 57))
 def test_steps_that_end_in_the_lock_converge(pkgen, seed: int) -> None:
     """They do at the event. What is left of a row there is what rounding made of a turn."""
     draw = random.Random(seed)

@@ -138,7 +138,6 @@ def test_a_step_of_a_potential(pkgen, write, method: str) -> None:
     assert (x, v, energy) == pytest.approx((0, -1, 0.5), abs=3e-14)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", ["hold", "roof", "wire that moves", "rotation"])
 def test_methods_agree(pkgen, write, name: str) -> None:
     path = write(written_with(RAMPS[name], None))
@@ -235,7 +234,6 @@ def test_what_is_not_determined_ends_the_run(pkgen, write, text: str) -> None:
     assert STOPPED[text] in done.stderr and "last valid time" in done.stderr
 
 
-@pytest.mark.long
 def test_what_does_not_locate_switches_says_so(pkgen, write, tmp_path) -> None:
     path = write(STEP.format(0.3))
     done = pkgen("stability", path, "-o", tmp_path, "--quick")

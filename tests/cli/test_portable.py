@@ -31,7 +31,6 @@ def has_fma() -> bool:
     return platform.machine() == "x86_64" and info.exists() and " fma " in info.read_text()
 
 
-@pytest.mark.long  # it compiles the runtime four times
 @pytest.mark.skipif(not has_fma(), reason="of an x86 processor with FMA its absence is tried")
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_bits_with_and_without(method: str, tmp_path: Path) -> None:

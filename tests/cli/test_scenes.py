@@ -133,7 +133,6 @@ def test_a_scene_is_as_expected(pkgen, tmp_path: Path, path: Path, name: str, ex
     assert (f"expected: {expected} of {expected} met" in done.stderr) == (expected > 0)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("path", "name", "expected"), SCENES)
 def test_a_worse_run_misses(pkgen, tmp_path: Path, path: Path, name: str, expected: int):
     if expected:

@@ -88,7 +88,6 @@ def test_columns_in_the_order_of_the_language(pkgen, orbit: Path) -> None:
     assert first[5:7] == [0, 0.25]
 
 
-@pytest.mark.long
 def test_states_alone_have_no_energy(pkgen, tmp_path: Path) -> None:
     model = written(tmp_path, LOTKA)
     done = pkgen("run", model, "--until", "20", "--every", "10", "--json", "--start", "lynx=1.5")
@@ -139,7 +138,6 @@ def test_a_state_beside_two_blocks_is_explained(pkgen, tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.long
 def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
     said = pkgen("explain", orbit).stdout
     assert "2 degrees of freedom, 2 states" in said and "\n  area' = x*y'/2 - x'*y/2\n" in said
@@ -154,7 +152,6 @@ def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
     assert "Rates of the states" in page.read_text(encoding="utf-8")
 
 
-@pytest.mark.long
 def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
     done = pkgen("run", orbit, "--scene", "still")
     head, (_, last) = table(done.stdout)
@@ -170,7 +167,6 @@ def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
     assert [row[2] for row in table(done.stdout)[1]] == pytest.approx([1.4, 5.4], abs=0.1)
 
 
-@pytest.mark.long
 def test_the_chart_has_states(pkgen, tmp_path: Path) -> None:
     """One state beside one coordinate: three numbers, of which one is a place."""
     text = "model q\ncoord x\nstate s\nkinetic x'^2/2\npotential x^2/2 + x^4/10\n"

@@ -77,7 +77,6 @@ def test_a_force_for_a_while_is_exact(pkgen, write) -> None:
     assert switches[1]["times"] == [pytest.approx(0.7123, abs=1e-15)]
 
 
-@pytest.mark.long
 def test_a_one_sided_spring_keeps_the_order(pkgen, write) -> None:
     path = write(TRAMPOLINE)
     exact = trampoline(20)
@@ -94,7 +93,6 @@ def test_a_one_sided_spring_keeps_the_order(pkgen, write) -> None:
         assert errors[-1] > 0 and abs(slope - order) < 0.35, (method, slope)
 
 
-@pytest.mark.long
 def test_an_accuracy_is_kept_across_switches(pkgen, write) -> None:
     done = pkgen("run", write(TRAMPOLINE), "--scene", "bounces", "--json")
     assert done.returncode == 0, done.stderr
@@ -103,7 +101,6 @@ def test_an_accuracy_is_kept_across_switches(pkgen, write) -> None:
     assert found["report"]["switches"][0]["count"] > 20
 
 
-@pytest.mark.long
 def test_an_event_at_a_switch_is_met_once(pkgen, write) -> None:
     """Drag that turns with the rate: the apex is an event and the zero of abs."""
     path = write(TRAMPOLINE.replace("start x = 0.5", "force x = -0.02*x'*abs(x')\nstart x' = 50"))

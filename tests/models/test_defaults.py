@@ -52,7 +52,6 @@ def test_the_plane_of_swing_turns(pkgen, model: str) -> None:
     assert max(map(abs, earth["y"])) < 0.1
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
 def test_none_is_at_rest(pkgen, path: Path) -> None:
     found = columns(pkgen, path, "--until", 1.5, "--every", 0.5)  # a disk settles at 2

@@ -41,7 +41,6 @@ def test_each_scene_is_in_the_table(path: Path) -> None:
         assert met == asked
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("words", TRIES)
 def test_what_the_page_says_to_try(pkgen, tmp_path: Path, words: str) -> None:
     shutil.copytree(ROOT / "models", tmp_path / "models")
@@ -60,7 +59,6 @@ def off(pkgen, path: str, scene: str, what: str, *options: str) -> float:
     return abs(found["value"] - found["bound"])
 
 
-@pytest.mark.long
 def test_the_chain_nears_the_continuum_as_the_square_of_its_spacing(pkgen, tmp_path: Path) -> None:
     rows = ["-o", str(tmp_path / "rows.csv")]
     coarse = off(pkgen, "chains/sine_gordon.lag", "kink", "centre", *rows)
@@ -69,7 +67,6 @@ def test_the_chain_nears_the_continuum_as_the_square_of_its_spacing(pkgen, tmp_p
     assert fine > 1e-4 and 3.8 < coarse / fine < 4.2
 
 
-@pytest.mark.long
 def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) -> None:
     rows = ["-o", str(tmp_path / "rows.csv")]
     path, scene = "particles/kepler_perturbed.lag", "inverse_cube"
@@ -82,7 +79,6 @@ def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) 
         assert found == pytest.approx(abs(5 * second), rel=0.01)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("size", [2, 3, 5, 6, 7])
 def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
     mu = sum(1 / math.sin(math.pi * k / size) for k in range(1, size)) / 4
@@ -95,7 +91,6 @@ def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
     assert worse.returncode == 4 and "r + e*xi" in worse.stderr
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("path", "words", "times"),
     [
@@ -115,7 +110,6 @@ def test_conjugate_points(pkgen, tmp_path: Path, path: str, words: list, times: 
     assert found["index"] == len(times) and found["minimum"] == (not times)
 
 
-@pytest.mark.long
 def test_a_hundred_thousand_pendulums_keep_their_area_while_they_resolve_it(
     pkgen, tmp_path: Path
 ) -> None:

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from conftest import long_but
-
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCES = json.loads((Path(__file__).parent / "references.json").read_text())
 BOUNDS = {name: 1e-9 if name == "heavy_top" else 1e-10 for name in REFERENCES}
@@ -46,7 +44,7 @@ def final_error(pkgen, name: str, *method: object) -> float:
     )
 
 
-@pytest.mark.parametrize("name", long_but({"double_pendulum"}, REFERENCES))
+@pytest.mark.parametrize("name", REFERENCES)
 def test_dop853(pkgen, name: str) -> None:
     assert 0 < final_error(pkgen, name, "--method", "dop853", "--rtol", "1e-14") < BOUNDS[name]
     assert final_error(pkgen, name, "--method", "dop853", "--rtol", "1e-5") > BOUNDS[name]
