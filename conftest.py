@@ -152,6 +152,13 @@ def run_pkgen(
     return subprocess.CompletedProcess(["pkgen", *words], code, *texts)
 
 
+def ran(*arguments: object, **options) -> subprocess.CompletedProcess[str]:
+    """The same of a command that succeeds."""
+    done = run_pkgen(*arguments, **options)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
 @pytest.fixture
 def pkgen():
     return run_pkgen

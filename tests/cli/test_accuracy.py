@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import run_pkgen
+from conftest import ran
 
 # The scenes share their C: it is the model's, and of what they record.
 KEPLER = """model kepler
@@ -85,8 +85,7 @@ def run(
     """The sidecar, the rows, and what was said."""
     path, rows = directory / "model.lag", directory / "rows.csv"
     path.write_text(text)
-    done = run_pkgen("run", path, "--scene", scene, "-o", rows, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--scene", scene, "-o", rows, *options)
     with open(rows, newline="", encoding="utf-8") as file:
         table = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
     return json.loads((directory / "rows.csv.json").read_text()), table, done.stderr

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from conftest import ran
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.errors import KINDS, ErrorKind, Measure
 from pkgen.analysis.chart.exact import Exact
@@ -66,7 +67,7 @@ EXPECTED = {
 def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, str]]]:
     model = folder / "oscillator.lag"
     model.write_text(MODEL)
-    done = pkgen(
+    done = ran(
         *(
             "chart",
             model,
@@ -82,7 +83,6 @@ def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, s
         ),
         *("--json", "-o", folder, *words),
     )
-    assert done.returncode == 0, done.stderr
     with (folder / "oscillator_chart.csv").open() as file:
         return json.loads(done.stdout), list(csv.DictReader(file))
 

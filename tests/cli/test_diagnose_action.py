@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from conftest import ran
+
 PENDULUM = """model swing
 param grow = 0 in [0, 1]
 let l = 1 + grow*t
@@ -33,8 +35,7 @@ end
 def action(pkgen, tmp_path: Path, text: str, *arguments: object) -> tuple[dict, str]:
     path = tmp_path / "model.lag"
     path.write_text(text)
-    done = pkgen("run", path, "--diagnose", "action", "-o", tmp_path / "rows.csv", *arguments)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--diagnose", "action", "-o", tmp_path / "rows.csv", *arguments)
     report = json.loads((tmp_path / "rows.csv.json").read_text())["report"]
     return report["diagnostics"]["action"], done.stderr
 

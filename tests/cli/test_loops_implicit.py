@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from test_loops_features import both, chain, rows  # noqa: F401 (a fixture)
 
-from conftest import seeds
+from conftest import ran, seeds
 
 METHODS = {
     "radau": ("--rtol", "1e-10"),
@@ -102,7 +102,7 @@ def test_stiff_steps_are_those_of_members_written_out(
         assert one == pytest.approx(other, rel=1e-11, abs=1e-11)
 
 
-def test_heat_is_conducted_by_steps_as_long_as_one_likes(pkgen, tmp_path: Path) -> None:
+def test_heat_is_conducted_by_steps_as_long_as_one_likes(tmp_path: Path) -> None:
     """An explicit step is stable up to 2/(4 D): these are a million times as long."""
     model = tmp_path / "line.lag"
     model.write_text(
@@ -111,8 +111,7 @@ def test_heat_is_conducted_by_steps_as_long_as_one_likes(pkgen, tmp_path: Path) 
     )
     words = ("--until", 0.03, "--every", 0.03, "--record", "u[250]", "--json")
     out = tmp_path / "out.csv"
-    done = pkgen("run", model, *words, "--method", "radau5", "--step", 0.005, "-o", out)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, *words, "--method", "radau5", "--step", 0.005, "-o", out)
     # Fourier's series of the chain, slowest first; each mode k decays by 4 D sin^2.
     expected = 1 - 250 / 1001
     for k in range(1, 40):

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, written
+from conftest import ROOT, ran, written
 from pkgen import __main__ as command
 from pkgen.back.kernels import KERNELS
 from pkgen.compiler import compile_model
@@ -177,8 +177,7 @@ end
 def test_what_is_set_and_not_read_is_noted(pkgen, tmp_path):
     path = written(tmp_path, STONE)
     run = ("run", path, "--scene", "falls")
-    plain = pkgen(*run)
-    assert plain.returncode == 0, plain.stderr
+    plain = ran(*run)
     for name, text in (("d", "d = 3 [cm]"), ("far", "far=4"), ("h", "h=-6 [cm]")):
         done = pkgen(*run, "--set", text)
         assert f"pkgen: --set {name}: no effect: nothing that scene 'falls'" in done.stderr

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import pkgen as api
-from conftest import run_pkgen, seeds
+from conftest import ran, run_pkgen, seeds
 
 UNTIL = 1.0
 
@@ -117,8 +117,7 @@ def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
         ("explain", path),
         ("explain", path, "--html", "e.html"),
     ):
-        done = run_pkgen(*command, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+        done = ran(*command, cwd=tmp_path)
 
 
 BOUND = "constraint c: x = y\nkinetic y'^2/2\nstart y = 1\n"

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from rotation_models import made
 
-from conftest import seeds
+from conftest import ran, seeds
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.scenes import lengths
@@ -18,8 +18,7 @@ from pkgen.source import Source
 
 
 def numbers(pkgen, model: Path, *options: object) -> list[list[float]]:
-    done = pkgen("run", model, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, *options)
     return [[float(x) for x in row] for row in list(csv.reader(io.StringIO(done.stdout)))[1:]]
 
 
@@ -152,11 +151,10 @@ end
 """
 
 
-def test_members_by_name(pkgen, tmp_path: Path) -> None:
+def test_members_by_name(tmp_path: Path) -> None:
     model = tmp_path / "ring.lag"
     model.write_text(RING)
-    done = pkgen("run", model, "--scene", "one")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, "--scene", "one")
     names = "t,R[2].w,R[2].x,R[2].y,R[2].z,omega(R[2]).x,omega(R[2]).y,omega(R[2]).z"
     names += ",p_R[3].x,p_R[3].y,p_R[3].z,L3.x,L3.y,L3.z"
     assert done.stdout.startswith(names.replace("L3.x,L3.y,L3.z", "L3"))
@@ -164,8 +162,7 @@ def test_members_by_name(pkgen, tmp_path: Path) -> None:
     assert first[2] == pytest.approx(0.2474039592545229) and first[5:8] == [0, 0.2, 1]
     assert first[8:11] == [0, 0, 4]
     given = "--start", "R[3].w=0.8", "--start", "R[3].y=0.6", "--start", "omega(R[1]).z=-3"
-    done = pkgen("run", model, "--until", 1, *given, "--record", "R[3],omega(R[1])")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, "--until", 1, *given, "--record", "R[3],omega(R[1])")
     assert done.stdout.split()[1] == "0,0.8,0,0.6,0,0,0.1,-3"
     assert "tilted" in done.stderr
 

@@ -17,7 +17,7 @@ from oracles.heavy_top import Top
 from oracles.integrate import integrate
 from oracles.rolling import Rolling, disk, ellipsoid
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 GOOD, LOOSE = "1e-13", "1e-5"
 
@@ -25,8 +25,7 @@ GOOD, LOOSE = "1e-13", "1e-5"
 def last(pkgen, path: str, until: float, rtol: str, *words: str) -> dict[str, float]:
     """The final row of a run, by the names of its columns."""
     command = ["run", ROOT / "models" / path, "--until", until, "--every", until, "--json"]
-    done = pkgen(*command, "--method", "gauss", "--rtol", rtol, *words)
-    assert done.returncode == 0, done.stderr
+    done = ran(*command, "--method", "gauss", "--rtol", rtol, *words)
     told = json.loads(done.stdout)
     return dict(zip((c["name"] for c in told["columns"]), told["rows"][-1], strict=True))
 

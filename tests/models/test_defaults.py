@@ -11,14 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, table
+from conftest import ROOT, ran, table
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 
 
 def columns(pkgen, model: str | Path, *options: object) -> dict[str, list[float]]:
-    done = pkgen("run", ROOT / "models" / model, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", ROOT / "models" / model, *options)
     head, rows = table(done.stdout)
     return dict(zip(head, zip(*rows, strict=True), strict=True))
 

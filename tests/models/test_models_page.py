@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 TEXT = (ROOT / "docs/dev/results/models.md").read_text(encoding="utf-8")
 PAGE, _, TABLE = TEXT.partition("## All of them")
@@ -42,10 +42,9 @@ def test_each_scene_is_in_the_table(path: Path) -> None:
 
 
 @pytest.mark.parametrize("words", TRIES)
-def test_what_the_page_says_to_try(pkgen, tmp_path: Path, words: str) -> None:
+def test_what_the_page_says_to_try(tmp_path: Path, words: str) -> None:
     shutil.copytree(ROOT / "models", tmp_path / "models")
-    done = pkgen(*shlex.split(words), cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    ran(*shlex.split(words), cwd=tmp_path)
     output = tmp_path / re.search(r"-o (\S+)", words)[1]
     assert len(output.read_text(encoding="utf-8").splitlines()) > 5
 
@@ -85,8 +84,7 @@ def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
     path = ROOT / "models/particles/n_body_space.lag"
     command = ["run", path, "--scene", "polygon", "--size", f"N={size}", "-o", tmp_path / "o.csv"]
     for eccentricity in (0, 0.4):
-        done = pkgen(*command, "--set", f"mu={mu}", "--set", f"e={eccentricity}")
-        assert done.returncode == 0, done.stderr
+        ran(*command, "--set", f"mu={mu}", "--set", f"e={eccentricity}")
     worse = pkgen(*command, "--set", f"mu={1.0001 * mu}")
     assert worse.returncode == 4 and "r + e*xi" in worse.stderr
 
@@ -101,10 +99,9 @@ def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
         ("particles/projectile.lag", ["--scene", "vacuum"], []),
     ],
 )
-def test_conjugate_points(pkgen, tmp_path: Path, path: str, words: list, times: list) -> None:
+def test_conjugate_points(tmp_path: Path, path: str, words: list, times: list) -> None:
     rows = tmp_path / "rows.csv"
-    done = pkgen(*("run", ROOT / "models" / path, *words, "--diagnose", "least_action", "-o", rows))
-    assert done.returncode == 0, done.stderr
+    ran(*("run", ROOT / "models" / path, *words, "--diagnose", "least_action", "-o", rows))
     found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["least_action"]
     assert found["conjugate"] == pytest.approx(times, abs=1e-8)
     assert found["index"] == len(times) and found["minimum"] == (not times)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import seeds
+from conftest import ran, seeds
 
 SWING = "model swing\ncoord x\nkinetic x'^2/2\npotential {}\nstart x = {}\n"
 WORD = "too far apart in time to be joined"
@@ -18,8 +18,7 @@ NEAR = 8  # rows of a period
 
 
 def drawn(pkgen, *words: object) -> tuple[list[dict], str]:
-    done = pkgen("plot", *words, "--json", "-o", "picture.svg")
-    assert done.returncode == 0, done.stderr
+    done = ran("plot", *words, "--json", "-o", "picture.svg")
     made = json.loads(done.stdout)
     return [line for panel in made["panels"] for line in panel["lines"]], " ".join(made["notes"])
 
