@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime install-shell wheel deb clean
+.PHONY: help setup demo fuzz asan durations test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime install-shell wheel deb clean
 .DEFAULT_GOAL := help
 
 help:
@@ -57,10 +57,16 @@ test-licence: runtime
 test-python: $(TESTS)
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long'
 
-# SHARD=K/N: every Nth of them, from the Kth; the C tests in quad precision belong to the first shard.
+# SHARD=K/N: the Kth of N parts that take as long; the C tests in quad precision belong to the first shard.
 test-long: $(TESTS)
 	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined)
 	$(PYTHON) -m pytest -q -n 2 --dist loadgroup -m long $(if $(SHARD),--shard $(SHARD))
+
+# Hours: measures every test, whose times say which are quick and which shard has them.
+durations: $(TESTS)
+	rm -f tests/durations.json
+	$(PYTHON) -m pytest -q -n 2 --dist loadgroup --junitxml=build/durations.xml
+	$(PYTHON) tests/durations.py build/durations.xml
 
 # The generator's tests on Debian's own python3, half a minute.
 test-debian:

@@ -10,9 +10,11 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from datetime import date
 from functools import lru_cache
 from pathlib import Path
 
+import durations
 import pytest
 
 from pkgen.cli.commands import commands
@@ -21,6 +23,7 @@ from pkgen.system import toolchain
 from pkgen.system.exits import BuildError
 
 ROOT = Path(__file__).resolve().parent
+os.environ.setdefault("PKGEN_SEEDS_DATE", date.today().isoformat())  # workers have it too
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 MODELS = sorted((ROOT / "models").glob("*.lag"))
 STRICT = [
@@ -54,24 +57,25 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--shard", metavar="K/N", help="run every Nth of the long tests, from the Kth")
+    parser.addoption("--shard", metavar="K/N", help="the Kth of N parts of the long tests")
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Marks what tools/long_tests.py has measured to be long; keeps one shard of the long tests."""
-    long = set((ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines())
+    """Marks what takes longer than `make test` has time for; keeps one shard of the long tests."""
+    store = durations.read()
+    seeded = {item.nodeid for item in items if item.get_closest_marker("seeded")}
+    long = durations.slow([item.nodeid for item in items], seeded, store)
     for item in items:
         if item.nodeid in long:
             item.add_marker(pytest.mark.long)
     if shard := config.getoption("--shard"):
-        first, count = map(int, shard.split("/"))
         slow = [item for item in items if item.get_closest_marker("long")]
-        whole = {item for item in slow if item.get_closest_marker("xdist_group")}
-        kept = whole if first == 1 else set()  # a group has one worker, in the first shard
-        kept |= set([item for item in slow if item not in whole][first - 1 :: count])
-        config.hook.pytest_deselected(items=[item for item in items if item not in kept])
-        items[:] = [item for item in items if item in kept]
+        marks = [(item.nodeid, item.get_closest_marker("xdist_group")) for item in slow]
+        groups = {name: mark.args[0] if mark else name for name, mark in marks}
+        kept = durations.shard(groups, store, *map(int, shard.split("/")))
+        config.hook.pytest_deselected(items=[item for item in items if item.nodeid not in kept])
+        items[:] = [item for item in items if item.nodeid in kept]
 
 
 class Names:
@@ -83,7 +87,8 @@ class Names:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
             terminal = self.config.pluginmanager.getplugin("terminalreporter")
-            terminal.write(f"\nFAILED {report.nodeid} ({report.when})\n")
+            day = f", PKGEN_SEEDS_DATE={os.environ['PKGEN_SEEDS_DATE']}" * ("[day" in report.nodeid)
+            terminal.write(f"\nFAILED {report.nodeid} ({report.when}{day})\n")
 
 
 def needs(command: str) -> pytest.MarkDecorator:
@@ -92,8 +97,24 @@ def needs(command: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(missing, reason=f"{command} is of an add-on that is not here")
 
 
+def seeds(fixed: Iterable[int], turning: int = 0, late: Iterable[int] = ()) -> list:
+    """Seeds of a random test: the first three of `fixed` are quick, the others are long.
+
+    `late` once found an error. `turning` seeds follow that are others each day. A failure shows
+    them, and PKGEN_SEEDS_DATE, as in 2026-11-29, has those of a day again.
+    """
+    fixed = list(fixed)
+    found = [pytest.param(seed, marks=pytest.mark.seeded, id=str(seed)) for seed in fixed[:3]]
+    found += [pytest.param(seed, marks=pytest.mark.long) for seed in (*fixed[3:], *late)]
+    day = 1000 * date.fromisoformat(os.environ["PKGEN_SEEDS_DATE"]).toordinal()
+    turned = [day + k for k in range(turning)]
+    return found + [
+        pytest.param(seed, marks=pytest.mark.long, id=f"day{k}") for k, seed in enumerate(turned)
+    ]
+
+
 def long_but(kept: Iterable[object], values: Iterable[object]) -> list:
-    """Parameters of a test, of which all but `kept` are for `make test-long` (see long.txt too)."""
+    """Parameters of a test, of which all but `kept` are for `make test-long`."""
     kept = set(kept)
     return [v if v in kept else pytest.param(v, marks=pytest.mark.long) for v in values]
 
@@ -129,6 +150,13 @@ def run_pkgen(
         code = int(server.stdout.readline())
         texts = [path.read_text(encoding="utf-8") for path in (out, err)]
     return subprocess.CompletedProcess(["pkgen", *words], code, *texts)
+
+
+def ran(*arguments: object, **options) -> subprocess.CompletedProcess[str]:
+    """The same of a command that succeeds."""
+    done = run_pkgen(*arguments, **options)
+    assert done.returncode == 0, done.stderr
+    return done
 
 
 @pytest.fixture

@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import subprocess
 from collections.abc import Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+import durations
 import pytest
 
 from conftest import ROOT
@@ -306,10 +308,10 @@ def test_exports_take_what_a_linker_would(objects: dict[str, set[str]]) -> None:
     assert short == set()
 
 
-def test_the_table_of_long_cases_names_what_is_there() -> None:
-    """Else a case that was renamed would be among the quick ones unseen."""
-    for line in (ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines():
-        path, _, name = line.partition("::")
+def test_the_store_of_durations_names_what_is_there() -> None:
+    """A function of another name would have none, and be quick unseen."""
+    for path, names in json.loads(durations.STORE.read_text(encoding="utf-8")).items():
         if path.startswith("addons/") and not HERE:
             continue
-        assert f"def {name.partition('[')[0]}(" in (ROOT / path).read_text(encoding="utf-8"), line
+        text = (ROOT / path).read_text(encoding="utf-8")
+        assert not [name for name in names if f"def {name}(" not in text], path

@@ -35,7 +35,11 @@ def _files(area: str) -> list[Path]:
     said = subprocess.run(["git", "ls-files", area], cwd=ROOT, capture_output=True, text=True)
     paths = [ROOT / name for name in said.stdout.splitlines()]
     left = {"vendor", "golden", "tests"}
-    return [p for p in paths if p.suffix in CODE and p.is_file() and not left & {*p.parts}]
+    return [
+        p
+        for p in paths
+        if p.suffix in CODE and p.is_file() and not left & {*p.relative_to(ROOT).parts}
+    ]
 
 
 @pytest.mark.parametrize("area", BUDGET)

@@ -15,7 +15,7 @@ import pytest
 
 import conftest
 import pkgen
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran, run_pkgen
 from pkgen import limits
 from pkgen.back.wasm.build import missing
 from pkgen.cli.commands import commands, overview
@@ -46,8 +46,7 @@ def named(language: str) -> list:
 def test_models_in_the_docs_run(page: Path, text: str, tmp_path: Path) -> None:
     path = tmp_path / "example.lag"
     path.write_text(text)
-    done = run_pkgen("run", path, "--until", "0.5", "--rtol", "1e-8", "-o", tmp_path / "rows.csv")
-    assert done.returncode == 0, done.stderr
+    ran("run", path, "--until", "0.5", "--rtol", "1e-8", "-o", tmp_path / "rows.csv")
     assert len((tmp_path / "rows.csv").read_text().splitlines()) > 100
 
 
@@ -86,8 +85,7 @@ def test_the_ensemble_in_the_docs_runs(tmp_path: Path) -> None:
     (table,) = blocks(ROOT / "docs/commands.md", "csv")
     (tmp_path / "members.csv").write_text(table)
     model = ROOT / "models/double_pendulum.lag"
-    done = run_pkgen("run", model, "--ensemble", tmp_path / "members.csv", "--until", "0.5")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, "--ensemble", tmp_path / "members.csv", "--until", "0.5")
     assert [row.split(",")[:2] for row in done.stdout.splitlines()[1:]] == [
         ["1", "0.5"],
         ["2", "0.5"],
@@ -116,8 +114,7 @@ def test_the_scenes_in_the_docs_run(tmp_path: Path) -> None:
     path.write_text(text)
     rows = {}
     for scene in ("slow", "section", "all_amplitudes"):
-        done = run_pkgen("run", path, "--scene", scene)
-        assert done.returncode == 0, done.stderr
+        done = ran("run", path, "--scene", scene)
         assert re.search(r"expected: (\d) of \1 met", done.stderr)
         rows[scene] = done.stdout.splitlines()
     assert rows["slow"][0] == "t,theta,theta',T,energy" and len(rows["slow"]) == 510

@@ -126,7 +126,6 @@ def test_python_3_10_compiles_and_runs(tmp_path: Path) -> None:
     assert out.read_text().count("\n") == 1002
 
 
-@pytest.mark.long  # mypy reads NumPy's types
 def test_types_are_seen_from_outside(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     text = 'import pkgen; reveal_type(pkgen.load("x.lag").run(1))'

@@ -33,7 +33,8 @@ def python_of(tree: Path) -> Path:
     """An interpreter with the packages of this one, but for pkgen, which is that of the tree."""
     venv.create(tree / ".venv", with_pip=False)
     own = Path(sysconfig.get_path("purelib", vars={"base": str(tree / ".venv")}))
-    lines = [tree / "generator", sysconfig.get_path("purelib")]  # its own .pth files are not read
+    packages = [path for path in sys.path if path.endswith("-packages")]
+    lines = [tree / "generator", *packages]  # their .pth files are not read
     (own / "tree.pth").write_text("".join(f"{line}\n" for line in lines))
     return tree / ".venv" / "bin" / "python"
 

@@ -6,13 +6,10 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from bench import answers
 from pkgen.analysis.chart import chart as charts
 
 
-@pytest.mark.long
 def test_worse_answers_are_found(tmp_path: Path, monkeypatch) -> None:
     path = tmp_path / "oscillator.lag"
     path.write_text("model oscillator\ncoord x\nkinetic x'^2/2\npotential x^4/4\nstart x = 1\n")

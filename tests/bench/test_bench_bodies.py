@@ -28,7 +28,6 @@ def test_a_residual_or_a_miss_is_told(bad: dict) -> None:
     assert not dataclasses.replace(RUN, **bad).well
 
 
-@pytest.mark.long
 def test_rods_stay_on_their_circle_and_keep_their_energy() -> None:
     path = bodies.ROOT / "models" / "constrained" / "pendulum_rod.lag"
     short, long = (

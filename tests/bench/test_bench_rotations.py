@@ -55,7 +55,6 @@ def test_forms_have_the_same_start(make) -> None:
     assert not np.allclose(*(case.forms[0].seen(list(s)) for s in case.starts(2)), atol=1e-3)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("make", rotation_cases.CASES)
 def test_forms_have_the_same_end(make) -> None:
     """That of the equations by hand; a loose tolerance misses it."""
@@ -73,7 +72,6 @@ def test_forms_have_the_same_end(make) -> None:
         assert session.took[1e-14] > session.took[1e-3]
 
 
-@pytest.mark.long
 def test_the_free_body_by_hand_is_that_of_jacobi() -> None:
     """From w = (1, 0, 1.2), I = (1, 2, 3), it is (cn, sn, 1.2 dn)(1.2 t, k), k^2 = 1/4.32."""
     case = rotation_cases.free_body()

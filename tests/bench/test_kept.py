@@ -6,7 +6,6 @@ import pytest
 
 from bench import kept
 from bench.kept_cases import asking, cases
-from conftest import long_but
 from pkgen.analysis.choose import race
 
 EVERY = {case.name: case for case in cases(quick=False)}
@@ -31,7 +30,7 @@ end
 """
 
 
-@pytest.mark.parametrize("name", long_but(QUICK[2:], QUICK))
+@pytest.mark.parametrize("name", QUICK)
 def test_what_is_promised_is_kept(name: str) -> None:
     found = kept.judge(EVERY[name], charted=False)
     assert (found.verdict, found.why) == (kept.KEPT, "")
@@ -58,7 +57,6 @@ def test_there_are_scenes_of_every_kind() -> None:
     assert len({case.kind for case in EVERY.values()}) >= 10
 
 
-@pytest.mark.long
 def test_of_two_dozen_all_are_kept() -> None:
     # It rests on an unstable point: the compiler's roundings decide when it leaves.
     drawn = [case for case in cases(quick=True) if case.name != "restricted_three_body L1"]

@@ -55,7 +55,6 @@ def test_the_exact_end_again_by_hand(name, what, until, steps, allowed) -> None:
     assert published.difference(end, kept[0], each=False) < allowed
 
 
-@pytest.mark.long
 def test_the_governor_again_by_hand() -> None:
     """After one of the ten seconds, which explicit steps need 10 s of Python for."""
     kept = json.loads(published.EXACT.read_text(encoding="utf-8"))["governor published"]
@@ -63,7 +62,6 @@ def test_the_governor_again_by_hand() -> None:
     assert published.difference(end, kept[-1], each=False) < 1e-13
 
 
-@pytest.mark.long
 def test_the_point_of_a03_again_by_hand() -> None:
     kept = json.loads(published.EXACT.read_text(encoding="utf-8"))["andrews a03"]
     beta = float(by_hand.andrews(0.05, 400)[0])

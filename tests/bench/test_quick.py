@@ -10,8 +10,6 @@ import json
 import subprocess
 import sys
 
-import pytest
-
 from bench import environment
 from conftest import ROOT
 
@@ -19,7 +17,6 @@ MODEL = "double_pendulum"
 PARTS = ("Kernels", "Double pendulum", "Ensembles", "Chains", "Long run", "Derivation")
 
 
-@pytest.mark.long
 def test_the_quick_bench_runs_whole() -> None:
     made = subprocess.run(
         [sys.executable, ROOT / "bench" / "environment.py"], capture_output=True, text=True

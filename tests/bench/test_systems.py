@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from bench import systems
 
 
@@ -42,7 +40,6 @@ def test_a_swarm_and_parts_and_nothing_expected() -> None:
     assert cells[3:7] == ("gauss 1e-09, exponential", "–", "–", "–")
 
 
-@pytest.mark.long
 def test_a_model_is_run_scene_by_scene(capsys) -> None:
     assert systems.main(["--only", "beats"]) == 0
     lines = capsys.readouterr().out.splitlines()

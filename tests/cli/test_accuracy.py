@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import run_pkgen
+from conftest import ran
 
 # The scenes share their C: it is the model's, and of what they record.
 KEPLER = """model kepler
@@ -85,8 +85,7 @@ def run(
     """The sidecar, the rows, and what was said."""
     path, rows = directory / "model.lag", directory / "rows.csv"
     path.write_text(text)
-    done = run_pkgen("run", path, "--scene", scene, "-o", rows, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--scene", scene, "-o", rows, *options)
     with open(rows, newline="", encoding="utf-8") as file:
         table = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
     return json.loads((directory / "rows.csv.json").read_text()), table, done.stderr
@@ -180,7 +179,6 @@ def test_what_is_expected_is_judged_beside_what_is_recorded(tmp_path) -> None:
     assert messages.count(f"{zero}: zero but for") == 1 and "= 1 within 1e-9" not in messages
 
 
-@pytest.mark.long
 def test_a_long_orbit_is_tried_in_part_and_kept_to_its_end(tmp_path) -> None:
     said, rows, _ = run(tmp_path, KEPLER, "ages")
     assert 0 < said["accuracy"]["reference"]["until"] < 100_000
@@ -188,7 +186,6 @@ def test_a_long_orbit_is_tried_in_part_and_kept_to_its_end(tmp_path) -> None:
     assert len(rows) == 201 and 1e-9 < off_orbit(rows) <= 3e-5
 
 
-@pytest.mark.long
 def test_where_round_off_of_tight_runs_grows_too_far_another_method_keeps_it(tmp_path) -> None:
     said, rows, messages = run(tmp_path, KEPLER, "eras")
     assert said["accuracy"]["horizon"] is None and "warning" not in messages
@@ -198,7 +195,6 @@ def test_where_round_off_of_tight_runs_grows_too_far_another_method_keeps_it(tmp
     assert off_orbit(tight) > 1e-6
 
 
-@pytest.mark.long
 def test_of_a_swarm_a_few_members_are_tried(tmp_path) -> None:
     said, rows, messages = run(tmp_path, SWARM, "swarm_")
     assert said["accuracy"]["members_tried"] == 5
@@ -212,7 +208,6 @@ def test_of_a_swarm_a_few_members_are_tried(tmp_path) -> None:
         assert 0 < max(errors) <= 1e-7, k
 
 
-@pytest.mark.long
 def test_small_numbers_have_small_tolerances(tmp_path) -> None:
     said, rows, _ = run(tmp_path, SWARM, "small")
     assert said["accuracy"]["horizon"] is None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import pytest
 from test_accuracy import run
 
 from conftest import run_pkgen
@@ -82,7 +81,6 @@ def test_a_pulse_that_steps_leap_over_is_seen_and_kept(tmp_path) -> None:
         assert abs(x - swing) <= 1e-8 * largest
 
 
-@pytest.mark.long
 def test_a_linear_motion_is_made_by_its_exponential(tmp_path) -> None:
     said, rows, messages = run(tmp_path, LINEAR, "s")
     damping, w = 0.05, math.sqrt(1.69 - 0.05**2)
@@ -96,7 +94,6 @@ def test_a_linear_motion_is_made_by_its_exponential(tmp_path) -> None:
     assert said["accuracy"]["horizon"] is None
 
 
-@pytest.mark.long
 def test_linear_motions_are_judged_by_their_exponential(tmp_path) -> None:
     said, rows, messages = run(tmp_path, PAIR, "s")
     found = said["accuracy"]
@@ -109,7 +106,6 @@ def test_linear_motions_are_judged_by_their_exponential(tmp_path) -> None:
         assert 0 < max(apart) < 1e-10
 
 
-@pytest.mark.long
 def test_a_motion_that_ends_has_its_true_cause_alone(tmp_path) -> None:
     path, rows = tmp_path / "model.lag", tmp_path / "rows.csv"
     path.write_text(ENDS)
@@ -120,7 +116,6 @@ def test_a_motion_that_ends_has_its_true_cause_alone(tmp_path) -> None:
     assert "holds until" not in done.stderr and len(kept.splitlines()) == 11
 
 
-@pytest.mark.long
 def test_chaos_warns_with_its_horizon(tmp_path) -> None:
     said, rows, messages = run(tmp_path, CHAOS, "s")
     horizon = said["accuracy"]["horizon"]

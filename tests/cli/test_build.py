@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
@@ -97,8 +97,7 @@ def test_what_cannot_be_asked(program: Path, tmp_path: Path, words: list[str], s
 
 def test_a_scene_is_its_defaults_and_a_program_may_be_static(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "hoop"
-    done = pkgen("build", HOOP, "--scene", "balanced", "--static", "-o", path)
-    assert done.returncode == 0, done.stderr
+    ran("build", HOOP, "--scene", "balanced", "--static", "-o", path)
     own, there = run(path), pkgen("run", HOOP, "--scene", "balanced")
     assert np.allclose(rows(own.stdout), rows(there.stdout), rtol=1e-8, atol=1e-9)
     linked = subprocess.run(["ldd", str(path)], capture_output=True, text=True)

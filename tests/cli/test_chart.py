@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import run_pkgen
+from conftest import ran
 from pkgen.analysis.chart import (
     chart,
     labels,
@@ -52,7 +52,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
     directory = tmp_path_factory.mktemp("chart")
     model = directory / "pendulum.lag"
     model.write_text(PENDULUM)
-    done = run_pkgen(
+    done = ran(
         *(
             "chart",
             model,
@@ -67,7 +67,6 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
         ),
         *("--set", "w=1.193", "--start", "theta=1.0", "--json"),
     )
-    assert done.returncode == 0, done.stderr
     return json.loads(done.stdout), directory
 
 
@@ -105,8 +104,7 @@ def test_the_curves_have_the_order_of_their_methods(made, method: str, order: in
 
 def error_of_run(found: dict, words: list[str]) -> float:
     """Of the final state of `pkgen run`, as the chart measures it."""
-    done = run_pkgen(*words, "--json")
-    assert done.returncode == 0, done.stderr
+    done = ran(*words, "--json")
     report = json.loads(done.stdout)["report"]
     exact = zip(
         report["q"] + report["v"],
@@ -238,10 +236,9 @@ def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
     """From upright but for the rounding of pi, what __float128 knows of the fall is 1e-6 or so."""
     model = tmp_path / "pendulum.lag"
     model.write_text(PENDULUM.replace("1.1", "3.141592653589793"))
-    done = run_pkgen(
+    done = ran(
         "chart", model, "-o", tmp_path, "--points", 8, "--until", 60, "--methods", "gauss", "--json"
     )
-    assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["reference"]["error"] > 1e-13 and 10 < found["reference"]["holds"] < 60
     (last,) = [a for a in found["answers"] if a["accuracy"] == 1e-12 and a["cheapest_in"] == "work"]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from conftest import seeds
 from pkgen.analysis.chart import answer, search
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.analysis.chart.sweep import Effort
@@ -102,7 +103,7 @@ def dense(bench: Invented, method: ChartedMethod, accuracy: float, axis: str) ->
     return best
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(range(3), 5))
 def test_an_answer_is_the_cheapest_of_a_dense_scan(seed: int) -> None:
     bench, methods = invented(seed)
     found, tracks = answer.answers(bench, swept(bench, methods))
@@ -190,7 +191,7 @@ def test_the_budget_of_a_chart_is_of_the_processor() -> None:
     assert left - effort.left() < 0.1
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", seeds(range(3), 2))
 def test_times_with_noise_are_timed_again(seed: int) -> None:
     """By a third of the time more at random: the answer's method is right to 10% of the truth."""
     bench, methods = invented(seed)

@@ -11,6 +11,8 @@ import json
 import math
 from pathlib import Path
 
+from conftest import ran
+
 MODEL = """model oscillator
 coord x
 kinetic x'^2/2
@@ -21,12 +23,11 @@ METHODS = "verlet,euler,radau5,gauss2"
 STEP = 0.1
 
 
-def test_drifts_over_decades(pkgen, tmp_path: Path) -> None:
+def test_drifts_over_decades(tmp_path: Path) -> None:
     model = tmp_path / "oscillator.lag"
     model.write_text(MODEL)
     words = ("--long", "--step", STEP, "--methods", METHODS, "--seconds", 6, "-o", tmp_path)
-    done = pkgen("chart", model, *words, "--json", "--format", "png,pdf")
-    assert done.returncode == 0, done.stderr
+    done = ran("chart", model, *words, "--json", "--format", "png,pdf")
     told = json.loads(done.stdout)
     found = {m["method"]: m for m in told["methods"]}
     assert list(found) == METHODS.split(",") and told["step"] == STEP

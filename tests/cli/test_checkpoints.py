@@ -18,8 +18,6 @@ import checkpoint_runs as runs
 import numpy
 import pytest
 
-from conftest import long_but
-
 GSLS_OWN = ("gsl_msadams", "gsl_msbdf", "gsl_bsimp")
 QUICK = ("damped", "turning", "switched")
 
@@ -43,7 +41,7 @@ def ck() -> Iterator[Path]:
         yield Path(folder) / "c"
 
 
-@pytest.mark.parametrize("case", long_but([n for n in NAMES if n[1] < 1], NAMES), ids=str)
+@pytest.mark.parametrize("case", NAMES, ids=str)
 def test_every_method_goes_on_to_the_bit(case: tuple, tmp_path: Path, ck: Path) -> None:
     """Left after random numbers of steps; the report is the same too."""
     name, until = case
@@ -82,7 +80,6 @@ def test_rows_of_each_kind(rows: dict, tmp_path: Path, ck: Path) -> None:
         assert compared(one, ck, random.Random(method)) > 3
 
 
-@pytest.mark.long
 def test_blocks_of_coordinates(tmp_path: Path, ck: Path) -> None:
     (tmp_path / "b.lag").write_text(runs.BLOCKS)
     what = runs.prepared(runs.options(tmp_path / "b.lag", "--scene", "s"))

@@ -17,7 +17,6 @@ from pkgen.run.library import load
 FUZZ = ROOT / "tests/fuzz/checkpoints.py"
 
 
-@pytest.mark.long
 def test_nothing_is_read_outside_memory() -> None:
     done = subprocess.run([sys.executable, FUZZ, "20", str(random.randrange(10**6))], text=True)
     assert done.returncode == 0

@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from conftest import ROOT, rows, written
+from conftest import ROOT, ran, rows, written
 
 ROD = """\
 model rod
@@ -42,8 +42,7 @@ end
 
 def test_a_rod_keeps_its_length(pkgen, tmp_path):
     path = written(tmp_path, ROD)
-    done = pkgen("run", path, "--scene", "swing", "--json")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--scene", "swing", "--json")
     assert [x["met"] for x in json.loads(done.stdout)["expects"]] == [True] * 3
     assert pkgen("run", path, "--scene", "many").returncode == 0
 
@@ -94,8 +93,7 @@ def test_what_a_method_needs_is_said(pkgen, tmp_path):
         assert done.returncode in (2, 4) and said in done.stderr, done.stderr
     # What is free is taken by the methods of groups and of constraints as it is.
     for method in ("rattle", "rkmk4", "lie_midpoint"):
-        done = pkgen("run", free, "--method", method, "--step", "0.01", "--until", "1")
-        assert done.returncode == 0, done.stderr
+        done = ran("run", free, "--method", method, "--step", "0.01", "--until", "1")
 
 
 def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_path):
@@ -161,11 +159,10 @@ def test_a_refused_start_misses_what_a_scene_expects_of_its_events(pkgen):
     assert "expected: 0 of 3 met" in done.stderr
 
 
-def test_a_turning_point_of_all_rates_but_a_spin(pkgen):
+def test_a_turning_point_of_all_rates_but_a_spin():
     """The row of the pivots hardly has the fast spin, and is rounded by it: no failure."""
     path = ROOT / "models" / "constrained" / "gimbals.lag"
-    done = pkgen("run", path, "--scene", "nutates", "--set", "turn=0")
-    assert done.returncode == 0, done.stderr
+    ran("run", path, "--scene", "nutates", "--set", "turn=0")
 
 
 HELD = """\
@@ -254,11 +251,10 @@ constraint tie: sin(y + 0.3) = 0.5*z + sin(0.3)
 
 @pytest.mark.parametrize("method", ["rattle", "lie_midpoint", "rattle6"])
 @pytest.mark.parametrize("text", [AXLE, RAMP])
-def test_steps_from_rest_and_beside_a_spin(pkgen, tmp_path, text, method):
+def test_steps_from_rest_and_beside_a_spin(tmp_path, text, method):
     """Rates that rows hardly have are rounding beside the spin; coordinates at 0 have no size."""
     path = written(tmp_path, text)
-    done = pkgen("run", path, "--until", "1", "--method", method, "--step", "0.01", "--every", "1")
-    assert done.returncode == 0, done.stderr
+    ran("run", path, "--until", "1", "--method", method, "--step", "0.01", "--every", "1")
 
 
 def test_what_is_of_free_coordinates_says_that_there_are_constraints(pkgen, tmp_path):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 from pkgen.run import build
 from pkgen.system import toolchain
 
@@ -142,11 +142,9 @@ def test_a_chain_is_unrolled_for_its_derivatives(pkgen) -> None:
     assert found["lyapunov"]["motion"] == "regular" and found["lyapunov"]["exponent"] < 0.02
 
 
-@pytest.mark.long  # least_action takes 22 s
-def test_what_is_said(pkgen) -> None:
+def test_what_is_said() -> None:
     arguments = ["--until", "60", "--method", "rk4", "--step", "0.05"]
-    done = pkgen("run", DOUBLE, "--diagnose", "all", *starts(2), *arguments, "-v")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", DOUBLE, "--diagnose", "all", *starts(2), *arguments, "-v")
     lines = [line for line in done.stderr.splitlines() if not line.startswith("pkgen: ")]
     kinds = [line.partition(":")[0] for line in lines]
     assert "run: warning: the energy" in done.stderr  # off by .1
@@ -251,15 +249,14 @@ def test_a_run_that_an_event_ends(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 2 and "rows are at event bottom alone" in done.stderr
 
 
-def test_least_action_is_a_minimum_up_to_the_first_conjugate_point(pkgen, tmp_path: Path) -> None:
+def test_least_action_is_a_minimum_up_to_the_first_conjugate_point(tmp_path: Path) -> None:
     rows = tmp_path / "rows.csv"
     said = {}
     for until in (1, 3):
-        done = pkgen(
+        done = ran(
             *("run", ROOT / "models/bead_on_hoop.lag", "--until", until, "-o", rows),
             *("--diagnose", "least_action"),
         )
-        assert done.returncode == 0, done.stderr
         report = json.loads(Path(f"{rows}.json").read_text())["report"]
         said[until] = report["diagnostics"]["least_action"], done.stderr
     found, text = said[1]

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from conftest import ran
+
 PENDULUM = """model swing
 param grow = 0 in [0, 1]
 let l = 1 + grow*t
@@ -33,8 +35,7 @@ end
 def action(pkgen, tmp_path: Path, text: str, *arguments: object) -> tuple[dict, str]:
     path = tmp_path / "model.lag"
     path.write_text(text)
-    done = pkgen("run", path, "--diagnose", "action", "-o", tmp_path / "rows.csv", *arguments)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--diagnose", "action", "-o", tmp_path / "rows.csv", *arguments)
     report = json.loads((tmp_path / "rows.csv.json").read_text())["report"]
     return report["diagnostics"]["action"], done.stderr
 
@@ -96,7 +97,6 @@ def test_kinks(pkgen, tmp_path: Path) -> None:
     assert abs(found["period"] - 2 * math.pi) < 1e-14
 
 
-@pytest.mark.long
 def test_adiabatic_invariance(pkgen, tmp_path: Path) -> None:
     # While the pendulum grows to three times its length J keeps to some rate/omega of its size,
     # and its frequency (of small swings l^-1/2) does not.
@@ -129,7 +129,6 @@ def test_of_what_a_scene_leaves(pkgen, tmp_path: Path) -> None:
     assert "a scene whose reductions leave one" in done.stderr
 
 
-@pytest.mark.long
 def test_motions_that_have_none(pkgen, tmp_path: Path) -> None:
     for start, orbit in (
         (["theta=0"], "at rest in an equilibrium"),

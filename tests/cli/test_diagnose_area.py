@@ -51,7 +51,6 @@ def test_of_a_pendulum(pkgen, tmp_path: Path) -> None:
     assert 1e-7 < worse["drift"]["max"] < 1e-2
 
 
-@pytest.mark.long
 def test_a_shear_is_resolved_for_a_time(pkgen, tmp_path: Path) -> None:
     # Swings of other amplitudes take other times, so the loop winds up; ten times as many members
     # resolve it some ten times as long. A harmonic oscillator has one frequency, for ever.
@@ -71,7 +70,6 @@ def test_a_shear_is_resolved_for_a_time(pkgen, tmp_path: Path) -> None:
     assert found["resolved_until"] == 1000 and max(row[2] for row in found["rows"]) < 1e-13
 
 
-@pytest.mark.long
 def test_a_loop_round_the_cylinder(pkgen, tmp_path: Path) -> None:
     # theta goes once round: the integral is 2 pi times the mean of theta'.
     text = ring(PENDULUM, 1000, 2, 0.5, "kahan_li8 step 0.05")
@@ -94,7 +92,6 @@ def test_a_loop_round_the_cylinder(pkgen, tmp_path: Path) -> None:
         assert "from the last member to the first it goes by -6.28, from the one before" in said
 
 
-@pytest.mark.long
 def test_two_coordinates_and_an_ensemble(pkgen, tmp_path: Path) -> None:
     # Sum of both areas; the members in a file, in polar coordinates where p is not r' alone.
     text = "model drum\ncoord r, phi\nkinetic (r'^2 + r^2*phi'^2)/2\npotential r^2/2\nstart r = 1\n"
@@ -254,7 +251,6 @@ def test_refusals(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 2 and "let starts alone differ" in done.stderr
 
 
-@pytest.mark.long
 def test_of_a_large_swarm(pkgen, tmp_path: Path) -> None:
     # 1e5 members of a wide loop, near the separatrix, where it shears fast: constant to 1e-10 as
     # long as it is resolved, which is for longer than of a thousand.

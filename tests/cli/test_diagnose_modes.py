@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 OSCILLATORS = ROOT / "models/coupled_oscillators.lag"
 FPUT = ROOT / "models/chains/fput.lag"
@@ -23,8 +23,7 @@ start q[1] = 3, q[2]' = 0.5
 
 
 def modes(pkgen, tmp_path: Path, model: Path, *arguments: object) -> tuple[dict, str]:
-    done = pkgen("run", model, "--diagnose", "modes", "-o", tmp_path / "rows.csv", *arguments)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, "--diagnose", "modes", "-o", tmp_path / "rows.csv", *arguments)
     report = json.loads((tmp_path / "rows.csv.json").read_text())["report"]
     return report["diagnostics"]["modes"], done.stderr
 
@@ -50,7 +49,6 @@ def test_of_a_linear_chain(pkgen, tmp_path: Path) -> None:
     assert "modes: at the end 0.87 in all modes, 0.607199 in mode 3" in said
 
 
-@pytest.mark.long
 def test_recurrence(pkgen, tmp_path: Path) -> None:
     # REGIMES F1: E = .07704437 in the first mode, and .98127 of it again after 146.447 periods; in
     # between it is elsewhere. The nonlinear energy is what is left of a constant h.
@@ -66,7 +64,6 @@ def test_recurrence(pkgen, tmp_path: Path) -> None:
     assert all(abs(row[1] + row[2] - first[1]) < 1e-9 for row in found["rows"])
 
 
-@pytest.mark.long
 def test_free_ends_and_a_pendulum(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "model.lag"
     path.write_text(FREE)
@@ -148,8 +145,7 @@ def test_about_the_turn_of_an_angle_that_is_next(pkgen, tmp_path: Path) -> None:
     assert all(row[1] < math.pi**2 / 2 + 4.5 for row in found["rows"])
 
 
-@pytest.mark.long
-def test_energies_without_what_a_total_derivative_adds_to_momenta(pkgen, tmp_path: Path) -> None:
+def test_energies_without_what_a_total_derivative_adds_to_momenta(tmp_path: Path) -> None:
     path = tmp_path / "gauge.lag"
     path.write_text("""model gauge
 coord x, y
@@ -157,8 +153,7 @@ lagrangian (x'^2 + y'^2)/2 + 1.5*(x*y' + y*x') - x^2/2 - y^2
 start x = 0.1, y' = 0.5
 """)
     out = tmp_path / "rows.csv"
-    done = pkgen("run", path, "--until", "20", "--diagnose", "modes", "-o", out)
-    assert done.returncode == 0, done.stderr
+    ran("run", path, "--until", "20", "--diagnose", "modes", "-o", out)
     report = json.loads((tmp_path / "rows.csv.json").read_text())["report"]
     for _, together, beyond, slow, fast in report["diagnostics"]["modes"]["rows"]:
         assert together == pytest.approx(0.13, abs=1e-9) and abs(beyond) < 1e-9

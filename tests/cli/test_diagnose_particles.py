@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from conftest import ran
+
 KEPLER = """model kepler
 param mu = 1 in (0, inf)
 param b = 0
@@ -42,8 +44,7 @@ SWING = (
 def found(pkgen, tmp_path: Path, text: str, what: str, *arguments: object) -> tuple[dict, str]:
     path = tmp_path / "model.lag"
     path.write_text(text)
-    done = pkgen("run", path, "--diagnose", what, "-o", tmp_path / "rows.csv", *arguments)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--diagnose", what, "-o", tmp_path / "rows.csv", *arguments)
     return json.loads((tmp_path / "rows.csv.json").read_text())["report"][
         "diagnostics"
     ], done.stderr
@@ -69,7 +70,6 @@ def test_the_apsides_turn_as_the_step_has_it(pkgen, tmp_path: Path) -> None:
     assert "lrl: it has turned by -0.0006" in said
 
 
-@pytest.mark.long
 def test_precession_of_another_force(pkgen, tmp_path: Path) -> None:
     # Of -b/r^2 beside -mu/r: 2 pi (1/sqrt(1 - 2 b/L^2) - 1) from pericentre to pericentre.
     options = ["--set", "b=0.01", "--until", "60", "--method", "gauss8", "--step", "0.01"]
@@ -89,7 +89,6 @@ def test_precession_of_another_force(pkgen, tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.long
 def test_polar_coordinates_and_two_bodies(pkgen, tmp_path: Path) -> None:
     steps = ["--until", "40", "--method", "gauss8", "--step", "0.01"]
     of, _ = found(pkgen, tmp_path, POLAR, "lrl,angular_momentum", *steps)
@@ -219,7 +218,7 @@ def test_in_a_frame_that_turns(pkgen, tmp_path: Path) -> None:
     assert np.ptp(beside) < 1e-12 < 0.1 < np.ptp(turning)
 
 
-def test_a_start_at_rest_has_the_plane_in_which_it_turns(pkgen, tmp_path: Path) -> None:
+def test_a_start_at_rest_has_the_plane_in_which_it_turns(tmp_path: Path) -> None:
     path = tmp_path / "charged.lag"
     path.write_text("""model charged
 coord x, y
@@ -230,8 +229,7 @@ force y = -x'
 start x = 1
 """)
     out = tmp_path / "rows.csv"
-    done = pkgen("run", path, "--until", "10", "--diagnose", "lrl", "-o", out)
-    assert done.returncode == 0, done.stderr
+    ran("run", path, "--until", "10", "--diagnose", "lrl", "-o", out)
     found = json.loads((tmp_path / "rows.csv.json").read_text())["report"]["diagnostics"]["lrl"]
     assert found["direction"] == pytest.approx([-1, 0, 0], abs=1e-15)
     # By SciPy's DOP853 from the same start.

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy
 import pytest
 
+from conftest import seeds
 from pkgen.__main__ import main
 
 ORBIT = """model orbit
@@ -44,9 +45,7 @@ def ran(capsys, tmp_path: Path, model: str, *words: object) -> tuple[dict, str]:
     return json.loads(said.out)["report"], said.err
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(3), *(pytest.param(s, marks=pytest.mark.long) for s in range(3, 40))]
-)
+@pytest.mark.parametrize("seed", seeds(range(3), 37))
 def test_no_alarm_where_the_vector_is_kept(capsys, tmp_path: Path, seed: int) -> None:
     """Orbits in planes along the axes, next to them, and across, begun anywhere on them."""
     draw = random.Random(seed)

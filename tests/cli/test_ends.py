@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from conftest import ran
+
 CHAIN = """model chain
 size N = 6
 param k[i = 1..N] = 10*i
@@ -49,13 +51,12 @@ def test_what_cannot_be(pkgen, tmp_path: Path, clauses, said, under, hint) -> No
     assert shown[caret.index("^") : caret.rindex("^") + 1] == under
 
 
-def test_ends_and_held_members_are_recorded(pkgen, tmp_path: Path) -> None:
+def test_ends_and_held_members_are_recorded(tmp_path: Path) -> None:
     """Held are q[1] and q[2] where they start, and q[N] by a motion: then q[N+1] moves with it. As
     outputs members of one family stand apart from each other."""
     columns = "q[0], q[0]', q[1], q[2], q[N]', q[N+1], p_q[3]"
     clauses = f"hold q[1], q[2], q[N] = 3*t\n  method rk4 step 0.125\n  record {columns} every 0.5"
-    done = pkgen("run", chain(tmp_path, clauses), "--scene", "one")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", chain(tmp_path, clauses), "--scene", "one")
     head, *rows = done.stdout.splitlines()
     assert head == "t,q[0],q[0]',q[1],q[2],q[6]',q[7],p_q[3]"
     for row in rows:

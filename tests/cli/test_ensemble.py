@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 MEMBERS = [("0.5", "1", "0"), ("30 [deg]", "2 [kg]", "-1e-1"), ("pi/2", "3", "0.25 [rad/s]")]
@@ -33,8 +33,7 @@ def table(text: str) -> list[list[str]]:
 def single(pkgen, member, *options: str) -> list[list[str]]:
     theta1, m1, rate2 = member
     start = ("--start", f"theta1={theta1}", "--start", f"theta2'={rate2}")
-    done = pkgen("run", DOUBLE, "--set", f"m1={m1}", *start, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", DOUBLE, "--set", f"m1={m1}", *start, *options)
     return table(done.stdout)[1:]
 
 
@@ -52,8 +51,7 @@ def test_members_are_single_runs(pkgen, ensemble, options: list[str]) -> None:
     path = ensemble(HEADER + "".join(",".join(m) + "\n" for m in MEMBERS))
     # A last interval that is shorter than the others.
     options = [*options, "--until", "1.1", "--every", "0.4"]
-    done = pkgen("run", DOUBLE, "--ensemble", path, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", DOUBLE, "--ensemble", path, *options)
     rows = table(done.stdout)
     assert rows[0] == ["member", "t", "theta1", "theta2", "theta1'", "theta2'", "energy"]
     for number, member in enumerate(MEMBERS, 1):
@@ -86,8 +84,7 @@ def test_families_and_inputs_are_named_as_in_set(pkgen, ensemble, tmp_path: Path
     )
     path = ensemble('"q[1]","q[2]\'",u\n0.5,1,0\n\n0.5,1,2\n')
     options = ["--method", "verlet", "--step", "0.01", "--until", "1"]
-    done = pkgen("run", model, "--ensemble", path, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, "--ensemble", path, *options)
     rows = table(done.stdout)[1:]
     alone = ["--start", "q[1]=0.5", "--start", "q[2]'=1", "--set", "u=2"]
     assert rows[1][1:] == table(pkgen("run", model, *alone, *options).stdout)[-1]
@@ -169,7 +166,6 @@ def test_what_no_machine_could_do_is_refused(pkgen, ensemble) -> None:
     assert done.returncode == 2 and "--threads 100000: 1024 at most" in done.stderr
 
 
-@pytest.mark.long  # a runtime of its own is built
 def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> None:
     """A compiler that cannot link OpenMP still runs ensembles; a new cache is filled, and used."""
     compiler = tmp_path / "cc"
@@ -179,7 +175,6 @@ def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> 
     path = ensemble("theta1\n1\n2\n")
     options = ["--ensemble", path, "--method", "rk4", "--step", "0.1", "--until", "1"]
     for _ in range(2):
-        done = pkgen("run", DOUBLE, *options, "--threads", "2", env=env)
-        assert done.returncode == 0, done.stderr
+        done = ran("run", DOUBLE, *options, "--threads", "2", env=env)
         assert len(list((tmp_path / "cache" / "models").iterdir())) == 1
     assert done.stdout == pkgen("run", DOUBLE, *options).stdout

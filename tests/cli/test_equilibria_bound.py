@@ -11,7 +11,7 @@ from dataclasses import replace
 import pytest
 from stability_asker import asker
 
-from conftest import long_but
+from conftest import seeds
 from pkgen.__main__ import main
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure
@@ -113,7 +113,7 @@ def same(a: list, b: list) -> None:
             assert x == pytest.approx(y, rel=1e-7, abs=1e-7)
 
 
-@pytest.mark.parametrize("seed", long_but([1], range(4)))
+@pytest.mark.parametrize("seed", seeds([1, 0, 2], 2))
 def test_random_pendulums_rest_as_one_of_an_angle(seed: int) -> None:
     r = random.Random(seed)
     of = {"l": 10 ** r.uniform(-6, 3), "g": r.uniform(1, 20)}
@@ -137,7 +137,7 @@ def test_random_pendulums_rest_as_one_of_an_angle(seed: int) -> None:
     ]
 
 
-@pytest.mark.parametrize("seed", long_but([1], range(4)))
+@pytest.mark.parametrize("seed", seeds([1, 0, 2], 2))
 def test_random_beads_on_wires_rest_as_one_of_a_coordinate(seed: int) -> None:
     r = random.Random(seed)
     of = {k: round(r.uniform(*span), 3) for k, span in WELLS.items()}
@@ -150,7 +150,7 @@ def test_random_beads_on_wires_rest_as_one_of_a_coordinate(seed: int) -> None:
 WELLS = {"a": (0.3, 2), "b": (1, 3), "c": (-0.2, 0.2), "x": (0.2, 0.6)}
 
 
-@pytest.mark.parametrize("seed", long_but([1], range(3)))
+@pytest.mark.parametrize("seed", seeds([1, 0, 2], 2))
 def test_what_goes_round_keeps_its_momentum(seed: int) -> None:
     r = random.Random(seed)
     of = {"k": r.uniform(0.3, 2), "r": r.uniform(0.5, 2), "w": r.uniform(1, 4)}

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 STONE = ROOT / "models/particles/thrown_stone.lag"
 
@@ -49,10 +49,9 @@ def period(amplitude: float) -> float:
     return 2 * math.pi / a
 
 
-def test_a_run_stops_at_its_event(pkgen) -> None:
+def test_a_run_stops_at_its_event() -> None:
     assert f"{APEX_T:.9f} {APEX_Y:.9f} {IMPACT:.9f}" == "2.604896472 45.194264937 20.249653994"
-    done = pkgen("run", STONE, "--rtol", "1e-13", "--every", "2")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", STONE, "--rtol", "1e-13", "--every", "2")
     head, rows = rows_of(done.stdout)
     assert [row[0] for row in rows[:-1]] == [0, 2, 4, 6]
     t, y, v, _ = rows[-1]
@@ -97,8 +96,7 @@ def test_a_row_at_each_crossing(pkgen) -> None:
 def test_sections_of_a_pendulum(pkgen, tmp_path: Path, method: str, bound: float) -> None:
     path = tmp_path / "pendulum.lag"
     path.write_text(PENDULUM)
-    done = pkgen("run", path, "--scene", "swings", "--method", *method.split())
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--scene", "swings", "--method", *method.split())
     head, rows = rows_of(done.stdout)
     assert head == ["t", "theta'", "energy"]
     T = period(2.5)
@@ -154,8 +152,7 @@ def test_a_scene_drives_an_input_and_a_chain(pkgen, tmp_path: Path) -> None:
         "force q[1] = pull\nscene pulled\n  set pull = 0.5\n  until 3\n"
         "  start q[2] = 0.1\n  record q[1], q[N]', T every 1\n  method rk4 step 0.01\nend\n"
     )
-    done = pkgen("run", path, "--scene", "pulled")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--scene", "pulled")
     head, rows = rows_of(done.stdout)
     assert head == ["t", "q[1]", "q[40]'", "T"]
     assert rows[0][1:] == [0, 0, 0] and rows[-1][1] > 0.3
@@ -195,8 +192,7 @@ def test_an_event_before_a_singularity_in_the_same_step(pkgen, tmp_path: Path) -
     assert "r vanishes at t = 1.11" in report["reason"]
     assert report["events"][0]["times"] == [pytest.approx(FALL, abs=1e-5)]
     path.write_text(path.read_text().replace("falling", "falling stop"))
-    done = pkgen(*command)
-    assert done.returncode == 0, done.stderr
+    done = ran(*command)
     t, r, *_ = rows_of(done.stdout)[1][-1]
     assert t == pytest.approx(FALL, abs=1e-5) and r == pytest.approx(0.5, abs=1e-12)
 

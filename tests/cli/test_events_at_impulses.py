@@ -6,6 +6,8 @@ from itertools import pairwise
 
 import pytest
 
+from conftest import ran
+
 METHODS = ["gauss", "dop853", "dopri5", "radau", "rk4", "gauss4", "gsl_rk8pd"]
 BENT = """model bent
 coord x, y, z
@@ -38,10 +40,9 @@ KINK = (
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("text", [IMPULSE, KINK], ids=["impulse", "kink"])
-def test_it_is_crossed_once(pkgen, write, text: str, method: str) -> None:
+def test_it_is_crossed_once(write, text: str, method: str) -> None:
     options = ("--scene=s", "--method", method, "--step=0.01", "--at=e")
-    done = pkgen("run", write(text), *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", write(text), *options)
     at = [tuple(map(float, row.split(",")[:2])) for row in done.stdout.splitlines()[1:]]
     twice = [b for a, b in pairwise(at) if a[0] == b[0] and b[1] - a[1] < 1e-6]
     assert len(at) >= 24 and not twice

@@ -7,6 +7,8 @@ import math
 
 import pytest
 
+from conftest import ran
+
 MODEL = """model moving
 param w = 20
 coord x
@@ -28,9 +30,8 @@ end
 
 
 @pytest.mark.parametrize("method", ["gauss", "dop853", "rk4 --step 7", "gauss4 --step 4"])
-def test_all_are_found(pkgen, write, method: str) -> None:
-    done = pkgen("run", write(MODEL), "--until", "30", "--json", "--method", *method.split())
-    assert done.returncode == 0, done.stderr
+def test_all_are_found(write, method: str) -> None:
+    done = ran("run", write(MODEL), "--until", "30", "--json", "--method", *method.split())
     e, tops, pair = json.loads(done.stdout)["report"]["events"]
     assert e["count"] == 95 and e["doubts"] == 0
     for k, t in enumerate(e["times"], 1):
@@ -56,7 +57,7 @@ def test_what_turns_too_often_is_said_to(pkgen, write) -> None:
     assert "warning: event e: from t = 0 on its function turns too often" in done.stderr
 
 
-def test_what_is_rounding_alone_is_told_and_not_followed_far(pkgen, write) -> None:
+def test_what_is_rounding_alone_is_told_and_not_followed_far(write) -> None:
     """On a rod x^2 + y^2 - 1 is noise: no window of a step shows it, and eight of the narrowest
     are enough to know."""
     path = write(
@@ -64,8 +65,7 @@ def test_what_is_rounding_alone_is_told_and_not_followed_far(pkgen, write) -> No
         "constraint rod: x^2 + y^2 = 1\nstart x = 1, y = 0\nevent e: x^2 + y^2 - 1 rising\n"
     )
     steps = ["--until", "1", "--method", "rk4", "--step", "0.1"]
-    done = pkgen("run", path, *steps, "--every", "1", "--json")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, *steps, "--every", "1", "--json")
     assert "turns too often" in done.stderr
     (event,) = json.loads(done.stdout)["report"]["events"]
     assert 0 < event["doubts"] <= 20 * 10

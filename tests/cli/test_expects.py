@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from conftest import ran
+
 # x = cos t, exactly; the method is not, by some 1e-9.
 SWING = """model swing
 param w = 1 [1/s] in (0, inf)
@@ -74,9 +76,8 @@ def swing(tmp_path: Path) -> Path:
     return path
 
 
-def test_what_is_met_is_counted_and_no_column(pkgen, swing: Path) -> None:
-    done = pkgen("run", swing, "--scene", "met")
-    assert done.returncode == 0, done.stderr
+def test_what_is_met_is_counted_and_no_column(swing: Path) -> None:
+    done = ran("run", swing, "--scene", "met")
     assert "expected: 12 of 12 met" in done.stderr
     assert "amplitude kept to " in done.stderr  # proved, but its drift is asked for
     assert done.stdout.splitlines()[0] == "t,x" and len(done.stdout.splitlines()) == 22
@@ -154,9 +155,8 @@ def test_c_of_a_scene_has_no_outputs_for_what_it_expects(pkgen, swing: Path, tmp
     assert "swing_met_q_x = 0" in header and "swing_met_o_" not in header
 
 
-def test_without_a_scene_it_says_which_there_are(pkgen, swing: Path) -> None:
-    done = pkgen("run", swing, "--until", "1")
-    assert done.returncode == 0
+def test_without_a_scene_it_says_which_there_are(swing: Path) -> None:
+    done = ran("run", swing, "--until", "1")
     assert (
         done.stderr.splitlines()[-1]
         == "scenes of this model, by --scene: met, all_columns, ensemble, missed"
@@ -210,14 +210,13 @@ end
 
 @pytest.mark.parametrize("scene", ["loose", "many"])
 def test_an_energy_that_a_parameter_left_to_the_run_makes_constant_is_watched(
-    pkgen, tmp_path: Path, scene: str
+    tmp_path: Path, scene: str
 ) -> None:
     (tmp_path / "dragged.lag").write_text(DRAGGED)
     found = []
     for option in ([], ["--no-reduce"]):
         words = ["--scene", scene, "--json", "-o", tmp_path / "rows.csv", *option]
-        done = pkgen("run", tmp_path / "dragged.lag", *words)
-        assert done.returncode == 0, done.stderr
+        done = ran("run", tmp_path / "dragged.lag", *words)
         found.append(json.loads(done.stdout)["expects"][0]["value"])
     # By h^6/72 of it a step, and the scale of an energy is that of its parts, here 3 times it.
     assert found[0] == pytest.approx(100 * 0.1**6 / 72 / 3, rel=0.05)

@@ -251,7 +251,6 @@ start x[i = 1..N] = i
 """
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("method", ["dop853", "verlet --step 0.01"])
 def test_a_collision_is_the_same_unrolled_and_as_loops(pkgen, tmp_path: Path, method: str) -> None:
     """Where all attract each other, those at either end fall first, both at once."""
@@ -274,7 +273,6 @@ def test_a_collision_is_the_same_unrolled_and_as_loops(pkgen, tmp_path: Path, me
     assert 1 < ends[0] < 1.01 and ends == pytest.approx([ends[0]] * 3, rel=1e-6)
 
 
-@pytest.mark.long
 def test_what_repels_passes_near_and_never_ends(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "gas.lag"
     walls = "fixed x[0] = 0, x[N+1] = N + 1\nstart x[i = 1..N]' = 3*sin(7*i^2)\n"

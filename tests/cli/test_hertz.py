@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import long_but, rows, written
+from conftest import rows, seeds, written
 
 
 def between_walls(
@@ -36,7 +36,7 @@ def between_walls(
 
 
 @pytest.mark.parametrize("method", ["dop853", "dopri5", "radau", "gsl_rk8pd", "gsl_msbdf"])
-@pytest.mark.parametrize("seed", long_but(range(2), range(23)))
+@pytest.mark.parametrize("seed", seeds(range(3), 20))
 def test_a_body_between_hertzian_walls(pkgen, tmp_path: Path, method: str, seed: int) -> None:
     text, until, x, width = between_walls(seed)
     path = written(tmp_path, text)
@@ -47,7 +47,7 @@ def test_a_body_between_hertzian_walls(pkgen, tmp_path: Path, method: str, seed:
 
 
 @pytest.mark.parametrize("method", ["gauss", "dop853", "radau", "gsl_rk8pd", "gsl_rkf45"])
-@pytest.mark.parametrize("seed", long_but(range(2), range(33)))
+@pytest.mark.parametrize("seed", seeds(range(3), 30))
 def test_a_body_between_soft_walls(pkgen, tmp_path: Path, method: str, seed: int) -> None:
     """Tolerances are those of the step that is tried, not of the one that free flight proposed."""
     text, until, x, width = between_walls(seed, (2, 3))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import run_pkgen
+from conftest import ran, run_pkgen
 
 FREE = "kinetic x'^2/2 + y'^2 + x'*y'/3\npotential x^2 + x^4/4 + cos(x - y)\n"
 TURNING = "kinetic ((x' - w*y)^2 + (y' + w*x)^2)/2\npotential x^2 + x^4/4 + cos(x - y)\n"
@@ -51,8 +51,7 @@ def model(tmp_path_factory: pytest.TempPathFactory):
 
 
 def last(path: Path, *options: object) -> list[float]:
-    done = run_pkgen("run", path, "--until", 2, "--every", 2, "-o", "-", *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--until", 2, "--every", 2, "-o", "-", *options)
     return [float(x) for x in done.stdout.split()[-1].split(",")][1:5]
 
 
@@ -79,8 +78,7 @@ def test_orders_and_refusals(model, name: str) -> None:
 def test_the_form(model, tmp_path: Path, name: str, keeps: bool) -> None:
     def defect(method: str) -> float:
         how = ("--method", method, "--step", 0.2, "--diagnose", "symplectic", "--json")
-        done = run_pkgen("run", model(name), "--until", 2, *how, "-o", tmp_path / "x.csv")
-        assert done.returncode == 0, done.stderr
+        done = ran("run", model(name), "--until", 2, *how, "-o", tmp_path / "x.csv")
         return json.loads(done.stdout)["report"]["diagnostics"]["symplectic"]["defect"]
 
     for method in ("verlet", "blanes_moan4"):
@@ -100,8 +98,7 @@ def test_a_parameter_may_be_zero(model) -> None:
 def test_members_are_those_alone(model, tmp_path: Path) -> None:
     (tmp_path / "members.csv").write_text("x,w\n1,0.8\n0.5,0.3\n")
     by = ("--method", "yoshida4", "--step", 0.1, "--until", 2, "--every", 2)
-    done = run_pkgen("run", model("drag"), "--ensemble", tmp_path / "members.csv", *by)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model("drag"), "--ensemble", tmp_path / "members.csv", *by)
     rows = [[float(x) for x in row.split(",")] for row in done.stdout.split()[1:]]
     alone = last(model("drag"), "--method", "yoshida4", "--step", 0.1)
     ends = [row[2:6] for row in rows if row[1] > 1]

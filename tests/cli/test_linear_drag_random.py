@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import pkgen as api
+from conftest import seeds
 
 UNTIL = 1.5
 CONSTANT = {"verlet": 2, "mclachlan4": 4, "blanes_moan4": 4, "kahan_li6": 6, "blanes_moan6": 6}
@@ -83,7 +84,7 @@ def end(model: api.Model, method: str, step: float, n: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("varies", [False, True])
-@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(s, marks=pytest.mark.long) for s in (3, 6))])
+@pytest.mark.parametrize("seed", seeds([1, 2, 3], 2))
 def test_orders(tmp_path: Path, seed: int, varies: bool) -> None:
     drawn = Drawn(seed, varies)
     model = drawn.model(tmp_path)
@@ -101,7 +102,7 @@ def test_orders(tmp_path: Path, seed: int, varies: bool) -> None:
             end(model, "verlet", 0.1, drawn.n)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 5])
+@pytest.mark.parametrize("seed", seeds([1, 2, 5], 2))
 def test_one_step_is_exact_where_nothing_pushes(tmp_path: Path, seed: int) -> None:
     drawn = Drawn(seed, pushed=False)
     drawn.W *= 0

@@ -11,7 +11,7 @@ import pytest
 from linkages import Linkage, linkage
 
 import pkgen
-from conftest import ROOT, long_but, rows, written
+from conftest import ROOT, rows, seeds, written
 
 ADAPTIVE = ("gauss", "dop853", "dopri5", "radau", "gsl_rk8pd", "gsl_msadams")
 FIXED = ("rk4", "gauss2", "lobatto3", "radau5", "rattle", "rkmk4")
@@ -25,7 +25,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("method", long_but(["gauss"], ["gauss", "dop853", "dopri5", "radau"]))
+@pytest.mark.parametrize("method", ["gauss", "dop853", "dopri5", "radau"])
 @pytest.mark.parametrize(("name", "mass", "until", "column", "value"), CASES)
 def test_light_bodies_among_heavy_ones(pkgen, name, mass, until, column, value, method):
     words = ("--until", until, "--every", until, "--set", mass, "--method", method)
@@ -44,7 +44,7 @@ def _apart(of: Linkage, maximal: pkgen.Result, minimal: pkgen.Result) -> float:
 
 
 # Those from 43 on once found an error.
-@pytest.mark.parametrize("seed", long_but([1], [*range(20), 43, 71, 76, 96]))
+@pytest.mark.parametrize("seed", seeds([1, 0, 2], 17, [43, 71, 76, 96]))
 def test_random_linkages_are_their_angles(tmp_path, seed):
     of = linkage(seed)
     minimal, maximal = _loaded(tmp_path, of.minimal), _loaded(tmp_path, of.maximal)

@@ -11,6 +11,8 @@ from loop_runs import bodies, rope
 from rotation_models import made
 from test_loops_features import both, rows  # noqa: F401 (a fixture)
 
+from conftest import ran
+
 METHODS = {
     "gauss2": ("--step", "0.05"),
     "dop853": ("--rtol", "1e-11"),
@@ -79,12 +81,10 @@ def test_members_of_an_ensemble_of_ropes_are_single_runs(
     model.write_text(rope(random.Random(5), 70))
     table.write_text("k,X'\n0.5,0\n1.5,0\n0.7,0\n")
     how = ("--until", 0.5, "--every", 0.25, "--method", *method, "--record", "x[3],y[70],pull")
-    several = pkgen("run", model, *how, "--ensemble", table, "--threads", 2)
-    assert several.returncode == 0, several.stderr
+    several = ran("run", model, *how, "--ensemble", table, "--threads", 2)
     found = rows(several.stdout)
     for member, k in enumerate((0.5, 1.5, 0.7)):
-        done = pkgen("run", model, *how, "--set", f"k={k}")
-        assert done.returncode == 0, done.stderr
+        done = ran("run", model, *how, "--set", f"k={k}")
         mine = [row[1:] for row in found if row[0] == member + 1]
         assert len(mine) == 3
         for one, other in zip(rows(done.stdout), mine, strict=True):

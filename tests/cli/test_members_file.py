@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy
 import pytest
 
+from conftest import seeds
 from pkgen.compiler import Compilation, compile_model
 from pkgen.run import members_file, plain_csv
 from pkgen.source import Source
@@ -96,7 +97,7 @@ def test_rows_of_other_lengths(
     assert quick == slow
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(range(3), 27))
 def test_blocks_are_cells(
     seed: int, compilation: Compilation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -72,7 +72,6 @@ def extended(tmp_path_factory: pytest.TempPathFactory):
     return run
 
 
-@pytest.mark.long
 def test_a_method_is_there_and_has_its_order(extended) -> None:
     listed = {m["name"]: m for m in extended("methods")}
     assert (listed["ralston3"]["order"], listed["ralston3"]["stages"]) == (3, 3)

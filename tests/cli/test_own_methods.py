@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import pkgen as api
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran, run_pkgen, seeds
 from pkgen.front.read import from_text
 from pkgen.own.made import of_text, of_weights
 
@@ -41,8 +41,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def last(*options: object) -> list[float]:
-    done = run_pkgen("run", PENDULUM, "--until", 5, "--every", 5, "-o", "-", *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", PENDULUM, "--until", 5, "--every", 5, "-o", "-", *options)
     return [float(x) for x in done.stdout.split()[-1].split(",")]
 
 
@@ -68,8 +67,7 @@ def measured(folder: Path, steps: tuple[int, int], *options: object) -> float:
 
     def x(*how: object) -> float:
         shown = ("--until", 2, "--every", 2, "--record", "x", "-o", "-")
-        done = run_pkgen("run", model, *shown, *how)
-        assert done.returncode == 0, done.stderr
+        done = ran("run", model, *shown, *how)
         return float(done.stdout.split()[-1].split(",")[1])
 
     true = x("--method", "gauss", "--rtol", "1e-14")
@@ -92,7 +90,7 @@ def of_order(order: int, random_of: random.Random) -> str:
 
 
 @pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", seeds([1, 2], 2))
 def test_random_tableaux_have_the_order_that_is_told(folder: Path, order: int, seed: int) -> None:
     text = of_order(order, random.Random(seed))
     (folder / "mine.tab").write_text(text)
@@ -167,8 +165,7 @@ def test_a_file_may_be_called_anything(tmp_path: Path) -> None:
     path = tmp_path / 'odd"\nint x = 1; "\\.tab'
     path.write_text("A\n0\n1\nb 1/2 1/2\n")
     words = ("--tableau", path, "--step", "0.01", "--until", "0.02", "-o", tmp_path / "rows.csv")
-    done = run_pkgen("run", ROOT / "models" / "double_pendulum.lag", *words)
-    assert done.returncode == 0, done.stderr
+    ran("run", ROOT / "models" / "double_pendulum.lag", *words)
 
 
 def test_described(folder: Path) -> None:

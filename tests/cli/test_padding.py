@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from conftest import long_but, rows
+from conftest import rows
 
 MODELS = {
     "pendulum": "coord x\nkinetic x'^2/2\npotential -9.81*cos(x)\nstart x = 1, x' = 0.25\n",
@@ -23,7 +23,7 @@ def far(a: list[dict[str, float]], b: list[dict[str, float]]) -> float:
     return max(abs(x[k] - y[k]) for x, y in zip(a, b, strict=True) for k in x)
 
 
-@pytest.mark.parametrize("name", long_but({"pendulum"}, MODELS))
+@pytest.mark.parametrize("name", MODELS)
 def test_rows_inside_steps(pkgen, write, name):
     plain = motion(pkgen, write, name, 0, "--method", "gauss")
     steps_of_its_own = motion(

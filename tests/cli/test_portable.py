@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.run.build import build_library
@@ -31,15 +31,13 @@ def has_fma() -> bool:
     return platform.machine() == "x86_64" and info.exists() and " fma " in info.read_text()
 
 
-@pytest.mark.long  # it compiles the runtime four times
 @pytest.mark.skipif(not has_fma(), reason="of an x86 processor with FMA its absence is tried")
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_bits_with_and_without(method: str, tmp_path: Path) -> None:
     def rows(portable: list[str], flags: str, tunables: str) -> str:
         words = ["run", DOUBLE, "--method", method, *METHODS[method], "--until", "30"]
         more = {"CFLAGS": f"-O1 {flags}", "GLIBC_TUNABLES": tunables}
-        done = run_pkgen(*words, "--every", "0.5", *portable, env={**os.environ, **more})
-        assert done.returncode == 0, done.stderr
+        done = ran(*words, "--every", "0.5", *portable, env={**os.environ, **more})
         return done.stdout
 
     portable = rows(["--portable"], "", "")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import STRICT
+from conftest import STRICT, ran
 
 TOP = """\
 model top
@@ -80,8 +80,7 @@ def rows_of(text: str) -> tuple[list[str], list[list[float]]]:
 
 
 def run(pkgen, models: Path, name: str, scene: str, *options: str):
-    done = pkgen("run", models / f"{name}.lag", "--scene", scene, *EXACT, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", models / f"{name}.lag", "--scene", scene, *EXACT, *options)
     return rows_of(done.stdout)
 
 
@@ -151,8 +150,7 @@ def test_each_reduction_can_be_switched_off_by_name(pkgen, models, tmp_path):
     for off in ("", "cyclic", "fold"):
         path = tmp_path / f"{off or 'all'}.csv"
         options = [f"--no-reduce={off}"] if off else []
-        done = pkgen("run", models / "top.lag", "--scene", "nods", *options, "-o", path)
-        assert done.returncode == 0, done.stderr
+        done = ran("run", models / "top.lag", "--scene", "nods", *options, "-o", path)
         found[off] = json.loads(path.with_name(path.name + ".json").read_text())["report"]
     assert found[""]["evaluations"] < found["cyclic"]["evaluations"]
     done = pkgen("run", models / "top.lag", "--scene", "nods", "--no-reduce=cyclc")
@@ -209,10 +207,9 @@ int main(void)
 """
 
 
-def test_c_of_two_scenes_links_and_has_no_more_than_they_need(pkgen, models, tmp_path):
+def test_c_of_two_scenes_links_and_has_no_more_than_they_need(models, tmp_path):
     for scene in ("nods", "turns"):
-        done = pkgen(models / "top.lag", "--runtime", "--scene", scene, "-o", tmp_path)
-        assert done.returncode == 0, done.stderr
+        ran(models / "top.lag", "--runtime", "--scene", scene, "-o", tmp_path)
     nods, turns = ((tmp_path / f"top_{s}.c").read_text() for s in ("nods", "turns"))
     for kernel in ("mass", "jacobian", "energy", "observe"):
         assert f"void top_nods_{kernel}(" not in nods and f"pk_real top_nods_{kernel}(" not in nods

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from conftest import seeds
+
 EVEN = ("1", "(2 + cos({0}))", "(1 + {0}^2)", "exp(sin({0})/3)")
 WELLS = ("0", "k*{0}^2/2", "-cos({0})", "{0}^4/4 + {0}^2/2")
 OF_TWO = ("0.3*{0}*{1}", "0.2*cos({0} - {1})")
@@ -63,9 +65,7 @@ def system(seed: int) -> tuple[str, list[str]]:
     return "\n".join(lines) + "\n", options
 
 
-@pytest.mark.parametrize(
-    "seed", [1, 2, *(pytest.param(n, marks=pytest.mark.long) for n in range(3, 33))]
-)
+@pytest.mark.parametrize("seed", seeds([1, 2, 3], 29))
 def test_random_systems_move_as_they_do_whole(pkgen, tmp_path: Path, seed: int) -> None:
     text, options = system(seed)
     model = tmp_path / "random.lag"

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import pkgen as api
-from conftest import long_but, run_pkgen
+from conftest import ran, run_pkgen, seeds
 
 UNTIL = 1.0
 
@@ -54,7 +54,7 @@ def end(model: api.Model, method: str, step: float, n: int, **more: object) -> n
     return np.array([rows[name][-1] for name in rows.columns[1 : 2 * n + 1]])
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.long) for k in (2, 3))])
+@pytest.mark.parametrize("seed", seeds([1, 2, 3], 2))
 def test_orders_and_the_form(tmp_path: Path, seed: int) -> None:
     drawn = Drawn(seed)
     model, n = drawn.model(tmp_path), drawn.n
@@ -117,8 +117,7 @@ def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
         ("explain", path),
         ("explain", path, "--html", "e.html"),
     ):
-        done = run_pkgen(*command, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+        done = ran(*command, cwd=tmp_path)
 
 
 BOUND = "constraint c: x = y\nkinetic y'^2/2\nstart y = 1\n"
@@ -141,7 +140,7 @@ def test_refusals(tmp_path: Path, change: tuple[str, str], said: str) -> None:
     assert (done.returncode == 0) is (not said) and said in done.stderr
 
 
-@pytest.mark.parametrize("seed", long_but([0], range(3)))
+@pytest.mark.parametrize("seed", seeds(range(3), 2))
 def test_its_limit_is_predicted(tmp_path: Path, seed: int) -> None:
     """Beside the trace of half a kick, ten short Verlet steps, half a kick, on two springs."""
     w = random.Random(seed).uniform(8, 30)

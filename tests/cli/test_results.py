@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy
 import pytest
 
-from conftest import ROOT, skip_if_ignored
+from conftest import ROOT, ran, skip_if_ignored
 from pkgen.system import files
 from pkgen.system.exits import UsageError
 
@@ -49,8 +49,7 @@ def small_files() -> None:
 def good(pkgen, tmp_path: Path) -> Path:
     """A result, and what describes it."""
     out = tmp_path / "rows.csv"
-    done = pkgen("run", MODEL, "--until", "1", "--every", "0.5", "-o", out)
-    assert done.returncode == 0, done.stderr
+    ran("run", MODEL, "--until", "1", "--every", "0.5", "-o", out)
     assert json.loads(files.beside(out).read_text())["partial"] is False
     return out
 

@@ -6,8 +6,6 @@ from __future__ import annotations
 import pytest
 from test_loops_features import both  # noqa: F401  a fixture
 
-from conftest import long_but
-
 ROPE = """\
 model rope
 size N = {size}
@@ -50,7 +48,7 @@ METHODS = (
 ALL = [(name, size) for name in CASES for size in (2, 3, 20)]
 
 
-@pytest.mark.parametrize("case", long_but([("hanging", 20), ("carried", 3), ("led", 2)], ALL))
+@pytest.mark.parametrize("case", ALL)
 def test_rods_of_loops_are_those_written_out(case: tuple[str, int], both) -> None:  # noqa: F811
     name, size = case
     ends, tied = CASES[name]

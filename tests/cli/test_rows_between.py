@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from conftest import ran
+
 MODEL = """model two_oscillators
 param k = 1 in (0, inf)
 coord x, y
@@ -88,13 +90,12 @@ def written(write, method: str, step: float, every: float, second: str = "y^2/2"
 
 
 @pytest.mark.parametrize("method", MATRIX)
-def test_rows_are_of_shorter_steps_and_disturb_nothing(pkgen, write, method: str) -> None:
+def test_rows_are_of_shorter_steps_and_disturb_nothing(write, method: str) -> None:
     chance = random.Random(method)
     step, every = round(chance.uniform(0.3, 0.9), 3), round(chance.uniform(0.2, 1.4), 3)
     path = written(write, method, step, every)
     for scene in ("alone", "members", "watched"):
-        done = pkgen("run", path, "--scene", scene, "--json")
-        assert done.returncode == 0, done.stderr
+        done = ran("run", path, "--scene", scene, "--json")
         found = json.loads(done.stdout)
         rows = found["rows"]
         if scene == "alone":

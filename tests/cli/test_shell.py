@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran, run_pkgen
 from pkgen.cli.commands import commands, parser_of
 
 COMMANDS = commands()
@@ -26,8 +26,7 @@ def tool(name: str) -> str:
 
 def completion(shell: str, folder: Path) -> Path:
     pytest.importorskip("shtab", reason="shtab is missing: pip install shtab")
-    done = run_pkgen("completion", shell)
-    assert done.returncode == 0, done.stderr
+    done = ran("completion", shell)
     path = folder / f"pkgen.{shell}"
     path.write_text(done.stdout)
     return path

@@ -13,6 +13,7 @@ import numpy
 import pytest
 from stability_asker import PENDULUM, asker, start
 
+from conftest import seeds
 from pkgen.__main__ import main
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import map as maps
@@ -49,9 +50,7 @@ def told(capsys, tmp_path: Path, model: str, *words: str) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(3), *(pytest.param(s, marks=pytest.mark.long) for s in range(3, 40))]
-)
+@pytest.mark.parametrize("seed", seeds(range(3), 37))
 def test_linear_models_grow_where_a_multiplier_is_outside(seed: int) -> None:
     """Beside the eigenvalues of the equations, put through the method's own function."""
     draw = random.Random(seed)

@@ -15,7 +15,7 @@ from matplotlib import pyplot
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
-from conftest import ROOT
+from conftest import ROOT, seeds
 from pkgen.__main__ import main
 from pkgen.analysis.stability import classes, draw, overlay
 from pkgen.analysis.stability import map as maps
@@ -110,7 +110,7 @@ def small(tmp_path_factory) -> StabilityMap:
 
 
 @pytest.mark.parametrize("look", LOOKS, ids=("column", "page"))
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", seeds(range(2), 2))
 def test_no_text_lies_over_another(small, look: Look, seed: int, monkeypatch) -> None:
     boxes = texts(crowded(small, seed), look, monkeypatch)
     said = [text for text, _ in boxes]
@@ -183,7 +183,6 @@ def test_formats_and_widths(tmp_path: Path, capsys) -> None:
 MODELS = [m for m in sorted((ROOT / "models").rglob("*.lag")) if m.parent.name != "chains"][::3]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.stem)
 def test_no_text_lies_over_another_on_the_models_maps(model, tmp_path, monkeypatch) -> None:
     made = mapped(monkeypatch, model, "-o", tmp_path, "--quick", "--points", "6x4")

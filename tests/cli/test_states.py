@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import table, written
+from conftest import ran, table, written
 
 # Of an orbit from its pericentre: the action of a revolution is that of T - V, whose means are a
 # half and 1 by the virial theorem, and the area is that of the ellipse.
@@ -70,9 +70,8 @@ def orbit(tmp_path: Path) -> Path:
     return written(tmp_path, ORBIT)
 
 
-def test_the_action_of_a_revolution(pkgen, orbit: Path) -> None:
-    done = pkgen("run", orbit, "--scene", "revolution", "--json")
-    assert done.returncode == 0, done.stderr
+def test_the_action_of_a_revolution(orbit: Path) -> None:
+    done = ran("run", orbit, "--scene", "revolution", "--json")
     said = json.loads(done.stdout)
     assert [c["name"] for c in said["columns"]] == ["t", "S", "S'", "area", "x"]
     _, half, end = said["rows"]
@@ -88,7 +87,6 @@ def test_columns_in_the_order_of_the_language(pkgen, orbit: Path) -> None:
     assert first[5:7] == [0, 0.25]
 
 
-@pytest.mark.long
 def test_states_alone_have_no_energy(pkgen, tmp_path: Path) -> None:
     model = written(tmp_path, LOTKA)
     done = pkgen("run", model, "--until", "20", "--every", "10", "--json", "--start", "lynx=1.5")
@@ -131,15 +129,13 @@ def test_an_energy_of_held_coordinates(pkgen, tmp_path: Path) -> None:
     assert pkgen("check", written(tmp_path, text.format("T"))).returncode == 0
 
 
-def test_a_state_beside_two_blocks_is_explained(pkgen, tmp_path: Path) -> None:
+def test_a_state_beside_two_blocks_is_explained(tmp_path: Path) -> None:
     text = "model two\ncoord x, y\nstate work\nkinetic x'^2/2 + y'^2/2\npotential x^2 + y^2\n"
     model = written(tmp_path, text + "rate work = x\nstart x = 1\n")
     for command in (["explain", model], [model, "-o", tmp_path]):
-        done = pkgen(*command)
-        assert done.returncode == 0, done.stderr
+        ran(*command)
 
 
-@pytest.mark.long
 def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
     said = pkgen("explain", orbit).stdout
     assert "2 degrees of freedom, 2 states" in said and "\n  area' = x*y'/2 - x'*y/2\n" in said
@@ -154,7 +150,6 @@ def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
     assert "Rates of the states" in page.read_text(encoding="utf-8")
 
 
-@pytest.mark.long
 def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
     done = pkgen("run", orbit, "--scene", "still")
     head, (_, last) = table(done.stdout)
@@ -170,14 +165,20 @@ def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
     assert [row[2] for row in table(done.stdout)[1]] == pytest.approx([1.4, 5.4], abs=0.1)
 
 
-@pytest.mark.long
-def test_the_chart_has_states(pkgen, tmp_path: Path) -> None:
+def test_the_chart_has_states(tmp_path: Path) -> None:
     """One state beside one coordinate: three numbers, of which one is a place."""
     text = "model q\ncoord x\nstate s\nkinetic x'^2/2\npotential x^2/2 + x^4/10\n"
     model = written(tmp_path, text + "rate s = x - s\nstart x = 1\n")
-    done = pkgen(
-        "chart", model, "--until", "5", "--quick", "--methods", "rk4,gauss,radau,verlet",
-        "-o", tmp_path, "--json",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    done = ran(
+        "chart",
+        model,
+        "--until",
+        "5",
+        "--quick",
+        "--methods",
+        "rk4,gauss,radau,verlet",
+        "-o",
+        tmp_path,
+        "--json",
+    )
     assert "verlet" in json.loads(done.stdout)["refused"]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import STRICT
+from conftest import STRICT, ran
 
 # A free particle, in coordinates of a frame that is tilted and then turns: it moves straight on in
 # space. No two of its angles commute.
@@ -51,9 +51,8 @@ def rows(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(text.splitlines()))
 
 
-def test_a_free_particle_moves_straight_on_in_space(pkgen, turning: Path) -> None:
-    done = pkgen("run", turning, "--scene", "straight")
-    assert done.returncode == 0, done.stderr
+def test_a_free_particle_moves_straight_on_in_space(turning: Path) -> None:
+    done = ran("run", turning, "--scene", "straight")
     assert "expected: 4 of 4 met" in done.stderr
     last = rows(done.stdout)[-1]
     assert list(last) == [
@@ -102,8 +101,7 @@ scene many
   record x
 end
 """)
-    one = pkgen("run", path, "--scene", "one", "--json")
-    assert one.returncode == 0, one.stderr
+    one = ran("run", path, "--scene", "one", "--json")
     assert json.loads(one.stdout)["report"]["t"] == pytest.approx(1, abs=1e-15)
     many = rows(pkgen("run", path, "--scene", "many").stdout)
     single = rows(pkgen("run", path, "--until", "1", "--record", "again.y,x").stdout)
@@ -146,7 +144,7 @@ start x = 1
 
 
 @pytest.mark.parametrize("size", [3, 60])  # unrolled, and kept as loops
-def test_sums_of_vectors(pkgen, tmp_path: Path, size: int) -> None:
+def test_sums_of_vectors(tmp_path: Path, size: int) -> None:
     path = tmp_path / "many.lag"
     path.write_text("""model many
 size N = 3
@@ -162,8 +160,7 @@ observe Y = sum(r[i], i = 1..N).y
 start x[1] = 1, y[2]' = 3, y[3]' = 4
 """)
     how = ("--size", f"N={size}", "--until", "0.5", "--every", "0.5", "--record", "P,Q,Y,L.x,L.z")
-    done = pkgen("run", path, *how)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, *how)
     first, last = rows(done.stdout)
     sin, cos = math.sin(0.5), math.cos(0.5)
     found = [float(last[k]) for k in ("P.x", "P.y", "P.z", "Q.x", "Q.y", "Q.z", "Y", "L.x", "L.z")]

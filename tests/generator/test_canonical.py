@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from c_harness import MASS, ODD, Loaded, failed
 
-from conftest import MODELS
+from conftest import MODELS, ran
 from pkgen.back.c import lower
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
@@ -103,15 +103,14 @@ def flow(system: Loaded, q: list[float], p: list[float], until: float, steps: in
     return y
 
 
-def test_the_motion_is_that_of_the_lagrangian_form(pkgen, tmp_path: Path) -> None:
+def test_the_motion_is_that_of_the_lagrangian_form(tmp_path: Path) -> None:
     system = loaded(GENERAL, tmp_path)
     q, v = [0.3, 0.0, 0.9], [0.0, 0.5, -0.2]
     _, (p, _) = system.call("canonical", 0.0, q, v)
     end = flow(system, q, p, 2.0, 400)
     path = tmp_path / "general.lag"
     path.write_text(GENERAL)
-    done = pkgen("run", path, "--until", "2", "--every", "2", "--rtol", "1e-13")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", path, "--until", "2", "--every", "2", "--rtol", "1e-13")
     last = [float(x) for x in done.stdout.splitlines()[-1].split(",")]
     assert end[:3] == pytest.approx(last[1:4], abs=1e-9)
     assert max(abs(a - b) for a, b in zip(end, q, strict=False)) > 0.1

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from conftest import ROOT, long_but
+from conftest import ROOT, seeds
 from pkgen.front.check.check import check_text
 from pkgen.front.read import from_text
 from pkgen.source import ModelError
@@ -28,7 +28,7 @@ def outcome(text: str) -> bool:
     return True
 
 
-@pytest.mark.parametrize("seed", long_but({0, 1}, range(4)))
+@pytest.mark.parametrize("seed", seeds(range(3), 2))
 def test_only_model_errors(seed):
     random_ = random.Random(seed)
     texts = corpus()
@@ -70,7 +70,6 @@ def test_noise():
         assert not outcome("model a\nlet b = " + text)
 
 
-@pytest.mark.long
 def test_a_minute_of_each():
     """The fuzzers, of models through the compiler and of the runtime (docs/dev/fuzzing.md)."""
     done = subprocess.run(

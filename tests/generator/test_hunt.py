@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from conftest import ROOT, long_but
+from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
 import hunt
@@ -16,20 +16,18 @@ PLACE = {place.name: place for place in PLACES}
 SEEN = ("force", "potential", "mass", "gauge", "dissipation", "constraint", "rolling", "hold")
 
 
-@pytest.mark.parametrize("name", long_but({"force"}, SEEN))
+@pytest.mark.parametrize("name", SEEN)
 def test_a_bend_is_the_limit_of_its_ramps(name):
     verdict, seen = hunt.judge((PLACE[name],), 900)
     assert verdict == "agrees", seen
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", ["force", "potential", "mass", "rolling", "torque"])
 def test_so_is_a_root_of_one(name):
     verdict, seen = hunt.judge((PLACE[name],), 1, ROOTS)
     assert verdict == "agrees", seen
 
 
-@pytest.mark.long
 def test_another_motion_is_found_to_be_wrong(monkeypatch):
     def other(seed, place, sharp, kinds):
         text = model(seed, place, sharp, kinds=kinds)

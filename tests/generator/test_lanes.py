@@ -11,7 +11,6 @@ import pytest
 from c_harness import COMPILERS, MODELS, ODD, ROOT, STRICT, TYPES, read_text, run, write
 from sincos_harness import targets
 
-from conftest import long_but
 from pkgen.back.c.lower import lower
 from pkgen.middle.analyze import analyze
 
@@ -79,11 +78,7 @@ def vector_sizes(compiler: str, flags: list[str], source: Path) -> dict[str, lis
     return found
 
 
-# One with sines in loops of their own, one without.
-VECTORS = [p for p in MODELS if p.stem in ("double_pendulum", "coupled_oscillators")]
-
-
-@pytest.mark.parametrize("path", long_but(VECTORS, MODELS), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
 @pytest.mark.parametrize(("compiler", "flags", "size"), MACHINES)
 def test_lane_loops_are_vector_code(compiler, flags, size, path, tmp_path):
     name = emit(path, tmp_path)

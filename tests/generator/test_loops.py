@@ -12,7 +12,6 @@ from c_harness import failed as failure
 from loop_harness import Looped, Unrolled, looped
 from loop_models import MODELS, UNROLLED
 
-from conftest import long_but
 from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
 
 TOLERANCE = 2e-14
@@ -167,7 +166,7 @@ def test_fused_steps_equal_kicks_and_drifts_one_by_one(name, tmp_path):
                 assert_close(one, other, f"{name} N = {size} {method}", scale=50.0)
 
 
-@pytest.mark.parametrize("name", long_but({"loosely"}, STEPPED))
+@pytest.mark.parametrize("name", STEPPED)
 def test_stages_in_flight_equal_single_steps_to_the_bit(name, tmp_path):
     loops = Looped(STEPPED[name], tmp_path)
     kick, drift = METHODS["symplectic_euler"]

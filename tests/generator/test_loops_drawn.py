@@ -24,7 +24,6 @@ def is_for_this(text: str) -> bool:
     return bool(e.sums or e.summed or e.along or any(s.kind == "a" for s in e.slots))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("seed", range(0, 60, 4))
 def test_drawn_models_equal_the_unrolled_code(seed: int, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(test_loops, "TOLERANCE", 1e-12)  # what is drawn loses digits

@@ -14,7 +14,6 @@ from rotation_models import made
 from test_loops_bound import model as bound
 from total_models import RATES, TOTALS
 
-from conftest import long_but
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
@@ -38,10 +37,7 @@ def emitted(text: str, directory, sizes=None) -> str:
 @pytest.mark.parametrize(("compiler", "scalar"), BUILDS)
 @pytest.mark.parametrize(
     "name",
-    long_but(
-        {"ring", "paired", "cart", "links", "bodies"},
-        ["ring", "paired", "cart", "wheel", "spin", "lattice", "links", "rated", *FELT, *MORE],
-    ),
+    ["ring", "paired", "cart", "wheel", "spin", "lattice", "links", "rated", *FELT, *MORE],
 )
 def test_clean_in_every_type(name, compiler, scalar, tmp_path):
     model = emitted(TEXTS[name], tmp_path)
@@ -100,10 +96,7 @@ SINGULARITY = """{
 
 @pytest.mark.parametrize(
     "name",
-    long_but(
-        {"ring", "links"},
-        ["fput", "ring", "paired", "beam", "wheel", "cart", "links", "rated", *FELT],
-    ),
+    ["fput", "ring", "paired", "beam", "wheel", "cart", "links", "rated", *FELT],
 )
 def test_sound_under_sanitizers(name, tmp_path):
     model = emitted(TEXTS[name], tmp_path)

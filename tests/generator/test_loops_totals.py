@@ -11,7 +11,6 @@ from loop_harness import Looped, Unrolled, looped
 from test_loops import assert_kernels, assert_start
 from total_models import RATES, TOTALS
 
-from conftest import long_but
 from pkgen.back.c.loops_lower import lower_loops
 from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
 from pkgen.source import ModelError
@@ -19,7 +18,7 @@ from pkgen.source import ModelError
 CASES = TOTALS | RATES
 
 
-@pytest.mark.parametrize("name", long_but({"swelling"}, CASES))
+@pytest.mark.parametrize("name", CASES)
 def test_totals_equal_the_unrolled_code(name, tmp_path):
     text, sizes = CASES[name]
     loops = Looped(text, tmp_path / "loops")

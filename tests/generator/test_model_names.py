@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-from conftest import ROOT
+from conftest import ROOT, ran
 from pkgen.run.build import runtime_library
 from pkgen.system.toolchain import find_toolchain
 
@@ -31,14 +31,11 @@ def exported(path: Path) -> set[str]:
     return {word[2] for word in words if len(word) == 3 and word[1].isupper()}
 
 
-def test_no_model_can_have_a_symbol_of_the_driver(pkgen, tmp_path: Path) -> None:
+def test_no_model_can_have_a_symbol_of_the_driver(tmp_path: Path) -> None:
     (tmp_path / "switched.lag").write_text(SWITCHED)
     endings = set()
     for model, options in ((tmp_path / "switched", ()), *MODELS):
-        done = pkgen(
-            (ROOT / "models" / model).with_suffix(".lag"), "--runtime", *options, "-o", tmp_path
-        )
-        assert done.returncode == 0, done.stderr
+        ran((ROOT / "models" / model).with_suffix(".lag"), "--runtime", *options, "-o", tmp_path)
         name = Path(model).name
         command = ["gcc", *SYSTEM, "-c", f"{name}.c"]
         subprocess.run(command, cwd=tmp_path, check=True)
@@ -52,9 +49,8 @@ def test_no_model_can_have_a_symbol_of_the_driver(pkgen, tmp_path: Path) -> None
     assert not [symbol for symbol in driver if symbol.endswith(tuple(endings))]
 
 
-def test_models_named_as_parts_of_the_driver_run(pkgen, tmp_path: Path) -> None:
+def test_models_named_as_parts_of_the_driver_run(tmp_path: Path) -> None:
     for name in ("run", "apart", "choice", "features"):
         path = tmp_path / f"{name}.lag"
         path.write_text(f"model {name}\ncoord x\nkinetic x'^2/2\npotential x^4\nstart x = 1\n")
-        done = pkgen("run", path, "--until", "1", "-o", tmp_path / "rows.csv")
-        assert done.returncode == 0, done.stderr
+        ran("run", path, "--until", "1", "-o", tmp_path / "rows.csv")

@@ -12,7 +12,7 @@ import numpy
 import pytest
 
 import pkgen
-from conftest import long_but
+from conftest import seeds
 
 FOUR_BAR = """\
 model four_bar
@@ -93,7 +93,7 @@ def off_branch(rows, of, crossed: bool) -> float:
 
 
 @pytest.mark.parametrize("crossed", [False, True])
-@pytest.mark.parametrize("seed", long_but([1], range(24)))
+@pytest.mark.parametrize("seed", seeds([1, 0, 2], 21))
 def test_a_branch_is_kept_or_the_run_ends(seed, crossed, four_bar):
     of, start = drawn(seed, crossed)
     arrived = 0

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 from c_harness import ROOT, STRICT, run
 
-from conftest import long_but
 from pkgen.back.kernels import PLAIN
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
@@ -64,9 +63,7 @@ class Loaded:
         return {kernel: self.call(kernel, *state, out=size) for kernel, size in there.items()}
 
 
-@pytest.mark.parametrize(
-    "path", long_but([p for p in PATHS if p.stem in QUICK], PATHS), ids=lambda p: p.stem
-)
+@pytest.mark.parametrize("path", PATHS, ids=lambda p: p.stem)
 def test_values_are_those_of_the_runtimes_kernels(path, tmp_path):
     text = path.read_text()
     if path.parent.name == "chains" and "size" in text and path.stem != "beats":
@@ -91,9 +88,7 @@ def test_values_are_those_of_the_runtimes_kernels(path, tmp_path):
             assert found == pytest.approx(whole[kernel], rel=1e-11, abs=1e-12 * largest), kernel
 
 
-@pytest.mark.parametrize(
-    "path", long_but([p for p in PATHS if p.stem in QUICK], PATHS), ids=lambda p: p.stem
-)
+@pytest.mark.parametrize("path", PATHS, ids=lambda p: p.stem)
 def test_in_float_there_is_no_operation_of_double(pkgen, path, tmp_path):
     assert pkgen(path, "-o", tmp_path).returncode == 0
     for source in tmp_path.glob("*.c"):

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran
 
 MODELS = [
     "models/double_pendulum.lag",
@@ -38,8 +38,7 @@ def library():
 
 @pytest.mark.parametrize("model", MODELS)
 def test_no_undefined_behaviour(library, tmp_path, model):
-    done = run_pkgen(ROOT / model, "--runtime", "-o", tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = ran(ROOT / model, "--runtime", "-o", tmp_path)
     (source,) = (path for path in tmp_path.glob("*.c") if not path.stem.endswith("_system"))
     includes = [f"-I{ROOT}/runtime/include", f"-I{tmp_path}"]
     inline = [f"-DPK_INLINE_{x}" for x in ("SPLITTING", "ENSEMBLE")]

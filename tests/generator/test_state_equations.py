@@ -11,7 +11,7 @@ import sympy as sp
 from c_harness import STRICT, run
 
 import pkgen
-from conftest import long_but
+from conftest import seeds
 from pkgen.compiler import Use, compile_model
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -154,7 +154,7 @@ def test_influences_count_states_after_coordinates() -> None:
     assert structure.cyclic == (False,)
 
 
-@pytest.mark.parametrize("seed", long_but(range(2), range(40)))
+@pytest.mark.parametrize("seed", seeds(range(3), 37))
 def test_states_that_nothing_reads_are_left_out_of_newtons_equations(seed, tmp_path) -> None:
     """A random graph of who reads whom; the same motion by methods without such equations."""
     draw = random.Random(seed)

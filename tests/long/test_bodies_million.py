@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from page import write_section
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 pytestmark = pytest.mark.long
 
@@ -105,11 +105,10 @@ CASES = [
 def drifts(pkgen, case: Case, method: str, steps: int, out: Path) -> tuple[dict, float]:
     """Of each constant its largest drift and what a line gains; and the largest residual."""
     until = steps * case.step
-    done = pkgen(
+    done = ran(
         *("run", ROOT / "models" / f"{case.path}.lag", "--method", method, "--step", case.step),
         *("--until", until, "--every", until / 1000, "--json", "-o", out),
     )
-    assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)["report"]
     assert report["steps"] == steps
     head, *lines = out.read_text(encoding="utf-8").splitlines()

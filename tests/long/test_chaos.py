@@ -10,7 +10,7 @@ import math
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 pytestmark = pytest.mark.long
 
@@ -20,8 +20,7 @@ DOUBLE = ROOT / "models/double_pendulum.lag"
 def diagnosed(pkgen, angle: float, what: str, *arguments: object) -> dict:
     start = ["--start", f"theta1={angle}", "--start", f"theta2={angle}"]
     still = ["--start", "theta1'=0", "--start", "theta2'=0"]
-    done = pkgen("run", DOUBLE, "--diagnose", what, "--json", *start, *still, *arguments)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", DOUBLE, "--diagnose", what, "--json", *start, *still, *arguments)
     return json.loads(done.stdout)["report"]["diagnostics"]
 
 

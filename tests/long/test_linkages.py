@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy
 import pytest
 
+from conftest import seeds
+
 ADAPTIVE = ["gauss", "dop853", "dopri5", "radau"]
 FIXED = {  # the step, and the order that what a coarse one lets the energy move by falls with
     "rk4": (0.01, 4),
@@ -188,7 +190,7 @@ def falls(path: Path, names: list[str], method: str, first: float) -> bool:
     return False
 
 
-@pytest.mark.parametrize("seed", [pytest.param(k, marks=pytest.mark.long) for k in range(16)])
+@pytest.mark.parametrize("seed", seeds(range(3), 13))
 def test_no_linkage_is_silent(seed: int, tmp_path: Path) -> None:
     text, names = model(seed)
     path = tmp_path / "linkage.lag"

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from page import write_section
 
-from conftest import MODELS
+from conftest import MODELS, ran
 
 pytestmark = pytest.mark.long
 
@@ -59,11 +59,10 @@ both. gauss8 is in the lanes where M is constant and forces depend on q alone; e
 def drifts(pkgen, model: Path, method: str, out: Path) -> dict[str, tuple[float, float]]:
     """Of each constant: its largest drift, and the slope times the duration."""
     until = STEPS * STEP
-    done = pkgen(
+    done = ran(
         *("run", model, "--method", method, "--step", STEP, "--until", until),
         *("--every", until / 1000, "--json", "-o", out),
     )
-    assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)["report"]
     assert report["steps"] == STEPS
     return {d["name"]: (d["max"], d["slope"] * until) for d in report["drifts"]}
@@ -97,11 +96,10 @@ def orbit(pkgen, e: float, folder: Path) -> list[float]:
     model, out = folder / f"kepler{e}.lag", folder / f"rows{e}.csv"
     model.write_text(KEPLER.format(repr(1 - e), repr(math.sqrt((1 + e) / (1 - e)))))
     period = 2 * math.pi
-    done = pkgen(
+    ran(
         *("run", model, "--method", "gauss8", "--step", period / PER_PERIOD),
         *("--until", PERIODS * period, "--every", 10 * period, "-o", out),
     )
-    assert done.returncode == 0, done.stderr
     lines = out.read_text().splitlines()
     place = lines[0].split(",").index("energy")
     return [(float(line.split(",")[place]) + 0.5) / 0.5 for line in lines[1:]]

@@ -11,14 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, table
+from conftest import ROOT, ran, table
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 
 
 def columns(pkgen, model: str | Path, *options: object) -> dict[str, list[float]]:
-    done = pkgen("run", ROOT / "models" / model, *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("run", ROOT / "models" / model, *options)
     head, rows = table(done.stdout)
     return dict(zip(head, zip(*rows, strict=True), strict=True))
 
@@ -52,7 +51,6 @@ def test_the_plane_of_swing_turns(pkgen, model: str) -> None:
     assert max(map(abs, earth["y"])) < 0.1
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
 def test_none_is_at_rest(pkgen, path: Path) -> None:
     found = columns(pkgen, path, "--until", 1.5, "--every", 0.5)  # a disk settles at 2

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, ran
 
 TEXT = (ROOT / "docs/dev/results/models.md").read_text(encoding="utf-8")
 PAGE, _, TABLE = TEXT.partition("## All of them")
@@ -41,12 +41,10 @@ def test_each_scene_is_in_the_table(path: Path) -> None:
         assert met == asked
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("words", TRIES)
-def test_what_the_page_says_to_try(pkgen, tmp_path: Path, words: str) -> None:
+def test_what_the_page_says_to_try(tmp_path: Path, words: str) -> None:
     shutil.copytree(ROOT / "models", tmp_path / "models")
-    done = pkgen(*shlex.split(words), cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    ran(*shlex.split(words), cwd=tmp_path)
     output = tmp_path / re.search(r"-o (\S+)", words)[1]
     assert len(output.read_text(encoding="utf-8").splitlines()) > 5
 
@@ -60,7 +58,6 @@ def off(pkgen, path: str, scene: str, what: str, *options: str) -> float:
     return abs(found["value"] - found["bound"])
 
 
-@pytest.mark.long
 def test_the_chain_nears_the_continuum_as_the_square_of_its_spacing(pkgen, tmp_path: Path) -> None:
     rows = ["-o", str(tmp_path / "rows.csv")]
     coarse = off(pkgen, "chains/sine_gordon.lag", "kink", "centre", *rows)
@@ -69,7 +66,6 @@ def test_the_chain_nears_the_continuum_as_the_square_of_its_spacing(pkgen, tmp_p
     assert fine > 1e-4 and 3.8 < coarse / fine < 4.2
 
 
-@pytest.mark.long
 def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) -> None:
     rows = ["-o", str(tmp_path / "rows.csv")]
     path, scene = "particles/kepler_perturbed.lag", "inverse_cube"
@@ -82,20 +78,17 @@ def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) 
         assert found == pytest.approx(abs(5 * second), rel=0.01)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("size", [2, 3, 5, 6, 7])
 def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
     mu = sum(1 / math.sin(math.pi * k / size) for k in range(1, size)) / 4
     path = ROOT / "models/particles/n_body_space.lag"
     command = ["run", path, "--scene", "polygon", "--size", f"N={size}", "-o", tmp_path / "o.csv"]
     for eccentricity in (0, 0.4):
-        done = pkgen(*command, "--set", f"mu={mu}", "--set", f"e={eccentricity}")
-        assert done.returncode == 0, done.stderr
+        ran(*command, "--set", f"mu={mu}", "--set", f"e={eccentricity}")
     worse = pkgen(*command, "--set", f"mu={1.0001 * mu}")
     assert worse.returncode == 4 and "r + e*xi" in worse.stderr
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("path", "words", "times"),
     [
@@ -106,16 +99,14 @@ def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
         ("particles/projectile.lag", ["--scene", "vacuum"], []),
     ],
 )
-def test_conjugate_points(pkgen, tmp_path: Path, path: str, words: list, times: list) -> None:
+def test_conjugate_points(tmp_path: Path, path: str, words: list, times: list) -> None:
     rows = tmp_path / "rows.csv"
-    done = pkgen(*("run", ROOT / "models" / path, *words, "--diagnose", "least_action", "-o", rows))
-    assert done.returncode == 0, done.stderr
+    ran(*("run", ROOT / "models" / path, *words, "--diagnose", "least_action", "-o", rows))
     found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["least_action"]
     assert found["conjugate"] == pytest.approx(times, abs=1e-8)
     assert found["index"] == len(times) and found["minimum"] == (not times)
 
 
-@pytest.mark.long
 def test_a_hundred_thousand_pendulums_keep_their_area_while_they_resolve_it(
     pkgen, tmp_path: Path
 ) -> None:

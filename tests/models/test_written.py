@@ -14,6 +14,8 @@ import pytest
 import sympy as sp
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
+from conftest import ran
+
 HERE = Path(__file__).parent / "written"
 t = dynamicsymbols._t
 
@@ -80,11 +82,10 @@ def independent(case, until: float, steps: int) -> np.ndarray:
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[pytest.mark.long] if n in SLOW else []) for n in CASES]
 )
-def test_motion(pkgen, name: str) -> None:
+def test_motion(name: str) -> None:
     until = 0.5
     model = HERE / f"{name}.lag"
-    done = pkgen("run", model, "--until", until, "--every", until, "--rtol", "1e-12", "--json")
-    assert done.returncode == 0, done.stderr
+    done = ran("run", model, "--until", until, "--every", until, "--rtol", "1e-12", "--json")
     result = json.loads(done.stdout)
     exact = independent(CASES[name], until, 16000)
     n = len(exact)

@@ -10,21 +10,20 @@ from pathlib import Path
 
 import pytest
 
+from conftest import ran, seeds
+
 SWING = "model swing\ncoord x\nkinetic x'^2/2\npotential {}\nstart x = {}\n"
 WORD = "too far apart in time to be joined"
 NEAR = 8  # rows of a period
 
 
 def drawn(pkgen, *words: object) -> tuple[list[dict], str]:
-    done = pkgen("plot", *words, "--json", "-o", "picture.svg")
-    assert done.returncode == 0, done.stderr
+    done = ran("plot", *words, "--json", "-o", "picture.svg")
     made = json.loads(done.stdout)
     return [line for panel in made["panels"] for line in panel["lines"]], " ".join(made["notes"])
 
 
-@pytest.mark.parametrize(
-    "seed", [0, 1, 2, 3, *(pytest.param(k, marks=pytest.mark.long) for k in range(4, 40))]
-)
+@pytest.mark.parametrize("seed", seeds(range(3), 37))
 def test_lines_follow_the_motion(pkgen, write, tmp_path: Path, monkeypatch, seed: int) -> None:
     monkeypatch.chdir(tmp_path)
     dice = random.Random(seed)

@@ -9,7 +9,7 @@ import numpy
 import pytest
 from svg import Svg
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran, run_pkgen
 from pkgen.plot import compose
 from pkgen.plot.spectrum import amplitudes
 from pkgen.plot.table import read
@@ -25,8 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Rows: of a run with what stands beside them, with units in the head, and without either."""
     folder = tmp_path_factory.mktemp("rows")
     for name, more in (("run.csv", ()), ("units.csv", ("--units",)), ("run.npy", ())):
-        done = run_pkgen("run", DOUBLE, "--until", 2, *more, "-o", folder / name)
-        assert done.returncode == 0, done.stderr
+        ran("run", DOUBLE, "--until", 2, *more, "-o", folder / name)
     (folder / "units.csv.json").unlink()
     t = numpy.linspace(0, 10, 401)
     data = numpy.column_stack([t, 3 * numpy.sin(5 * t), t**2 / 20])
@@ -36,15 +35,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def plot(*words: object) -> list[str]:
     """What is said besides."""
-    done = run_pkgen("plot", *words)
-    assert done.returncode == 0, done.stderr
+    done = ran("plot", *words)
     return done.stderr.splitlines()
 
 
 def panel(*words: object) -> dict:
     """Of a picture with one."""
-    done = run_pkgen("plot", *words, "--json")
-    assert done.returncode == 0, done.stderr
+    done = ran("plot", *words, "--json")
     (found,) = json.loads(done.stdout)["panels"]
     return found
 
@@ -177,8 +174,7 @@ def test_a_drift_is_that_of_the_report(folder: Path) -> None:
 def test_several_files_over_each_other(folder: Path) -> None:
     for method in ("rk4", "verlet"):
         words = ("--method", method, "--step", 0.1, "--until", 5)
-        done = run_pkgen("run", PENDULUM, *words, "-o", folder / f"{method}.csv")
-        assert done.returncode == 0
+        ran("run", PENDULUM, *words, "-o", folder / f"{method}.csv")
     files = folder / "rk4.csv", folder / "verlet.csv"
     plot(*files, "-o", folder / "both.svg")
     made = Svg(folder / "both.svg")

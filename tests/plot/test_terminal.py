@@ -12,7 +12,7 @@ import numpy
 import pytest
 from rich.console import Console
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran, run_pkgen
 from pkgen.plot import compose, terminal
 from pkgen.plot.table import Table, read
 from pkgen.plot.view import View
@@ -91,8 +91,7 @@ def test_any_width(table: Table, width: int) -> None:
     ],
 )
 def test_each_kind_of_picture(words: tuple) -> None:
-    done = run_pkgen("plot", PENDULUM, *words)
-    assert done.returncode == 0, done.stderr
+    done = ran("plot", PENDULUM, *words)
     assert len(done.stdout.splitlines()) > 15 and "┤" in done.stdout
 
 

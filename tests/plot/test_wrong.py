@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy
 import pytest
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, ran, run_pkgen
 
 PENDULUM = ROOT / "models/pendulums/pendulum.lag"
 GOOD = "t,theta,theta'\n" + "".join(f"{k},{k},{k}\n" for k in range(20))
@@ -153,8 +153,7 @@ def test_what_stands_beside_is_not_trusted(tmp_path: Path) -> None:
     for more in odd:
         beside.write_text(json.dumps({"columns": names, **more}))
         for words in ((), ("--drift", "--columns", "theta")):
-            done = run_pkgen("plot", "rows.csv", *words, "-o", "x.svg", cwd=tmp_path)
-            assert done.returncode == 0, done.stderr
+            done = ran("plot", "rows.csv", *words, "-o", "x.svg", cwd=tmp_path)
 
 
 def test_a_picture_is_replaced_whole(tmp_path: Path) -> None:

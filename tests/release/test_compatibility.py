@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, long_but, run_pkgen
+from conftest import ROOT, run_pkgen
 from pkgen import __version__
 from pkgen.describe.describe import SCHEMA
 
@@ -47,7 +47,7 @@ def kept(version: Path) -> dict:
 
 @pytest.mark.parametrize(
     "path",
-    long_but([p for p in frozen() if p.stem in QUICK], frozen()),
+    frozen(),
     ids=lambda p: f"{p.parent.name}-{p.stem}",
 )
 def test_a_text_of_an_earlier_version_means_the_same(path: Path) -> None:

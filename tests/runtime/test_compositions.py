@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from mpmath import mpf, workdps
 
-from conftest import long_but
 from pkgen.methods import METHODS
 
 ROOT = Path(__file__).parents[2]
@@ -62,7 +61,7 @@ def test_every_table_is_known() -> None:
     assert methods == set(ORDERS) and len(methods) == 11
 
 
-@pytest.mark.parametrize("name", long_but(set(ORDERS) - {"yoshida8", "kahan_li8"}, ORDERS))
+@pytest.mark.parametrize("name", ORDERS)
 def test_order_conditions(name: str) -> None:
     order = ORDERS[name]
     assert worst(name, order) < 1e-33
