@@ -11,13 +11,13 @@ import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
-from pkgen.cli.commands import commands
 from pkgen.run import build
-from pkgen.system import toolchain
+from pkgen.system import addons, toolchain
 from pkgen.system.exits import BuildError
 
 ROOT = Path(__file__).resolve().parent
@@ -64,6 +64,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.nodeid in long:
             item.add_marker(pytest.mark.long)
+        if item.path.is_relative_to(ROOT / "addons"):
+            item.add_marker(pytest.mark.needs_addon)
+        for name in (name for mark in item.iter_markers("needs_addon") for name in mark.args):
+            if find_spec(f"pkgen_{name}") is None:
+                item.add_marker(pytest.mark.skip(reason=f"the add-on {name} is not here"))
     if shard := config.getoption("--shard"):
         first, count = map(int, shard.split("/"))
         slow = [item for item in items if item.get_closest_marker("long")]
@@ -86,10 +91,10 @@ class Names:
             terminal.write(f"\nFAILED {report.nodeid} ({report.when})\n")
 
 
-def needs(command: str) -> pytest.MarkDecorator:
-    """For a test that takes a command of an add-on too."""
-    missing = command not in commands()
-    return pytest.mark.skipif(missing, reason=f"{command} is of an add-on that is not here")
+def no_page() -> str:
+    """What `chart` and `stability` say without the add-on that writes pages."""
+    where = addons.missing(addons.points("pages")["chart"])
+    return f"pkgen: no page: it is {where}\n" if where else ""
 
 
 def long_but(kept: Iterable[object], values: Iterable[object]) -> list:

@@ -119,6 +119,7 @@ def _packages(text: str) -> set[str]:
     return found
 
 
+@pytest.mark.needs_addon
 def test_the_core_names_no_addon_and_none_another() -> None:
     wrong = []
     for root in [PKGEN, *(ROOT / "addons").glob("*/pkgen_*")]:
@@ -231,6 +232,7 @@ NAMED = re.compile(
 )
 
 
+@pytest.mark.needs_addon
 def test_files_that_comments_and_docs_name_are_there() -> None:
     """By their last folders; PYTHON files anywhere, C files of the runtime's core from src/ on."""
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
@@ -265,12 +267,14 @@ def _found(path: str) -> list[Path]:
     return [place for root in ROOTS for place in root.glob(path)]
 
 
+@pytest.mark.needs_addon
 @pytest.mark.skipif(not HERE, reason="the page names add-ons")
 def test_what_the_page_names_is_there() -> None:
     paths = set(PATH.findall(PAGE))
     assert len(paths) > 80 and [path for path in paths if not _found(path)] == []
 
 
+@pytest.mark.needs_addon
 @pytest.mark.skipif(not HERE, reason="the page names add-ons")
 def test_functions_are_where_the_page_says() -> None:
     places = PLACE.findall(PAGE)
@@ -306,6 +310,7 @@ def test_exports_take_what_a_linker_would(objects: dict[str, set[str]]) -> None:
     assert short == set()
 
 
+@pytest.mark.needs_addon
 def test_the_table_of_long_cases_names_what_is_there() -> None:
     """Else a case that was renamed would be among the quick ones unseen."""
     for line in (ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines():

@@ -38,6 +38,7 @@ def _files(area: str) -> list[Path]:
     return [p for p in paths if p.suffix in CODE and p.is_file() and not left & {*p.parts}]
 
 
+@pytest.mark.needs_addon
 @pytest.mark.parametrize("area", BUDGET)
 def test_an_area_is_within_its_budget(area: str) -> None:
     texts = [(path, path.read_text(encoding="utf-8")) for path in _files(area)]
