@@ -91,6 +91,12 @@ class Names:
             terminal.write(f"\nFAILED {report.nodeid} ({report.when})\n")
 
 
+def gone() -> set[str]:
+    """The packages of add-ons that pkgen names and that are not here."""
+    found = [point for kind in addons.KINDS for point in addons.points(kind).values()]
+    return {point.value.partition(".")[0] for point in found if addons.missing(point)}
+
+
 def no_page() -> str:
     """What `chart` and `stability` say without the add-on that writes pages."""
     where = addons.missing(addons.points("pages")["chart"])

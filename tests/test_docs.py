@@ -28,9 +28,7 @@ from pkgen.system.addons import points
 
 TUTORIAL = ROOT / "docs/tutorial.md"  # has a test of its own, test_tutorial.py
 PAGES = [page for page in conftest.PAGES if page != TUTORIAL]
-
-
-HERE = (ROOT / "addons").is_dir()
+HERE = pytest.mark.skipif(bool(conftest.gone()), reason="add-ons have commands and pictures there")
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -53,12 +51,13 @@ def named(language: str) -> list:
 
 def _of_addons(text: str) -> bool:
     """Whether a command or an option in it is of an add-on."""
-    words = set(re.findall(r"^\$ pkgen (\w+)|(--[\w-]+)", text, re.M))
-    names = {a or b for a, b in words}
-    options = {
-        f"--{name.partition('.')[2]}" for kind in ("options", "pages") for name in points(kind)
-    }
-    return bool(names & ({*points("commands"), "export"} | options - {"--"}))
+    options = {name.partition(".")[2] for kind in ("options", "pages") for name in points(kind)}
+    names = {*points("commands"), "export", *(f"--{name}" for name in options if name)}
+    return any(
+        name in names
+        for pair in re.findall(r"^\$ pkgen (\w+)|(--\w+)", text, re.M)
+        for name in pair
+    )
 
 
 @pytest.mark.parametrize(("page", "text"), named("lag"))
@@ -235,17 +234,18 @@ def test_the_page_of_errors_is_that_of_the_tests() -> None:
 
 
 @pytest.mark.needs_addon
-@pytest.mark.skipif(not HERE, reason="add-ons have commands there")
+@HERE
 def test_the_page_of_commands_begins_with_them() -> None:
     first = blocks(ROOT / "docs/commands.md", "console")[0]
     assert first == f"$ pkgen help\n{overview()}\n"
 
 
+@HERE
 @pytest.mark.needs_addon
 def test_links_lead_somewhere() -> None:
     for page in PAGES:
         for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
-            if not target.startswith(("http:", "https:")) and (HERE or "addons/" not in target):
+            if not target.startswith(("http:", "https:")):
                 assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
@@ -260,7 +260,7 @@ def test_the_python_page_is_what_happens(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
 
 @pytest.mark.needs_addon
-@pytest.mark.skipif(not HERE, reason="add-ons show some")
+@HERE
 def test_every_picture_is_shown_and_has_what_makes_it() -> None:
     done = subprocess.run(
         [sys.executable, ROOT / "tools/pictures", "no.png"], capture_output=True, text=True

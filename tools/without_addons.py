@@ -1,13 +1,15 @@
 """Runs pytest in a copy of the tree without add-ons.
 
-    python tools/without_addons.py -- -q tests          without all of them
-    python tools/without_addons.py film -- -q addons    without one
-    python tools/without_addons.py --each -- -q addons  without each in turn
+python tools/without_addons.py -- -q tests          without all of them
+python tools/without_addons.py film -- -q addons    without one
+python tools/without_addons.py --each -- -q         without each in turn: the tests that name it,
+                                                    and those that look at all add-ons
 """
 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +18,7 @@ import venv
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+OF_ALL = ["tests/test_architecture.py", "tests/test_package.py", "tests/cli/test_command_line.py"]
 
 
 def copied(to: Path, gone: list[str]) -> None:
@@ -49,12 +52,23 @@ def tested(gone: list[str], words: list[str]) -> int:
     return subprocess.run(command, cwd=tree, env=os.environ | {"PYTHONPATH": ""}).returncode
 
 
+def noticing(gone: str) -> list[str]:
+    """Returns test files: those of other add-ons that name it, its commands, hosts or options."""
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    names = re.findall(rf'^"?(?:\w+\.)?(\w+)"? = "pkgen_{gone}\b', text, re.M)
+    word = re.compile(rf"""["']({"|".join(names)})["']|--({"|".join(names)})\b|pkgen_{gone}\b""")
+    tests = (path for path in (ROOT / "addons").glob("*/tests/**/test_*.py"))
+    others = (path for path in tests if path.parts[len(ROOT.parts) + 1] != gone)
+    found = [path for path in others if word.search(path.read_text(encoding="utf-8"))]
+    return [*OF_ALL, *(str(path.relative_to(ROOT)) for path in sorted(found))]
+
+
 def main() -> int:
     end = sys.argv.index("--")
     names, words = sys.argv[1:end], sys.argv[end + 1 :]
     there = sorted(path.name for path in (ROOT / "addons").iterdir() if path.is_dir())
     if names == ["--each"]:
-        return max(tested([name], words) for name in there)
+        return max(tested([name], [*words, *noticing(name)]) for name in there)
     return tested(names or there, words)
 
 
