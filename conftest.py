@@ -99,7 +99,7 @@ def gone() -> set[str]:
 
 def no_page() -> str:
     """What `chart` and `stability` say without the add-on that writes pages."""
-    where = addons.missing(addons.points("pages")["chart"])
+    where = addons.missing(addons.points("pages").get("chart"))
     return f"pkgen: no page: it is {where}\n" if where else ""
 
 

@@ -14,11 +14,11 @@ import pytest
 from conftest import ROOT, gone
 
 BUDGET = {  # area: lines, tokens
-    "generator": (63_000, 510_000),
+    "generator": (59_900, 484_800),
     "runtime": (34_500, 324_000),
-    "addons": (20_300, 182_000),
+    "addons": (23_400, 205_000),  # pages and peers: 3,000 lines of the generator
 }
-WORDS = 37_000  # of docs for users
+WORDS = 36_300  # of docs for users
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
 C_TOKEN = re.compile(r"[A-Za-z_]\w*|\d[\w.]*|\S")
 C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)

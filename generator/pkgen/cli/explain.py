@@ -43,7 +43,7 @@ def explained(options: argparse.Namespace) -> tuple[str, str]:
     without SymPy or the add-on that writes pages."""
     if find_spec("sympy") is None:
         return "", ""
-    if where := addons.missing(addons.points("pages")[PAGE]):
+    if where := addons.missing(addons.points("pages").get(PAGE)):
         say(f"no equations on the page: they are {where}")
         return "", ""
     page = addons.load("pages", PAGE)

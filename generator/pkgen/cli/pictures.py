@@ -98,7 +98,7 @@ def look_of(options: argparse.Namespace) -> style.Look:
 
 def page_of(command: str) -> Callable[..., str] | None:
     """Returns the writer of a command's page. Says it and returns None if its add-on is missing."""
-    if where := addons.missing(addons.points("pages")[command]):
+    if where := addons.missing(addons.points("pages").get(command)):
         say(f"no page: it is {where}")
         return None
     return addons.load("pages", command).html

@@ -38,8 +38,10 @@ def points(kind: str) -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=f"pkgen.{kind}"))}
 
 
-def missing(point: EntryPoint) -> str:
+def missing(point: EntryPoint | None) -> str:
     """Returns where to get an add-on that is not installed; "" for one that is."""
+    if point is None:
+        return "of an add-on, which is not here: install all of pkgen-lag"
     name = _package_name(point)
     try:
         import_module(name)
@@ -55,19 +57,24 @@ def missing(point: EntryPoint) -> str:
 def package(point: EntryPoint) -> ModuleType:
     """Imports the package of an add-on. Raises UsageError if it is not installed."""
     if where := missing(point):
-        raise UsageError(f"{point.name.replace('.', ' --')} is {where}")
+        raise UsageError(f"{_shown(point.name)} is {where}")
     return import_module(_package_name(point))
+
+
+def load(kind: str, name: str) -> Any:
+    """Loads the object of an add-on. Raises UsageError if it is not installed."""
+    point = points(kind).get(name)
+    if where := missing(point):
+        raise UsageError(f"{_shown(name)} is {where}")
+    return point.load()
 
 
 def _package_name(point: EntryPoint) -> str:
     return point.value.partition(":")[0].partition(".")[0]
 
 
-def load(kind: str, name: str) -> Any:
-    """Loads the object of an add-on. Raises UsageError if it is not installed."""
-    point = points(kind)[name]
-    package(point)
-    return point.load()
+def _shown(name: str) -> str:
+    return name.replace(".", " --")
 
 
 def here(kind: str) -> dict[str, EntryPoint]:
