@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan durations test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime install-shell wheel deb clean
+.PHONY: help setup demo fuzz asan durations test test-long test-each-addon test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime install-shell wheel deb clean
 .DEFAULT_GOAL := help
 
 help:
@@ -54,12 +54,14 @@ test: $(TESTS)
 test-licence: runtime
 	@sh tools/check_licence.sh
 
+# The core's tests run in a copy of the tree without addons/; the rest run here.
 test-python: $(TESTS)
-	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long'
+	$(PYTHON) tools/without_addons.py -- -q -n 2 --dist worksteal -m 'not long and not needs_addon' tests
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long and needs_addon' addons $$(grep -rl needs_addon tests)
 
 # SHARD=K/N: the Kth of N parts that take as long; the C tests in quad precision belong to the first shard.
 test-long: $(TESTS)
-	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined)
+	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined test-each-addon)
 	$(PYTHON) -m pytest -q -n 2 --dist loadgroup -m long $(if $(SHARD),--shard $(SHARD))
 
 # Hours: measures every test, whose times say which are quick and which shard has them.
@@ -67,6 +69,9 @@ durations: $(TESTS)
 	rm -f tests/durations.json
 	$(PYTHON) -m pytest -q -n 2 --dist loadgroup --junitxml=build/durations.xml
 	$(PYTHON) tests/durations.py build/durations.xml
+# Each add-on alone is deleted, and the rest passes.
+test-each-addon: $(TESTS)
+	$(PYTHON) tools/without_addons.py --each -- -q -m 'not long and needs_addon'
 
 # The generator's tests on Debian's own python3, half a minute.
 test-debian:

@@ -12,14 +12,14 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from datetime import date
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import durations
 import pytest
 
-from pkgen.cli.commands import commands
 from pkgen.run import build
-from pkgen.system import toolchain
+from pkgen.system import addons, toolchain
 from pkgen.system.exits import BuildError
 
 ROOT = Path(__file__).resolve().parent
@@ -69,6 +69,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.nodeid in long:
             item.add_marker(pytest.mark.long)
+        if item.path.is_relative_to(ROOT / "addons"):
+            item.add_marker(pytest.mark.needs_addon)
+        for name in (name for mark in item.iter_markers("needs_addon") for name in mark.args):
+            if find_spec(f"pkgen_{name}") is None:
+                item.add_marker(pytest.mark.skip(reason=f"the add-on {name} is not here"))
     if shard := config.getoption("--shard"):
         slow = [item for item in items if item.get_closest_marker("long")]
         marks = [(item.nodeid, item.get_closest_marker("xdist_group")) for item in slow]
@@ -91,10 +96,16 @@ class Names:
             terminal.write(f"\nFAILED {report.nodeid} ({report.when}{day})\n")
 
 
-def needs(command: str) -> pytest.MarkDecorator:
-    """For a test that takes a command of an add-on too."""
-    missing = command not in commands()
-    return pytest.mark.skipif(missing, reason=f"{command} is of an add-on that is not here")
+def gone() -> set[str]:
+    """The packages of add-ons that pkgen names and that are not here."""
+    found = [point for kind in addons.KINDS for point in addons.points(kind).values()]
+    return {point.value.partition(".")[0] for point in found if addons.missing(point)}
+
+
+def no_page() -> str:
+    """What `chart` and `stability` say without the add-on that writes pages."""
+    where = addons.missing(addons.points("pages").get("chart"))
+    return f"pkgen: no page: it is {where}\n" if where else ""
 
 
 def seeds(fixed: Iterable[int], turning: int = 0, late: Iterable[int] = ()) -> list:

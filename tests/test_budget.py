@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, gone
 
 BUDGET = {  # area: lines, tokens
-    "generator": (63_000, 510_000),
+    "generator": (59_900, 484_800),
     "runtime": (34_500, 324_000),
-    "addons": (20_300, 182_000),
+    "addons": (23_400, 205_000),  # pages and peers: 3,000 lines of the generator
 }
 WORDS = 35_000  # what a user reads: README.md and docs, but for docs/dev
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
@@ -42,11 +42,12 @@ def _files(area: str) -> list[Path]:
     ]
 
 
+@pytest.mark.needs_addon
 @pytest.mark.parametrize("area", BUDGET)
 def test_an_area_is_within_its_budget(area: str) -> None:
+    if area == "addons" and gone():
+        pytest.skip("not all add-ons are here")
     texts = [(path, path.read_text(encoding="utf-8")) for path in _files(area)]
-    if not texts and area == "addons":
-        pytest.skip("there are no add-ons here")
     lines = sum(text.count("\n") for _, text in texts)
     tokens = sum(_tokens(path, text) for path, text in texts)
     assert lines > 0.97 * BUDGET[area][0], f"{area}: lower its budget to {lines} lines"

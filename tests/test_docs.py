@@ -24,13 +24,11 @@ from pkgen.middle.derive import derive
 from pkgen.run import build
 from pkgen.source import Source
 from pkgen.system import toolchain
+from pkgen.system.addons import points
 
 TUTORIAL = ROOT / "docs/tutorial.md"  # has a test of its own, test_tutorial.py
 PAGES = [page for page in conftest.PAGES if page != TUTORIAL]
-
-
-HERE = (ROOT / "addons").is_dir()
-NAMES = re.findall(r"^  (\w+) ", (ROOT / "docs/commands.md").read_text(), re.M)  # all commands
+HERE = pytest.mark.skipif(bool(conftest.gone()), reason="add-ons have commands and pictures there")
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -39,7 +37,27 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def named(language: str) -> list:
     found = [(page, i, b) for page in PAGES for i, b in enumerate(blocks(page, language))]
-    return [pytest.param(page, b, id=f"{page.relative_to(ROOT)}-{i}") for page, i, b in found]
+    return [
+        pytest.param(
+            page,
+            b,
+            id=f"{page.relative_to(ROOT)}-{i}",
+            marks=[pytest.mark.needs_addon]
+            * (page.parent.parent.name == "addons" or _of_addons(b)),
+        )
+        for page, i, b in found
+    ]
+
+
+def _of_addons(text: str) -> bool:
+    """Whether a command or an option in it is of an add-on."""
+    options = {name.partition(".")[2] for kind in ("options", "pages") for name in points(kind)}
+    names = {*points("commands"), "export", *(f"--{name}" for name in options if name)}
+    return any(
+        name in names
+        for pair in re.findall(r"^\$ pkgen (\w+)|(--\w+)", text, re.M)
+        for name in pair
+    )
 
 
 @pytest.mark.parametrize(("page", "text"), named("lag"))
@@ -59,7 +77,7 @@ SHORTER = {
 
 def without(command: list[str]) -> list[str]:
     """What the command needs that is not here, which its page names."""
-    if command[0] in NAMES and command[0] not in commands():
+    if command[0] in points("commands") and command[0] not in commands():
         return ["the add-on"]
     if command[0] == "sweep":
         return [name for name in ("pyarrow", "scipy") if find_spec(name) is None]
@@ -191,6 +209,7 @@ def test_the_controller_in_the_docs_balances(tmp_path: Path) -> None:
     assert done.returncode != 0
 
 
+@pytest.mark.needs_addon
 def test_a_first_run_takes_one_time_in_all_pages() -> None:
     for page in (*PAGES, TUTORIAL):
         for said in re.findall(r"first run [^.;]*?(\d+ s[^,.;)]*)", page.read_text()):
@@ -211,16 +230,19 @@ def test_the_page_of_errors_is_that_of_the_tests() -> None:
         assert case.read_text().rstrip() in text, f"{case.name}: run tools/errors_page.py"
 
 
-@pytest.mark.skipif(not HERE, reason="add-ons have commands there")
+@pytest.mark.needs_addon
+@HERE
 def test_the_page_of_commands_begins_with_them() -> None:
     first = blocks(ROOT / "docs/commands.md", "console")[0]
     assert first == f"$ pkgen help\n{overview()}\n"
 
 
+@HERE
+@pytest.mark.needs_addon
 def test_links_lead_somewhere() -> None:
     for page in PAGES:
         for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
-            if not target.startswith(("http:", "https:")) and (HERE or "addons/" not in target):
+            if not target.startswith(("http:", "https:")):
                 assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
@@ -234,7 +256,8 @@ def test_the_python_page_is_what_happens(monkeypatch: pytest.MonkeyPatch, tmp_pa
     assert tried > 4 and not failed
 
 
-@pytest.mark.skipif(not HERE, reason="add-ons show some")
+@pytest.mark.needs_addon
+@HERE
 def test_every_picture_is_shown_and_has_what_makes_it() -> None:
     done = subprocess.run(
         [sys.executable, ROOT / "tools/pictures", "no.png"], capture_output=True, text=True

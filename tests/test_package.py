@@ -35,11 +35,13 @@ FOLDERS = {path.parent for root in ROOTS.values() for path in root.rglob("*.py")
 FOLDERS -= {ROOT / "addons/hosts/pkgen_hosts/python/wheel"}  # goes into wheels of models
 
 
+@pytest.mark.needs_addon
 def test_every_folder_of_python_is_a_package() -> None:
     """setuptools finds these alone."""
     assert not [folder for folder in FOLDERS if not (folder / "__init__.py").exists()]
 
 
+@pytest.mark.needs_addon
 def test_every_other_file_goes_with_its_package() -> None:
     packages, missing = [*map(_package, FOLDERS)], []
     for root in ROOTS.values():

@@ -1,4 +1,4 @@
-"""The part of STIX that formulas are set in: generator/pkgen/explain/fonts/math.woff2.
+"""The part of STIX that formulas are set in: addons/pages/pkgen_pages/explain/fonts/math.woff2.
 
     python tools/math_font.py STIXMath-Regular.otf    # of Debian's fonts-stix
 
@@ -15,7 +15,7 @@ from pathlib import Path
 from fontTools import subset
 from fontTools.ttLib import TTFont
 
-OUT = Path(__file__).parents[1] / "generator/pkgen/explain/fonts/math.woff2"
+OUT = Path(__file__).parents[1] / "addons/pages/pkgen_pages/explain/fonts/math.woff2"
 NAME = "pkgen math"
 LETTERS = [
     *range(0x20, 0x7F),

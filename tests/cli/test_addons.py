@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -114,3 +115,44 @@ def test_what_is_not_here_is_said_in_a_line(toy, words: tuple[object, ...]) -> N
     assert done.stderr == (
         "pkgen: gone is of the add-on gone, which is not here: install all of pkgen-toy\n"
     )
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory):
+    """Runs pkgen where its own add-ons are named and not here."""
+    folder = tmp_path_factory.mktemp("alone")
+    for name in ("pkgen", "pkgen_runtime"):
+        (folder / name).symlink_to(ROOT / "generator" / name)
+    info = folder / "pkgen_lag-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: pkgen-lag\nVersion: 1\n")
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    groups = re.findall(r'^\[project.entry-points."(.*)"\]\n((?:.+\n)*)', text, re.M)
+    points = "".join(f"[{group}]\n{lines}\n" for group, lines in groups)
+    (info / "entry_points.txt").write_text(points.replace('"', ""))
+    packages = [p for p in sys.path if Path(p).name in ("site-packages", "dist-packages")]
+    path = os.pathsep.join([str(folder), *packages])
+
+    def run(*words: object) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-S", "-m", "pkgen", *map(str, words)]
+        env = os.environ | {"PYTHONPATH": path}
+        return subprocess.run(command, capture_output=True, text=True, env=env, cwd=folder)
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("explain", MODEL, "--html", "x.html"), "explain --html is of the add-on pages"),
+        (("run", MODEL, "--report", "x.html"), "run --report is of the add-on pages"),
+        (("run", MODEL, "--enclose"), "run --enclose is of the add-on enclose"),
+        (("chart", MODEL, "--against", "gsl"), "chart --against is of the add-on peers"),
+        (("show", MODEL), "show is of the add-on web"),
+        (("export", MODEL, "--as", "fmu"), "fmu is of the add-on fmu"),
+    ],
+)
+def test_an_option_of_ours_that_is_not_here_is_said_in_a_line(alone, words, said) -> None:
+    done = alone(*words)
+    assert (done.returncode, done.stdout) == (2, ""), done.stderr
+    assert done.stderr == f"pkgen: {said}, which is not here: install all of pkgen-lag\n"

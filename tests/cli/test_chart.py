@@ -115,6 +115,7 @@ def error_of_run(found: dict, words: list[str]) -> float:
     return max(abs(x - r) / s for x, r, s in exact)
 
 
+@pytest.mark.needs_addon("pages")
 def test_answers_are_commands_that_keep_their_word(made) -> None:
     """Run as the page says, each meets its accuracy; at a much looser setting it does not."""
     found, directory = made
@@ -197,6 +198,7 @@ class Page(HTMLParser):
                 self.links.append(value or "")
 
 
+@pytest.mark.needs_addon("pages")
 def test_the_page_needs_nothing_else(made) -> None:
     text = (made[1] / "pendulum_chart.html").read_text(encoding="utf-8")
     page = Page()

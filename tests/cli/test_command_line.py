@@ -43,6 +43,7 @@ def test_every_file_of_a_command_has_a_row() -> None:
     assert with_run == set(OWN) and len(OWN) > 9
 
 
+@pytest.mark.needs_addon
 def test_the_overview_fits_a_terminal() -> None:
     lines = overview().split("\n")
     assert max(map(len, lines)) <= OVERVIEW_WIDTH and len(lines) <= 48
@@ -51,6 +52,7 @@ def test_the_overview_fits_a_terminal() -> None:
     )
 
 
+@pytest.mark.needs_addon
 @pytest.mark.parametrize("name", COMMANDS)
 def test_help_shows_examples_that_its_parser_takes(name: str) -> None:
     text = parser_of(name).format_help()
@@ -62,6 +64,7 @@ def test_help_shows_examples_that_its_parser_takes(name: str) -> None:
         assert parser_of(of).parse_intermixed_args(words).quiet is False
 
 
+@pytest.mark.needs_addon
 def test_help_of_a_command_and_of_all() -> None:
     done = run_pkgen("help", "run")
     assert done.returncode == 0 and done.stdout == parser_of("run").format_help()
@@ -77,6 +80,7 @@ RUN += ("film", "plot")  # the others take minutes
 FLIPS = ("models/double_pendulum.lag", "--plan", "models/flips_grid.toml", "-o", "flips")
 
 
+@pytest.mark.needs_addon
 @pytest.mark.parametrize("name", [name for name in RUN if name in COMMANDS])
 def test_examples_run(name: str, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "models", tmp_path / "models")
@@ -158,9 +162,13 @@ def test_c_on_standard_output_compiles_as_it_is(tmp_path: Path) -> None:
     assert done.returncode == 2 and "both write to standard output" in done.stdout
 
 
-def test_pictures_and_equations_on_standard_output(tmp_path: Path) -> None:
+def test_a_picture_on_standard_output(tmp_path: Path) -> None:
     done = run_pkgen("plot", HOOP, "--until", "1", "-o", "-", cwd=tmp_path)
     assert done.returncode == 0 and done.stdout.startswith("<?xml") and "</svg>" in done.stdout
+
+
+@pytest.mark.needs_addon("pages")
+def test_equations_on_standard_output(tmp_path: Path) -> None:
     done = run_pkgen("explain", HOOP, "--html", "-", cwd=tmp_path)
     assert done.stdout.lower().startswith("<!doctype html") and list(tmp_path.iterdir()) == []
 

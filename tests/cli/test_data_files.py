@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import needs, seeds
+from conftest import seeds
 from pkgen.__main__ import main
 from pkgen.cli.commands import commands
 
@@ -26,7 +26,8 @@ FILES = {
 }
 
 
-SWEPT = [pytest.param(n, marks=needs("sweep")) if n.endswith("toml") else n for n in FILES]
+OF_SWEEP = pytest.mark.needs_addon("sweep")
+SWEPT = [pytest.param(n, marks=OF_SWEEP) if n.endswith("toml") else n for n in FILES]
 
 
 @pytest.mark.parametrize("name", SWEPT)
@@ -43,7 +44,7 @@ def test_a_file_that_is_broken_is_named(name: str, tmp_path, monkeypatch, capsys
 WRONG = ['"size": -1', '"size": [1]', '"members": -1', '"shard": "x"', '"digest": 1', '"model": {}']
 
 
-@needs("sweep")
+@OF_SWEEP
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_plan_json_of_other_kinds_is_refused(wrong: str, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)

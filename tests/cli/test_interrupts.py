@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from conftest import needs
 from pkgen.__main__ import main
 from pkgen.analysis.chart import long
 from pkgen.analysis.chart.sweep import Bench
@@ -146,7 +145,7 @@ sys.exit(code)
 """
 
 
-@needs("sweep")
+@pytest.mark.needs_addon("sweep")
 @pytest.mark.parametrize("after", MOMENTS)
 def test_a_sweep_that_is_ended_while_it_times_its_first_members(after, tmp_path) -> None:
     """The run is over before its memory is given back, however often it is told to end."""

@@ -108,20 +108,21 @@ def test_a_full_disk(good: Path) -> None:
     assert len((good.parent / "rows.csv.partial").read_bytes()) <= 20_000
 
 
-def test_sources_and_pages_are_written_all_or_none(pkgen, tmp_path: Path) -> None:
+PAGE = pytest.param(["explain", MODEL, "--html", "x.html"], marks=pytest.mark.needs_addon("pages"))
+
+
+@pytest.mark.parametrize("words", [[MODEL, "--canonical", "-o", "."], PAGE], ids=["C", "page"])
+def test_sources_and_pages_are_written_all_or_none(words: list, pkgen, tmp_path: Path) -> None:
     assert pkgen(MODEL, "-o", tmp_path).returncode == 0
     before = seen(tmp_path)
-    for words in ([MODEL, "--canonical", "-o", tmp_path], ["explain", MODEL, "--html", "x.html"]):
-        child = start(
-            *words,
-            cwd=tmp_path,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, 5_000)),
-        )
-        said = child.communicate(timeout=LATE)[1]
-        assert (
-            child.returncode == 2 and said.endswith(": File too large\n") and "\n" not in said[:-1]
-        )
-        assert seen(tmp_path) == before
+    child = start(
+        *words,
+        cwd=tmp_path,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, 5_000)),
+    )
+    said = child.communicate(timeout=LATE)[1]
+    assert child.returncode == 2 and said.endswith(": File too large\n") and "\n" not in said[:-1]
+    assert seen(tmp_path) == before
 
 
 ENDS = ["INT", pytest.param("TERM"), pytest.param("HUP", marks=pytest.mark.long), "KILL"]
@@ -293,6 +294,7 @@ OWN |= {"back/wasm/build.py", "back/library.py"}
 ADDED = {"pkgen_film/film.py", "pkgen_film/write.py", "pkgen_sweep/store.py"}
 
 
+@pytest.mark.needs_addon
 def test_nothing_else_writes_files() -> None:
     def writers(root: Path, pattern: str) -> set[str]:
         found = (path for path in root.glob(pattern) if WRITES.search(path.read_text()))

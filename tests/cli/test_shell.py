@@ -48,6 +48,7 @@ def offered(shell: str, script: Path, *words: str) -> set[str]:
     return {line.partition("\t")[0] for line in done.stdout.split("\n") if line}
 
 
+@pytest.mark.needs_addon
 @pytest.mark.parametrize("shell", ["bash", "fish"])
 def test_completion(shell: str, tmp_path: Path) -> None:
     tool(shell)
@@ -59,6 +60,7 @@ def test_completion(shell: str, tmp_path: Path) -> None:
     assert "README.md" in offered(shell, script, "pkgen", "run", "-o", "README")
 
 
+@pytest.mark.needs_addon
 def test_completion_of_zsh_is_read(tmp_path: Path) -> None:
     zsh = tool("zsh")
     script = completion("zsh", tmp_path)
@@ -82,6 +84,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.needs_addon
 def test_each_command_has_its_page(pages: Path) -> None:
     names = {path.name for path in pages.iterdir()}
     assert names == {"pkgen.1", *(f"pkgen-{name}.1" for name in COMMANDS)}
@@ -94,6 +97,7 @@ def test_each_command_has_its_page(pages: Path) -> None:
         assert COMMANDS[name].module.EXAMPLES.strip().split("\n")[0] in text
 
 
+@pytest.mark.needs_addon
 def test_man_reads_the_pages(pages: Path) -> None:
     man = tool("man")
     for path in sorted(pages.iterdir()):
@@ -104,6 +108,7 @@ def test_man_reads_the_pages(pages: Path) -> None:
         assert "NAME" in plain and len(plain.splitlines()) > 20
 
 
+@pytest.mark.needs_addon
 def test_mandoc_finds_nothing(pages: Path) -> None:
     command = [tool("mandoc"), "-Tlint", "-Wwarning", *sorted(pages.iterdir())]
     done = subprocess.run(command, capture_output=True, text=True)

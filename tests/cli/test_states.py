@@ -142,11 +142,15 @@ def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
     assert "x*p_y - y*p_x" in said  # symmetries are still searched for: S moves nothing
     told = json.loads(pkgen("explain", orbit, "--json").stdout)
     assert [s["name"] for s in told["states"]] == ["S", "area"]
-    page = tmp_path / "page.html"
     model = written(tmp_path, LOTKA)
-    assert pkgen("explain", model, "--html", page).returncode == 0
     lotka = pkgen("explain", model).stdout
     assert "2 states\n" in lotka and "Lagrangian" not in lotka and "mass matrix" not in lotka
+
+
+@pytest.mark.needs_addon("pages")
+def test_on_the_page(pkgen, tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    assert pkgen("explain", written(tmp_path, LOTKA), "--html", page).returncode == 0
     assert "Rates of the states" in page.read_text(encoding="utf-8")
 
 

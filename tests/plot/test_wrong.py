@@ -121,7 +121,7 @@ RUN = [
     (("--plot", "x.svg", "--path", "x,yy"), "--path yy"),
     (("--plot", "there/x.svg"), "there/x.svg"),
     (("--report", "x.htm"), "must end in .html"),
-    (("--report", "x.html", "--columns", "aa"), "--columns aa"),
+    (("--plot", "x.svg", "--columns", "aa"), "--columns aa"),
 ]
 
 

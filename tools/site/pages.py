@@ -22,10 +22,10 @@ from pathlib import Path
 import yaml
 
 from pkgen.compiler import compile_model
-from pkgen.explain.html import fragment
 from pkgen.explain.scenes import scene_shown
-from pkgen.explain.style import style
 from pkgen.front.read import read
+from pkgen_pages.explain.html import fragment
+from pkgen_pages.explain.style import style
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]

@@ -6,6 +6,7 @@ import importlib
 import random
 import sys
 from argparse import Namespace
+from importlib.util import find_spec
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -207,6 +208,8 @@ def test_places_on_the_command_line_and_on_pages(pkgen, tmp_path):
     ran = pkgen("run", model, "--until", "0.1", "--every", "0.1", "--record", columns)
     vectors = [f"{name}.{axis}" for name in ("fore.com", "upper_arm.omega") for axis in "xyz"]
     assert ran.stdout.splitlines()[0].split(",")[:7] == ["t", *vectors], ran.stderr
+    if find_spec("pkgen_pages") is None:
+        return  # the page is of another add-on
     page = tmp_path / "arm.html"
     assert pkgen("explain", model, "--html", page).returncode == 0
     assert "joint shoulder: base to upper_arm revolute" in page.read_text()

@@ -24,6 +24,7 @@ m2 = "1 .. 2 [kg]"
 """
 
 
+@pytest.mark.needs_addon("web")
 def test_options_beside_the_plan_win(pkgen, tmp_path: Path) -> None:
     (tmp_path / "plan.toml").write_text(PLAN)
     done = pkgen("sweep", DOUBLE, "--plan", tmp_path / "plan.toml", "-o", tmp_path / "s")

@@ -12,7 +12,6 @@ from pkgen.cli.compilation import compile_within_limits
 from pkgen.cli.explain import explained
 from pkgen.cli.messages import refuse_both
 from pkgen.describe.page_data import describe
-from pkgen.explain.style import style
 from pkgen.system import addons
 from pkgen.system.exits import DONE, UsageError
 from pkgen.system.files import STANDARD, replace
@@ -51,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
         found.description["map"] = folder.described(shown, found.compilation)
     compilation = found.compilation
     code = wasm(compilation.files, compilation.model.name, compilation.model.methods)
-    text = packed(found.description, code, explained(options), style())
+    text = packed(found.description, code, *explained(options))
     replace({path: text})
     if options.json:
         print(json.dumps({"page": str(path), "bytes": len(text.encode())}))

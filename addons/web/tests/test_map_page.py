@@ -10,7 +10,7 @@ from browser import Page, browser_  # noqa: F401
 from conftest import ROOT
 
 pytest.importorskip("pyarrow")
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.needs_addon("sweep")]
 PLAN = """until = 1
 method = "rk4"
 step = 0.01

@@ -18,7 +18,12 @@ import pytest
 
 from conftest import ROOT
 
-pytestmark = [pytest.mark.long, pytest.mark.xdist_group("site")]  # the site is made once
+# The site is made once, with the equations of each model.
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.xdist_group("site"),
+    pytest.mark.needs_addon("pages"),
+]
 SITE = ROOT / "build" / "site"
 AXE = "axe-core@4.14.1"
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

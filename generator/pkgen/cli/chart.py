@@ -13,7 +13,6 @@ from ..analysis.chart import chart as charts
 from ..analysis.chart import table
 from ..analysis.chart.chart import Chart
 from ..analysis.chart.errors import KINDS
-from ..analysis.chart.peers import PEERS, Peer, gsl_methods
 from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import interrupted, report
@@ -31,7 +30,7 @@ from ..system.files import moved, scratch
 from ..system.progress import progress, say, took, unseen
 from . import arguments as shared
 from .compilation import compile_within_limits
-from .pictures import look_of
+from .pictures import look_of, page_of
 
 STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
@@ -61,8 +60,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
     add("--error", choices=tuple(KINDS), default="final", help="of what (default: the final state)")
     add("--starts", type=int, default=1, metavar="N", help="medians of N starts beside each other")
-    known = ",".join(peer.name for peer in PEERS)
-    add("--against", metavar="LIST", help=f"other packages in the same picture, of {known}")
     add("--cost", choices=tuple(COSTS), default="time", help="of the picture (default: time)")
     add("--full", action="store_true", help="pictures of all methods too, and of each family")
     shared.of_a_look(parser)
@@ -70,6 +67,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
     add("--quick", action="store_true", help="fewer points, shorter laps, 10 s of processor time")
     add("--seconds", type=float, metavar="S", help="processor time of all but drawing (default 55)")
+    parser.set_defaults(others=None)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -77,8 +75,8 @@ def run(options: argparse.Namespace) -> int:
     began, effort, look = time.monotonic(), _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
-    peers = _peers(options)
-    chosen = _methods(options, compilation, any(peer.open is None for peer in peers))
+    others = options.others and options.others(options)  # of an add-on
+    chosen = _methods(options, compilation, others.methods if others else [])
     chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
     stops = [event.name for event in compilation.model.events if event.stop]
@@ -97,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
             show or unseen,
             KINDS[options.error],
             options.starts,
-            peers,
+            others,
         )
     if not any(track.good for track in chart.tracks):
         if chart.interrupted:
@@ -144,37 +142,15 @@ def _long(
     return INTERRUPTED if children.ended() else DONE
 
 
-def _peers(options: argparse.Namespace) -> list[Peer]:
-    """Returns the installed packages of --against, and reports the others. Raises UsageError."""
-    if options.against is None:
-        return []
-    known, found, missing = {peer.name: peer for peer in PEERS}, [], []
-    for name in dict.fromkeys(n.strip() for n in options.against.split(",") if n.strip()):
-        if name not in known:
-            raise UsageError(parsing.unknown("--against", name, [*known], "package"))
-        why = known[name].missing
-        (missing if why else found).append(why or known[name])
-    if not found:
-        raise UsageError("--against: " + ("; ".join(missing) or "name one package at least"))
-    if options.error == "energy":
-        raise UsageError(
-            "--error energy: other packages watch none; --against has final, max, mean, phase"
-        )
-    for why in missing:
-        print(f"pkgen: --against: {why}", file=sys.stderr)
-    return found
-
-
 def _methods(
-    options: argparse.Namespace, compilation: Compilation, gsl: bool
+    options: argparse.Namespace, compilation: Compilation, more: list[str]
 ) -> list[ChartedMethod]:
-    """Returns the methods of --methods, those of options, and GSL's if `gsl`; by default all."""
+    """Returns the methods of --methods, those of options, and `more`; by default all."""
     wanted, own = None, compilation.model.methods
     if options.methods is not None:
         wanted = [name.strip() for name in options.methods.split(",") if name.strip()]
         wanted += [method.name for method in given(options)]
-        if gsl:
-            wanted += gsl_methods()
+        wanted += more
     try:
         found = charts.methods(wanted, own)
     except KeyError as missing:
@@ -191,7 +167,7 @@ def _effort(options: argparse.Namespace) -> Effort:
     if not 1 <= options.starts <= STARTS:
         raise UsageError(f"--starts {options.starts}: from 1 to {STARTS}")
     for name, usual in OF_CHART.items():
-        if options.long and getattr(options, name) != usual:
+        if options.long and getattr(options, name, usual) != usual:
             raise UsageError(f"--{name} is of a chart: --long has one step and drifts alone")
     if options.step is not None and not options.long:
         raise UsageError("--step is of --long; in a chart each method has its own steps")
@@ -212,18 +188,19 @@ def _given(options: argparse.Namespace) -> list[str]:
 
 
 def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Look) -> list[Path]:
-    from ..analysis.chart import draw, page, picture
+    from ..analysis.chart import draw, picture
 
-    text = report(chart, options.model, _given(options))
+    html = page_of("chart")
     with scratch() as folder:
         stem = folder / f"{chart.model}_chart"
         files = picture.write(chart, stem, look, COSTS[options.cost])
         if options.full:
             files += draw.pictures(chart, stem)
-        for suffix, content in (
-            (".csv", table.as_csv(chart.tracks)),
-            (".html", page.html(chart, text, [f for f in files if f.suffix == ".svg"])),
-        ):
+        contents = {".csv": table.as_csv(chart.tracks)}
+        if html:
+            text = report(chart, options.model, _given(options))
+            contents[".html"] = html(chart, text, [f for f in files if f.suffix == ".svg"])
+        for suffix, content in contents.items():
             stem.with_suffix(suffix).write_text(content, encoding="utf-8")
             files.append(stem.with_suffix(suffix))
         return moved(files, directory)
@@ -261,7 +238,7 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
         ],
         "against": [
             {
-                "package": b.peer.version,
+                "package": b.version,
                 "accuracy": a.accuracy,
                 "reason": a.reason,
                 "times": chart.times(a),
@@ -270,7 +247,7 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
             for b in chart.beside
             for a in b.answers
         ],
-        "refused": chart.refused | {b.peer.name: b.why for b in chart.beside if b.why},
+        "refused": chart.refused | {b.name: b.why for b in chart.beside if b.why},
         "interrupted": chart.interrupted,
         "unmeasured": chart.unmeasured,
         "points": table.rows(chart.tracks),

@@ -189,6 +189,8 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
         options, unknown = parser.parse_known_intermixed_args(words[named:])
     if unknown:
         flag = unknown[0].partition("=")[0]
+        if point := addons.points("options").get(f"{command.name}.{flag.removeprefix('--')}"):
+            addons.package(point)  # raises UsageError with the missing add-on
         if not flag.startswith("-"):
             raise UsageError(f"one file at a time: what is {flag}?")
         known = [name for name in parser._option_string_actions if name not in ("-h", "--help")]

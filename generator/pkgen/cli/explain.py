@@ -12,13 +12,14 @@ from ..compiler import Compilation
 from ..equations import Equations
 from ..explain import scenes as explain_scenes
 from ..explain.explain import explain, record
-from ..explain.html import fragment, html
 from ..explain.scenes import SceneShown, scene_shown
 from ..middle.dependence import to_be_shown
 from ..scenes import compile_plan as scene_use
 from ..scenes import lengths
+from ..system import addons
 from ..system.exits import DONE, UsageError
 from ..system.files import replace
+from ..system.progress import say
 from . import arguments as shared
 from .compilation import compile_within_limits, within_limits
 
@@ -26,6 +27,7 @@ EXAMPLES = """
 pkgen explain models/double_pendulum.lag
 pkgen explain models/heavy_top.lag --scene nutation
 """
+PAGE = "explain.html"  # the entry point of the add-on that writes it
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,15 +38,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
 
 
-def explained(options: argparse.Namespace) -> str:
-    """Returns an HTML fragment about a model and its scenes, or the chosen scene; "" without
-    SymPy."""
+def explained(options: argparse.Namespace) -> tuple[str, str]:
+    """Returns HTML about a model and its scenes, or the chosen scene, and its style; "" and ""
+    without SymPy or the add-on that writes pages."""
     if find_spec("sympy") is None:
-        return ""
+        return "", ""
+    if where := addons.missing(addons.points("pages").get(PAGE)):
+        say(f"no equations on the page: they are {where}")
+        return "", ""
+    page = addons.load("pages", PAGE)
     compilation = _shown(compile_within_limits(options, quiet=True, c=False, symmetric=True))
     scenes = _scenes(options, compilation, options.scene)
     with within_limits(options):
-        return fragment(compilation, scenes, level=3)
+        return page.fragment(compilation, scenes, level=3), page.style()
 
 
 def _shown(compilation: Compilation) -> Compilation:
@@ -69,6 +75,7 @@ def _scenes(
 
 def run(options: argparse.Namespace) -> int:
     """Show a model's equations and structure."""
+    html = addons.load("pages", PAGE).html if options.html else None
     if find_spec("sympy") is None:
         raise UsageError("explain shows equations by SymPy, which is not installed; C needs none")
     compilation = compile_within_limits(
@@ -82,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
     compilation = _shown(compilation)
     scenes = [] if options.scene else _scenes(options, compilation)
     with within_limits(options):
-        written = html(compilation, scenes) if options.html else ""
+        written = html(compilation, scenes) if html else ""
         text = ""
         if options.json:
             found = record(compilation) | {"scenes": explain_scenes.record(scenes)}

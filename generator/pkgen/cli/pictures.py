@@ -18,9 +18,11 @@ from ..record import record
 from ..run import named
 from ..run.simulate import columns
 from ..scenes.run_settings import unknown
+from ..system import addons
 from ..system.exits import UsageError
 from ..system.files import place
 from ..system.near import near
+from ..system.progress import say
 from .messages import needs
 
 if TYPE_CHECKING:
@@ -54,6 +56,7 @@ def wanted(options: argparse.Namespace) -> Wanted | None:
     if options.report is not None:
         if not options.report.endswith(".html"):
             raise UsageError(f"--report {options.report}: the file's name must end in .html")
+        addons.load("pages", "run.report")  # raises UsageError before the run, not after it
         report = Path(options.report)
     files = [options.output, options.plot, options.report]
     if options.output not in (None, "-") and place(Path(options.output)) is None:
@@ -91,6 +94,14 @@ def look_of(options: argparse.Namespace) -> style.Look:
             raise UsageError(unknown("--format", kind, known, "kind of picture"))
     millimetres = (width(options) or style.PAGE) * MILLIMETRES
     return style.Look(millimetres, formats, options.dark)
+
+
+def page_of(command: str) -> Callable[..., str] | None:
+    """Returns the writer of a command's page. Says it and returns None if its add-on is missing."""
+    if where := addons.missing(addons.points("pages").get(command)):
+        say(f"no page: it is {where}")
+        return None
+    return addons.load("pages", command).html
 
 
 def recorded(

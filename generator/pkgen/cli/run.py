@@ -22,7 +22,7 @@ from ..run.simulate import Outcome, sidecar, simulate
 from ..scenes import run as scene_run
 from ..scenes import run_settings as parsing
 from ..scenes.judge import Verdict
-from ..system import children
+from ..system import addons, children
 from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
@@ -146,12 +146,12 @@ def _pictures(
         for note in pictures.draw(wanted, [table], wanted.plot):
             print(f"pkgen: {note}", file=sys.stderr)
     if wanted.report is not None:
-        from ..plot.report import report
         from ..system.files import replace
 
         given = load(what.library).run(what.settings, idle=True, bare=True).given()
         told = _describe(what, outcome, path.name)
-        text = report(what.compilation, told, table, outcome.messages, wanted.view, given)
+        html = addons.load("pages", "run.report").html
+        text = html(what.compilation, told, table, outcome.messages, wanted.view, given)
         replace({wanted.report: text})
 
 

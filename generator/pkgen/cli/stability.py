@@ -28,7 +28,7 @@ from ..system.progress import progress, say, took
 from ..system.toolchain import BuildError, find_toolchain
 from . import arguments as shared
 from .compilation import compile_within_limits
-from .pictures import look_of
+from .pictures import look_of, page_of
 
 EXAMPLES = """
 pkgen stability models/elastic_pendulum.lag -o maps
@@ -129,12 +129,14 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
 
 
 def _write(directory: Path, made: StabilityMap, look: Look) -> list[Path]:
-    from ..analysis.stability import draw, page
+    from ..analysis.stability import draw
 
+    html = page_of("stability")
     with scratch() as folder:
         stem = folder / f"{made.compilation.model.name}_stability"
         files = draw.pictures(made, stem, look)
-        for suffix, content in ((".csv", text.as_csv(made)), (".html", page.html(made, files[0]))):
+        contents = {".csv": text.as_csv(made)} | ({".html": html(made, files[0])} if html else {})
+        for suffix, content in contents.items():
             files.append(stem.with_suffix(suffix))
             files[-1].write_text(content, encoding="utf-8")
         return moved(files, directory)

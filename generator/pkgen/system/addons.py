@@ -26,6 +26,7 @@ KINDS = {
     "exports": "a Host of back/exported.py, by the name that --as takes",
     "options": "a module with arguments(), for the command before the dot: run.enclose",
     "folders": "a module with is_one(), picture(), taken(): a folder in place of a model",
+    "pages": "a module with html(), by the command and option that write the page: run.report",
 }
 
 
@@ -37,38 +38,48 @@ def points(kind: str) -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=f"pkgen.{kind}"))}
 
 
-def package(point: EntryPoint) -> ModuleType:
-    """Imports the package of an add-on. Raises UsageError if it is not installed."""
-    name = point.value.partition(":")[0].partition(".")[0]
+def missing(point: EntryPoint | None) -> str:
+    """Returns where to get an add-on that is not installed; "" for one that is."""
+    if point is None:
+        return "of an add-on, which is not here: install all of pkgen-lag"
+    name = _package_name(point)
     try:
-        return import_module(name)
+        import_module(name)
     except ModuleNotFoundError as error:
         if error.name != name:
             raise
         addon = name.removeprefix("pkgen_")
         whole = point.dist.name if point.dist else "it"
-        raise UsageError(
-            f"{point.name} is of the add-on {addon}, which is not here: install all of {whole}"
-        ) from None
+        return f"of the add-on {addon}, which is not here: install all of {whole}"
+    return ""
+
+
+def package(point: EntryPoint) -> ModuleType:
+    """Imports the package of an add-on. Raises UsageError if it is not installed."""
+    if where := missing(point):
+        raise UsageError(f"{_shown(point.name)} is {where}")
+    return import_module(_package_name(point))
 
 
 def load(kind: str, name: str) -> Any:
     """Loads the object of an add-on. Raises UsageError if it is not installed."""
-    point = points(kind)[name]
-    package(point)
+    point = points(kind).get(name)
+    if where := missing(point):
+        raise UsageError(f"{_shown(name)} is {where}")
     return point.load()
+
+
+def _package_name(point: EntryPoint) -> str:
+    return point.value.partition(":")[0].partition(".")[0]
+
+
+def _shown(name: str) -> str:
+    return name.replace(".", " --")
 
 
 def here(kind: str) -> dict[str, EntryPoint]:
     """Returns the entry points of a kind whose add-ons are installed."""
-    found = {}
-    for name, point in points(kind).items():
-        try:
-            package(point)
-        except UsageError:
-            continue
-        found[name] = point
-    return found
+    return {name: point for name, point in points(kind).items() if not missing(point)}
 
 
 def of_folder(name: str) -> ModuleType | None:

@@ -28,6 +28,17 @@ class Answer:
     unmeasured: tuple[str, ...] = ()
 
 
+@record
+class Beside:
+    """The fastest answers of another package for each accuracy; or `why` it has none."""
+
+    name: str
+    version: str
+    takes: str  # its input; "": the runtime has its methods
+    answers: tuple[Answer, ...] = ()
+    why: str = ""
+
+
 def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track]]:
     """Returns the cheapest method for every accuracy by each measure of cost; and the tracks, with
     the points that were added by the search."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any, Protocol
 
 from ...compiler import Compilation
 from ...methods import Own
@@ -16,13 +16,11 @@ from ...run.settings import Settings
 from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show
-from . import against, answer, reference, spectrum, sweep
-from .against import Beside
-from .answer import Answer
+from . import answer, reference, spectrum, sweep
+from .answer import Answer, Beside
 from .errors import ENERGY, KINDS, ErrorKind, Measure
 from .exact import Exact
 from .measure import Program
-from .peers import Peer
 from .points import ChartedMethod, Track
 from .reference import PRECISE, Reference
 from .spectrum import Spectrum
@@ -31,6 +29,15 @@ from .sweep import Bench, Effort
 TITLE_PARAMETERS = 12
 BESIDE = 0.01
 STEPWISE = "without dense output states on the way would cost steps of their own"
+
+
+class Others(Protocol):
+    """Other packages' methods; an add-on has them."""
+
+    names: tuple[str, ...]
+    methods: list[str]  # of the runtime
+
+    def measure(self, *given: Any) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]: ...
 
 
 @record
@@ -97,9 +104,9 @@ def measure(
     on_progress: Show,
     kind: ErrorKind = KINDS["final"],
     starts: int = 1,
-    peers: Sequence[Peer] = (),
+    others: Others | None = None,
 ) -> Chart:
-    """Measures errors of a kind from several starts, and of `peers`. Raises NumericsFailed,
+    """Measures errors of a kind from several starts, and of `others`. Raises NumericsFailed,
     BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
@@ -142,11 +149,11 @@ def measure(
     told, able = answer.answers(bench, able)
     beside: tuple[Beside, ...] = ()
     try:
-        if peers and not children.ended():
-            known = replace(bench, effort=effort), peers, compilation, found, told, able
-            beside, told, able = against.measure(*known, lambda _, text: show(text))
+        if others and not children.ended():
+            known = replace(bench, effort=effort), compilation, found, told, able
+            beside, told, able = others.measure(*known, lambda _, text: show(text))
     except KeyboardInterrupt:
-        unmeasured += tuple(p.name for p in peers)
+        unmeasured += others.names
     on_progress(1.0)
     return Chart(
         model=name,

@@ -30,7 +30,7 @@ class Program:
         self.known = known(own)
         self.library = load(path)
         self.settings = settings
-        self.peers: dict[str, Measured] = {}  # point() of other packages' methods, by name
+        self.peers: dict[str, Measured] = {}  # point() of others' methods, by name
 
     def run(self, method: str, setting: float, **more: object) -> Run:
         """Runs a method at a step or rtol. Raises UsageError for wrong settings."""

@@ -80,7 +80,7 @@ def _beside(chart: Chart) -> str:
         ratios = [chart.times(a) for a in b.answers]
         if any(ratios):
             times = ", ".join(f"{r:.3g}×" if r else "none" for r in ratios)
-            told.append(f"{b.peer.version} {times}")
+            told.append(f"{b.version} {times}")
     return f" Other packages take, in that order: {'; '.join(told)}." if told else ""
 
 

@@ -96,9 +96,9 @@ def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
     rows = []
     for b in chart.beside:
         if b.why:
-            rows.append(("", b.peer.version, b.why, "", "", "", ""))
+            rows.append(("", b.version, b.why, "", "", "", ""))
         for a in b.answers:
-            head = f"{a.accuracy:.0e}", b.peer.version
+            head = f"{a.accuracy:.0e}", b.version
             if a.point is None or a.method is None:
                 rows.append((*head, a.reason, "", "", "", ""))
                 continue
@@ -110,7 +110,7 @@ def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
 
 def how_beside(chart: Chart) -> list[str]:
     """Describes the input of the packages."""
-    given = [f"{b.peer.name} calls {b.peer.takes}" for b in chart.beside if b.peer.takes]
+    given = [f"{b.name} calls {b.takes}" for b in chart.beside if b.takes]
     return given and [
         "other packages: one call of each one's Python API, what it compiles compiled before; "
         + "; ".join(given)

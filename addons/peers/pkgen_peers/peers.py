@@ -13,16 +13,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
-from ...compiler import Compilation
-from ...functions import FUNCTIONS
-from ...graph.differentiate import reachable
-from ...graph.graph import Kind, Op, Symbol
-from ...graph.written import Written
-from ...middle.jacobians import slopes, variables
-from ...record import record
-from ...run.build import runtime_methods
-from .measure import Program
-from .points import GSL, ChartedMethod
+from pkgen.analysis.chart.measure import Program
+from pkgen.analysis.chart.points import GSL, ChartedMethod
+from pkgen.compiler import Compilation
+from pkgen.functions import FUNCTIONS
+from pkgen.graph.differentiate import reachable
+from pkgen.graph.graph import Kind, Op, Symbol
+from pkgen.graph.written import Written
+from pkgen.middle.jacobians import slopes, variables
+from pkgen.record import record
+from pkgen.run.build import runtime_methods
 
 if TYPE_CHECKING:
     import numpy
@@ -94,8 +94,7 @@ def gsl_methods() -> list[str]:
 
 @record
 class Peer:
-    """A package. `open` makes an integrator for a motion and a method; `takes` describes its input.
-    """
+    """A package. `open` makes an integrator for a motion and a method; `takes` is what it gets."""
 
     name: str  # its name in --against, and the prefix of its methods' names
     module: str = ""  # module to import; "": the runtime has its methods

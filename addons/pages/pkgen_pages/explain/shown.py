@@ -8,13 +8,14 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ..equations import Equations, Quantity
-from ..graph.differentiate import reachable
-from ..graph.graph import Graph, Kind, Node, Op, Symbol
-from ..middle.analyze.sympy_bridge import to_sympy
-from ..middle.quantities import single_rotations
-from ..record import record
-from ..tree import AXES
+from pkgen.equations import Equations, Quantity
+from pkgen.graph.differentiate import reachable
+from pkgen.graph.graph import Graph, Kind, Node, Op, Symbol
+from pkgen.middle.analyze.sympy_bridge import to_sympy
+from pkgen.middle.quantities import single_rotations
+from pkgen.record import record
+from pkgen.tree import AXES
+
 from . import mathml
 from .mathml import row
 from .shortest import shortest

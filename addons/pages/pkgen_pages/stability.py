@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...system import page
-from . import text
-from .map import StabilityMap
+from pkgen.analysis.stability import text
+from pkgen.analysis.stability.map import StabilityMap
+
+from . import page
 
 CLASSES = """<p>With E the method's energy, S the range of v·p over the motion itself (twice the
 kinetic energy that comes and goes), and [a, b] the energies of the last quarter of a run:

@@ -16,32 +16,24 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...compiler import Compilation
-from ...record import record
-from ...system import children
-from ...system.progress import Show
-from . import answer, sweep
-from .answer import Answer
-from .errors import Measure, State
-from .exact import Exact
-from .measure import Program
-from .peers import Integrate, Motion, Peer, Refused, Slow
-from .points import FOREIGN, ChartedMethod, Point, Track
-from .spectrum import Spectrum
-from .sweep import Bench, Effort
+from pkgen.analysis.chart import answer, sweep
+from pkgen.analysis.chart.answer import Answer, Beside
+from pkgen.analysis.chart.errors import Measure, State
+from pkgen.analysis.chart.exact import Exact
+from pkgen.analysis.chart.measure import Program
+from pkgen.analysis.chart.points import FOREIGN, ChartedMethod, Point, Track
+from pkgen.analysis.chart.spectrum import Spectrum
+from pkgen.analysis.chart.sweep import Bench, Effort
+from pkgen.compiler import Compilation
+from pkgen.record import record
+from pkgen.system import children
+from pkgen.system.progress import Show
+
+from .peers import Integrate, Motion, Peer, Refused, Slow, gsl_methods
 
 SHARE = 0.5  # time of all packages, relative to the time of the chart
 LAP = 1e-3  # seconds of the shortest lap
 ROUNDS, LONGEST, MOST = 3, 0.3, 30  # rounds; longest run retimed, in seconds; its cap, relative
-
-
-@record
-class Beside:
-    """The fastest answers of a package for each accuracy; or `why` it has none."""
-
-    peer: Peer
-    answers: tuple[Answer, ...] = ()
-    why: str = ""
 
 
 class Opened:
@@ -145,7 +137,40 @@ def lend(
     return refused
 
 
-def measure(
+@record
+class Against:
+    """The packages as `analysis/chart/chart.py` asks for them."""
+
+    peers: tuple[Peer, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(peer.name for peer in self.peers)
+
+    @property
+    def methods(self) -> list[str]:
+        """Methods of the runtime that are of a package."""
+        return gsl_methods() if any(peer.open is None for peer in self.peers) else []
+
+    def measure(
+        self,
+        bench: Bench,
+        compilation: Compilation,
+        spectrum: Spectrum,
+        own: list[Answer],
+        tracks: list[Track],
+        on_progress: Show,
+    ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
+        """Returns the packages' answers, pkgen's own answers, and all tracks; answers are timed in
+        turns."""
+        return _measured(bench, self.peers, compilation, spectrum, own, tracks, on_progress)
+
+
+def _beside(peer: Peer, answers: tuple[Answer, ...] = (), why: str = "") -> Beside:
+    return Beside(peer.name, peer.version, peer.takes, answers, why)
+
+
+def _measured(
     bench: Bench,
     peers: Sequence[Peer],
     compilation: Compilation,
@@ -154,12 +179,10 @@ def measure(
     tracks: list[Track],
     on_progress: Show,
 ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-    """Returns the packages' answers, pkgen's own answers, and all tracks; answers are timed in
-    turns."""
     refused = lend(peers, compilation, bench.starts)
     able = [p for p in peers if p.name not in refused]
     part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
-    found: list[Beside] = [Beside(p, why=refused[p.name]) for p in peers if p.name in refused]
+    found: list[Beside] = [_beside(p, why=refused[p.name]) for p in peers if p.name in refused]
     for k, peer in enumerate(able):
         on_progress(k / len(able), peer.name)
         effort = Effort(bench.effort.points, bench.effort.lap_seconds, part)
@@ -169,7 +192,7 @@ def measure(
         else:
             swept = sweep.measure(bench, peer.charted(), spectrum, lambda _: None)
         told, swept = answer.answers(bench, swept)
-        found.append(Beside(peer, tuple(a for a in told if a.axis == "seconds")))
+        found.append(_beside(peer, tuple(a for a in told if a.axis == "seconds")))
         if children.ended():
             raise KeyboardInterrupt
         names = {t.method.name for t in swept}

@@ -7,12 +7,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from ..front import parse
-from ..front import statements as st
-from ..middle.quantities import single_rotations
-from ..model import Model, multipliers
-from ..source import Span
-from ..tree import (
+from pkgen.front import parse
+from pkgen.front import statements as st
+from pkgen.middle.quantities import single_rotations
+from pkgen.model import Model, multipliers
+from pkgen.source import Span
+from pkgen.tree import (
     COMPONENTS,
     Add,
     Call,
@@ -29,6 +29,7 @@ from ..tree import (
     Vector,
     names,
 )
+
 from . import mathml
 from .mathml import fraction, operator, row
 from .typeset import function

@@ -127,3 +127,9 @@ def test_the_page_is_replaced_whole(folder: Path) -> None:
     done = run_pkgen("run", TOP, "--report", out, "-o", folder / "rows.csv")
     assert done.returncode == 0 and out.read_text().startswith("<!DOCTYPE html>")
     assert (folder / "rows.csv").exists() and not [*folder.glob("*.partial")]
+
+
+def test_a_column_that_is_none_leaves_no_page(folder: Path) -> None:
+    out = folder / "none.html"
+    done = run_pkgen("run", TOP, "--report", out, "--columns", "aa")
+    assert done.returncode == 2 and "--columns aa" in done.stderr and not out.exists()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..back.facts import found
-from ..compiler import Compilation
-from ..equations import Invariant, Structure, Symmetries
-from ..graph.graph import Kind
-from ..middle.analyze import sympy_bridge
+from pkgen.back.facts import found
+from pkgen.compiler import Compilation
+from pkgen.equations import Invariant, Structure, Symmetries
+from pkgen.explain.explain import NOTHING
+from pkgen.graph.graph import Kind
+from pkgen.middle.analyze import sympy_bridge
+
 from . import mathml
-from .explain import NOTHING
 from .mathml import operator
 from .prose import TERMS, Prose
 from .shown import Shown

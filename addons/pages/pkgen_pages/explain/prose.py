@@ -6,8 +6,9 @@ import re
 from collections.abc import Iterable
 from html import escape
 
-from ..front import parse
-from ..source import Source
+from pkgen.front import parse
+from pkgen.source import Source
+
 from . import mathml
 from .mathml import fraction, operator, row
 from .written import Written

@@ -5,11 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from ..middle.loops.indexed_ir import Group
-from ..middle.loops.loops import LoopEquations
-from . import mathml
-from .html_equations import lets, lines, of_lagrangian
-from .loops import (
+from pkgen.explain.loops import (
     beyond,
     carried_lines,
     carried_says,
@@ -18,8 +14,13 @@ from .loops import (
     pair_lines,
     rate_lines,
 )
+from pkgen.explain.rows import EquationLine, Style, Writer
+from pkgen.middle.loops.indexed_ir import Group
+from pkgen.middle.loops.loops import LoopEquations
+
+from . import mathml
+from .equations import lets, lines, of_lagrangian
 from .mathml import fenced, operator, row
-from .rows import EquationLine, Style, Writer
 from .tables import heading, lead, listed
 from .typeset import Typesetter
 from .written import Written

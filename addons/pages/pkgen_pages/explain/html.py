@@ -9,19 +9,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from ..back.c.program import operations_text
-from ..back.facts import facts
-from ..compiler import Compilation
-from ..describe.drawing import shown as drawn
-from ..system import page
-from ..version import __version__
-from .contents import Contents
-from .explain import contents
-from .html_constants import constants
-from .html_equations import EquationSections, parameter_table, quantity_rows
-from .html_loops import loop_sections
+from pkgen.back.c.program import operations_text
+from pkgen.back.facts import facts
+from pkgen.compiler import Compilation
+from pkgen.describe.drawing import shown as drawn
+from pkgen.explain.contents import Contents
+from pkgen.explain.explain import contents
+from pkgen.explain.scenes import SceneShown
+from pkgen.version import __version__
+
+from .. import page
+from .constants import constants
+from .equations import EquationSections, parameter_table, quantity_rows
+from .loops import loop_sections
 from .prose import Prose
-from .scenes import SceneShown
 from .shown import Shown
 from .style import style
 from .tables import details, facts_table, heading, listed, table

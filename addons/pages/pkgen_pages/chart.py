@@ -1,16 +1,23 @@
-"""Writes one self-contained HTML page: the pictures inline, the answers, every point, the settings.
-"""
+"""One self-contained HTML page: the pictures inline, the answers, every point, the settings."""
 
 from __future__ import annotations
 
 from html import escape
 from pathlib import Path
 
-from ...system import page
-from ...version import __version__
-from . import table
-from .chart import Chart
-from .text import BESIDE, HEADINGS, answer_rows, beside_rows, preamble, unmeasured
+from pkgen.analysis.chart import table
+from pkgen.analysis.chart.chart import Chart
+from pkgen.analysis.chart.text import (
+    BESIDE,
+    HEADINGS,
+    answer_rows,
+    beside_rows,
+    preamble,
+    unmeasured,
+)
+from pkgen.version import __version__
+
+from . import page
 
 POINTS = ("method", "step", "rtol", "outcome", "error", "seconds", "work", "evaluations", "steps")
 

@@ -13,15 +13,15 @@ from sympy.simplify.fu import TR10i
 
 from conftest import ROOT
 from pkgen.compiler import compile_model
-from pkgen.explain import mathml
-from pkgen.explain.html import SceneShown, fragment, html, scene_section
-from pkgen.explain.prose import Prose
-from pkgen.explain.shortest import shortest
-from pkgen.explain.style import style
-from pkgen.explain.typeset import Typesetter
-from pkgen.explain.written import Written
 from pkgen.middle.analyze.sympy_bridge import plain, text
 from pkgen.source import Source
+from pkgen_pages.explain import mathml
+from pkgen_pages.explain.html import SceneShown, fragment, html, scene_section
+from pkgen_pages.explain.prose import Prose
+from pkgen_pages.explain.shortest import shortest
+from pkgen_pages.explain.style import style
+from pkgen_pages.explain.typeset import Typesetter
+from pkgen_pages.explain.written import Written
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 HELIX = """\

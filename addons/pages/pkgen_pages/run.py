@@ -8,16 +8,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from ..compiler import Compilation
-from ..run import diagnostics_text, named
-from ..system import page
-from ..system.exits import UsageError
-from ..version import __version__
-from . import compose, style
-from .draw import encoded
-from .names import unit as printed
-from .table import Table
-from .view import View
+from pkgen.compiler import Compilation
+from pkgen.plot import compose, style
+from pkgen.plot.draw import encoded
+from pkgen.plot.names import unit as printed
+from pkgen.plot.table import Table
+from pkgen.plot.view import View
+from pkgen.run import diagnostics_text, named
+from pkgen.system.exits import UsageError
+from pkgen.version import __version__
+
+from . import page
 
 Rows = list[tuple[str, ...]]
 TIMES = 6  # most listed times of an event
@@ -50,7 +51,7 @@ summary { cursor: pointer; margin: 0.5rem 0 }
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
-def report(
+def html(
     compilation: Compilation,
     told: dict[str, object],
     table: Table | None,
@@ -77,10 +78,10 @@ def report(
         f"<p>pkgen {escape(__version__)}; {escape(str(told['source']))}, SHA-256 "
         f"{escape(str(told['source_sha256']))}</p>",
     ]
-    html = page.document(title, sections)
+    text = page.document(title, sections)
     head = f'<meta name="viewport" content="width=device-width">\n<style>{LOOK}</style>\n<h1>'
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n<title>'
-    return html.replace("<h1>", head, 1).replace("<title>", policy, 1)
+    return text.replace("<h1>", head, 1).replace("<title>", policy, 1)
 
 
 # -- the status ------------------------------------------------------------------------------------

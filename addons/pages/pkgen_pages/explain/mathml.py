@@ -11,7 +11,7 @@ import unicodedata
 from collections.abc import Iterable
 from html import escape
 
-from ..front.words import greek
+from pkgen.front.words import greek
 
 NARROW = 24  # letters that fit in a line of any page
 MINUS = "\u2212"

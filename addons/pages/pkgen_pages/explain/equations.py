@@ -7,15 +7,16 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from ..equations import Quantity
-from ..front.statements import Interval
-from ..graph.graph import ZERO, Node
-from ..middle.quantities import single_rotations
-from ..model import Event
-from ..tree import Expr, names
+from pkgen.equations import Quantity
+from pkgen.explain.contents import Contents
+from pkgen.explain.flat import canonical_rows, constraint_rows, rates_title
+from pkgen.front.statements import Interval
+from pkgen.graph.graph import ZERO, Node
+from pkgen.middle.quantities import single_rotations
+from pkgen.model import Event
+from pkgen.tree import Expr, names
+
 from . import mathml
-from .contents import Contents
-from .flat import canonical_rows, constraint_rows, rates_title
 from .mathml import operator, row
 from .prose import Prose
 from .shown import Chunks, Shown

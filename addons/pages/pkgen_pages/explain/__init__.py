@@ -1,0 +1,1 @@
+"""`pkgen explain --html`: equations, proofs and reductions with formulas in MathML."""

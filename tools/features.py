@@ -1,0 +1,57 @@
+"""Prints what pkgen offers, a word a line, as tests/features.txt has it.
+
+    python tools/features.py > tests/features.txt
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+
+import pkgen
+from pkgen.cli.commands import commands, parser_of
+from pkgen.cli.export import hosts
+from pkgen.front.shapes import FORMS, SHAPES
+from pkgen.front.table import STATEMENTS
+from pkgen.functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
+from pkgen.methods import METHODS
+from pkgen.run import diagnostics
+
+
+def features() -> list[str]:
+    return sorted({*_commands(), *_language(), *_python(), *_words()})
+
+
+def _commands() -> Iterator[str]:
+    for name in commands():
+        yield f"command {name}"
+        for action in parser_of(name)._actions:
+            if action.help == argparse.SUPPRESS:
+                continue
+            for flag in action.option_strings:
+                yield f"option {name} {flag}"
+                yield from (f"option {name} {flag} {choice}" for choice in action.choices or ())
+
+
+def _language() -> Iterator[str]:
+    for word, statement in STATEMENTS.items():
+        yield f"statement {word} of {statement.stands_in}"
+    yield from (f"shape {name}" for name in (*SHAPES, *FORMS))
+    yield from (f"function {name}" for name in (*FUNCTIONS, *VECTOR_FUNCTIONS, *WRITTEN_OUT, "rot"))
+
+
+def _words() -> Iterator[str]:
+    yield from (f"method {name}" for name in METHODS)
+    yield from (f"export {name}" for name in hosts())
+    yield from (f"diagnostic {name}" for name in (*diagnostics.NAMES, *diagnostics.OF_MEMBERS))
+
+
+def _python() -> Iterator[str]:
+    for name in pkgen.__all__:
+        yield f"python {name}"
+        members = vars(getattr(pkgen, name)) if isinstance(getattr(pkgen, name), type) else ()
+        yield from (f"python {name}.{member}" for member in members if member[0] != "_")
+
+
+if __name__ == "__main__":
+    print("\n".join(features()))
