@@ -97,8 +97,8 @@ const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *syste
 
 static size_t block_reals(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W)
 {
-    return (3 * pk_before(n_q, n, PK_PARTS) + pk_params_reals(e->system) + e->system->n_inputs +
-            1) *
+    return (3 * pk_state_offset(n_q, n, PK_PARTS) + pk_params_reals(e->system) +
+            e->system->n_inputs + 1) *
                W +
            pk_block_reals(PK_MOST_STAGES, n_q, n, W) + n_q + 2 * n + e->system->n_inputs;
 }
@@ -112,7 +112,7 @@ size_t pk_block_size(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W
 static void copy_lane(struct pk_block *b, const struct pk_ensemble *e, size_t from, size_t to)
 {
     const size_t W = b->lanes;
-    for (size_t i = 0; i < pk_before(b->n_q, b->n, PK_PARTS); i++) {
+    for (size_t i = 0; i < pk_state_offset(b->n_q, b->n, PK_PARTS); i++) {
         b->state[i * W + to] = b->state[i * W + from];
         b->next[i * W + to] = b->next[i * W + from];
     }
@@ -209,7 +209,7 @@ static unsigned long long normalise(struct pk_block *b)
         for (size_t l = 0; l < W; l++) {
             const size_t at = (first + 4 * r) * W + l;
             pk_real *Q = b->next + n_q * W + at;
-            pk_real *low = b->next + pk_before(n_q, n, PK_LOW_X) * W + at;
+            pk_real *low = b->next + pk_state_offset(n_q, n, PK_LOW_X) * W + at;
             lost |= (unsigned long long)(pk_normalise(Q, low, W) < 0) << l;
         }
     return lost;
@@ -271,7 +271,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
         pk_real *left_behind = b->state;
         b->state = b->next;
         b->next = left_behind;
-        pk_step_made(clock, 1);
+        pk_step_advance_time(clock, 1);
         b->now = clock->t;
     }
     return live;
@@ -285,7 +285,7 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
     const size_t W = s->lanes, n = pk_system_count(e->system, problem.params);
     const size_t n_q = pk_system_coordinates(e->system, problem.params);
-    const size_t parts = pk_before(n_q, n, PK_PARTS);
+    const size_t parts = pk_state_offset(n_q, n, PK_PARTS);
     char *own = memory + pk_member_count(e, W) * pk_member_size(e);
     unsigned long long live = 0;
     memset(own, 0, block_reals(e, n_q, n, W) * sizeof(pk_real));

@@ -4,7 +4,7 @@
 #ifndef PK_SRC_SCREEN_H
 #define PK_SRC_SCREEN_H
 
-#include <pk/abreast.h>
+#include <pk/adaptive_lanes.h>
 
 enum { PK_SCREENED = 8 }; /* intervals between the samples of a step */
 
@@ -21,8 +21,7 @@ void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
                     const struct pk_block_stepper *stepper, pk_real *base);
 /* Returns those lanes of `of`, whose steps are made, that cross nothing; s->a0 and s->a1 hold the
  * accelerations at both ends. `known`: lanes screened in the step before this one. */
-unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b,
-                             const struct pk_abreast_lane *lanes, unsigned long long of,
-                             unsigned long long known, pk_real far);
+unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const struct pk_lane *lanes,
+                             unsigned long long of, unsigned long long known, pk_real far);
 
 #endif

@@ -35,8 +35,8 @@ void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
 }
 
 /* Evaluates all functions of a lane at a sample. */
-static void sample(const struct pk_screen *s, const struct pk_block *b,
-                   const struct pk_abreast_lane *lane, size_t l, int j, const pk_real *state)
+static void sample(const struct pk_screen *s, const struct pk_block *b, const struct pk_lane *lane,
+                   size_t l, int j, const pk_real *state)
 {
     const size_t n_q = b->n_q, W = b->lanes;
     pk_real *q = s->one, *g = q + n_q + b->n;
@@ -47,9 +47,8 @@ static void sample(const struct pk_screen *s, const struct pk_block *b,
         s->g[((size_t)j * s->functions + k) * W + l] = g[k];
 }
 
-unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b,
-                             const struct pk_abreast_lane *lanes, unsigned long long of,
-                             unsigned long long known, pk_real far)
+unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const struct pk_lane *lanes,
+                             unsigned long long of, unsigned long long known, pk_real far)
 {
     const size_t W = b->lanes;
     pk_bits bad[PK_BLOCK_MOST] = {0};

@@ -1,4 +1,4 @@
-/* Steps of several integrators made ahead, in lanes; see pk/abreast.h. A lane holds its
+/* Steps of several integrators made ahead, in lanes; see pk/adaptive_lanes.h. A lane holds its
  * integrator's state as long as that takes the steps made for it; otherwise the lane is loaded
  * again.
  */
@@ -8,7 +8,7 @@
 #include "../core/tableau.h"
 #include "ensemble.h"
 
-#include <pk/abreast.h>
+#include <pk/adaptive_lanes.h>
 #include <pk/events.h>
 #include <pk/step/embedded.h>
 
@@ -29,7 +29,7 @@ static int most_stages(const struct pk_method *method)
 static size_t lay_out(struct pk_block *b, const struct pk_system *system,
                       const struct pk_method *method, size_t W, pk_real **screen, pk_real *base)
 {
-    const size_t n_q = b->n_q, n = b->n, parts = pk_before(n_q, n, PK_PARTS);
+    const size_t n_q = b->n_q, n = b->n, parts = pk_state_offset(n_q, n, PK_PARTS);
     const size_t looks = pk_screen_size(system, n_q, n, W);
     const struct pk_slot slots[] = {{&b->state, parts * W},
                                     {&b->next, parts * W},
@@ -42,7 +42,7 @@ static size_t lay_out(struct pk_block *b, const struct pk_system *system,
     return PK_LAY_OUT(base, slots);
 }
 
-size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method *method)
+size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const struct pk_system *system = problem->system;
 #ifdef PK_ONE_BY_ONE /* to measure the gain of lanes */
@@ -59,20 +59,19 @@ size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method 
     return lay_out(&b, system, method, s->lanes, &screen, NULL) * sizeof(pk_real);
 }
 
-size_t pk_abreast_lanes(const struct pk_problem *problem, const struct pk_method *method)
+size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method)
 {
-    return pk_abreast_size(problem, method) ? pk_block_stepper_of(problem->system, method)->lanes
-                                            : 1;
+    return pk_lanes_size(problem, method) ? pk_block_stepper_of(problem->system, method)->lanes : 1;
 }
 
-void pk_abreast_leave(struct pk_integrator *it)
+void pk_lanes_leave(struct pk_integrator *it)
 {
     if (it->own)
         it->own->ahead = NULL;
 }
 
-void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
-                     const struct pk_method *method, void *block, size_t size)
+void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
+                   const struct pk_method *method, void *block, size_t size)
 {
     const struct pk_system *system = problem->system;
     const struct pk_splitting *splitting = pk_splitting_table(method);
@@ -94,7 +93,7 @@ void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
 }
 
 /* Predicts the next step towards `limit`. Returns 0 if it cannot be predicted. */
-static int plan(const struct pk_abreast *a, struct pk_integrator *it, pk_real limit,
+static int plan(const struct pk_lanes *a, struct pk_integrator *it, pk_real limit,
                 struct pk_planned *x)
 {
     const struct pk_splitting *splitting = pk_splitting_table(a->method);
@@ -107,7 +106,7 @@ static int plan(const struct pk_abreast *a, struct pk_integrator *it, pk_real li
     }
     if (!(it->own->flags & PK_HAVE_STEP || pk_waits(it)) || !(pk_abs(it->own->h) > 0))
         return 0;
-    limit = pk_marks_limit(it, limit);
+    limit = pk_short_force_limit(it, limit);
     struct pk_trial trial = pk_trial(it, limit);
     if (!pk_trial_next(it, limit, &trial))
         return 0;
@@ -122,7 +121,7 @@ static void put(const pk_real *from, size_t count, pk_real *to, size_t W)
         to[i * W] = from[i];
 }
 
-static void load(struct pk_abreast *a, const struct pk_abreast_lane *lane, size_t l)
+static void load(struct pk_lanes *a, const struct pk_lane *lane, size_t l)
 {
     struct pk_block *b = &a->b;
     struct pk_integrator *it = lane->it;
@@ -131,7 +130,7 @@ static void load(struct pk_abreast *a, const struct pk_abreast_lane *lane, size_
                                                            : it->problem.params;
     const pk_real *params = (const pk_real *)own;
     b->params[l] = params;
-    put(it->own->state, pk_before(n_q, n, PK_PARTS), b->state + l, W);
+    put(it->own->state, pk_state_offset(n_q, n, PK_PARTS), b->state + l, W);
     if (a->method->traits & PK_ADAPTIVE) {
         const struct pk_tableau *table = pk_explicit_table(a->method);
         const struct pk_embedded_work w = pk_embedded_parts(it, table, n_q, n);
@@ -145,13 +144,13 @@ static void load(struct pk_abreast *a, const struct pk_abreast_lane *lane, size_
 }
 
 /* Fills an unused lane with the finite numbers of another one. */
-static void copy_lane(struct pk_block *b, const struct pk_abreast *a, size_t from, size_t to)
+static void copy_lane(struct pk_block *b, const struct pk_lanes *a, size_t from, size_t to)
 {
     const size_t W = b->lanes;
     const struct {
         pk_real *x;
         size_t count;
-    } all[] = {{b->state, pk_before(b->n_q, b->n, PK_PARTS)},
+    } all[] = {{b->state, pk_state_offset(b->n_q, b->n, PK_PARTS)},
                {b->P, pk_params_reals(b->system)},
                {b->u, b->system->n_inputs},
                {b->work, a->method->traits & PK_ADAPTIVE ? 2 * b->n : 0}};
@@ -173,10 +172,10 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
 }
 
 /* Advances the state of these lanes to the end of their step. */
-static void advance(struct pk_abreast *a, unsigned long long lanes)
+static void advance(struct pk_lanes *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
-    const size_t n_q = b->n_q, n = b->n, W = b->lanes, low = pk_before(n_q, n, PK_LOW_Q);
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes, low = pk_state_offset(n_q, n, PK_LOW_Q);
     pk_bits mask[PK_BLOCK_MOST];
     if (!lanes)
         return;
@@ -186,12 +185,13 @@ static void advance(struct pk_abreast *a, unsigned long long lanes)
     if (a->method->traits & PK_ADAPTIVE)
         pick(mask, 2 * n, W, pk_block_slopes(b, most_stages(a->method)), b->work);
     else
-        pick(mask, pk_before(n_q, n, PK_PARTS) - low, W, b->next + low * W, b->state + low * W);
+        pick(mask, pk_state_offset(n_q, n, PK_PARTS) - low, W, b->next + low * W,
+             b->state + low * W);
 }
 
 /* Prepares the next step of each lane, loading its state where needed. Returns the lanes that have
  * one. */
-static unsigned long long enter(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
+static unsigned long long enter(struct pk_lanes *a, const struct pk_lane *lanes)
 {
     struct pk_block *b = &a->b;
     unsigned long long live = 0;
@@ -218,7 +218,7 @@ static unsigned long long enter(struct pk_abreast *a, const struct pk_abreast_la
 }
 
 /* Gives each lane that has no step a step of length 0. */
-static void rest(struct pk_abreast *a, unsigned long long live)
+static void rest(struct pk_lanes *a, unsigned long long live)
 {
     struct pk_block *b = &a->b;
     size_t first = 0;
@@ -235,15 +235,15 @@ static void rest(struct pk_abreast *a, unsigned long long live)
 }
 
 /* Makes a step in all lanes. Returns those that failed. */
-static unsigned long long step(struct pk_abreast *a)
+static unsigned long long step(struct pk_lanes *a)
 {
     struct pk_block *b = &a->b;
     b->failed = b->not_finite = 0;
     return (a->method->traits & PK_ADAPTIVE ? a->stepper->attempt : a->stepper->step)(b);
 }
 
-static unsigned long long accelerations(struct pk_abreast *a, const pk_real *t,
-                                        const pk_real *state, pk_real *to)
+static unsigned long long accelerations(struct pk_lanes *a, const pk_real *t, const pk_real *state,
+                                        pk_real *to)
 {
     struct pk_block *b = &a->b;
     memcpy(b->t, t, b->lanes * sizeof *t);
@@ -251,7 +251,7 @@ static unsigned long long accelerations(struct pk_abreast *a, const pk_real *t,
 }
 
 /* Returns those lanes of `of`, whose steps are made, that cross no event. */
-static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
+static unsigned long long clear(struct pk_lanes *a, const struct pk_lane *lanes,
                                 unsigned long long of, unsigned long long known)
 {
     struct pk_block *b = &a->b;
@@ -272,12 +272,12 @@ static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_la
 }
 
 /* Whether the next steps need nothing but the method: no checks between them. */
-static int is_free(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
+static int is_free(const struct pk_lanes *a, const struct pk_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
     const struct pk_integrator_private *own = it->own;
     return !(a->method->traits & PK_ADAPTIVE) && !own->singularities && !own->marks &&
-           !own->project && !own->passage && (pk_real)own->direction * (lane->free - it->t) > 0 &&
+           !own->project && !own->crossing && (pk_real)own->direction * (lane->free - it->t) > 0 &&
            it->options.h > PK_C(10.0) * PK_EPS * pk_abs(lane->free);
 }
 
@@ -290,19 +290,19 @@ static size_t bits(unsigned long long x)
 }
 
 /* Returns how many steps of the lane may be made at once. */
-static unsigned long most_of(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
+static unsigned long most_of(const struct pk_lanes *a, const struct pk_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
     const unsigned long asked = it->options.max_steps, made = it->count.steps;
     const unsigned long left = !asked ? MANY : asked > made ? asked - made : 0;
     if (!is_free(a, lane) || (a->screen.functions && !pk_events_goes_on(lane->events)))
         return 0;
-    return pk_step_whole(it, lane->free, left < MANY ? left : MANY);
+    return pk_step_count(it, lane->free, left < MANY ? left : MANY);
 }
 
 /* Makes steps of the lanes `live` together, as long as at least half of them go on. */
-static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
-                      unsigned long long live, const unsigned long *most)
+static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned long long live,
+                      const unsigned long *most)
 {
     struct pk_block *b = &a->b;
     const size_t n_q = b->n_q, W = b->lanes, m = b->n * W, enough = (bits(live) + 1) / 2;
@@ -342,7 +342,7 @@ static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
     }
 }
 
-void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
+void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes)
 {
     struct pk_block *b = &a->b;
     const struct pk_splitting *splitting = pk_splitting_table(a->method);
