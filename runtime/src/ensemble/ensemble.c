@@ -45,11 +45,7 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
 {
     if (!e || !e->system || !e->method || !e->params || e->system->abi != PK_ABI)
         return 0;
-    const struct pk_problem problem = pk_ensemble_problem(e, 0);
-    const size_t n = pk_system_count(e->system, problem.params);
-    const size_t n_q = pk_system_coordinates(e->system, problem.params);
-    return integrators(e) * pk_member_size(e) +
-           (stepper(e) ? pk_block_size(e, n_q, n, lanes(e)) : lanes_size(e));
+    return integrators(e) * pk_member_size(e) + (stepper(e) ? pk_block_size(e) : lanes_size(e));
 }
 
 /* A member in motion from row to row; `kept`: whether rows are stored. */
@@ -141,14 +137,9 @@ static void end(struct way *w)
     pk_integrator_free(&w->m->it);
 }
 
-static struct pk_member *member_at(const struct pk_ensemble *e, void *block, size_t k)
-{
-    return (struct pk_member *)(void *)((char *)block + k * pk_member_size(e));
-}
-
 static void run_one(const struct pk_ensemble *e, size_t member, void *block)
 {
-    struct way w = {.e = e, .m = member_at(e, block, 0), .aside = member_at(e, block, 1)};
+    struct way w = {.e = e, .m = pk_member_at(e, block, 0), .aside = pk_member_at(e, block, 1)};
     w.kept = 1;
     for (int goes = begin(&w, member); goes; goes = step(&w))
         ;
@@ -163,10 +154,10 @@ static void run_in_lanes(const struct pk_ensemble *e, size_t first, size_t count
     struct way ways[PK_BLOCK_MOST];
     struct pk_lane of[PK_BLOCK_MOST];
     struct pk_lanes a;
-    pk_lanes_init(&a, &problem, e->method, member_at(e, block, W + 1), lanes_size(e));
+    pk_lanes_init(&a, &problem, e->method, pk_member_at(e, block, W + 1), lanes_size(e));
     for (size_t l = 0; l < W; l++) {
-        ways[l] =
-            (struct way){.e = e, .m = member_at(e, block, l), .aside = member_at(e, block, W)};
+        ways[l] = (struct way){
+            .e = e, .m = pk_member_at(e, block, l), .aside = pk_member_at(e, block, W)};
         ways[l].kept = 1;
         of[l] = (struct pk_lane){0};
     }
@@ -210,7 +201,7 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
     const enum pk_status wrong = usable(e, member, 1, block, block_size);
     if (wrong < 0)
         return snprintf(text, size, "%s", pk_status_text(wrong));
-    struct way w = {.e = e, .m = member_at(e, block, 0), .aside = member_at(e, block, 1)};
+    struct way w = {.e = e, .m = pk_member_at(e, block, 0), .aside = pk_member_at(e, block, 1)};
     struct pk_integrator *it = &w.m->it;
     const enum pk_status status = e->status[member];
     const pk_real last = e->last_t[member];
