@@ -210,12 +210,12 @@ src/constraints src/explicit src/implicit src/variational
 src/integrate
 src/events src/method
 src/reason
-src/apart src/watch
+src/subsystems src/watch
 src/ensemble src/diagnose
 gsl omp
 run/base
 run/settings
-run/look
+run/observers
 run/steps
 run/ensemble run/diagnose
 run/run run/evaluate run/advance

@@ -253,9 +253,7 @@ class Equations:
     constraints: Constraints | None = None
     # The mass matrix if `mass` is the unit matrix (solved form), or if `unconstrained` is set.
     inertia: Matrix | None = None
-    unconstrained: tuple[Row, Row] | None = (
-        None  # in C: p, and pdot without constraint forces
-    )
+    unconstrained: tuple[Row, Row] | None = None  # in C: p, and pdot without constraint forces
     terms: tuple[Row, Row] | None = None  # in C: magnitudes of the terms of phi, J v + j0
     redundant_terms: Row = ()  # in C: the same for redundant rows, phi and then J v + j0
     particles: Particles | None = None  # None: not requested
@@ -270,7 +268,7 @@ class Equations:
         )
 
     @property
-    def jolted(self) -> tuple[Switch, ...]:
+    def impulsive(self) -> tuple[Switch, ...]:
         """The switches at which rates may jump."""
         return tuple(x for x in self.switches if x.impulse)
 

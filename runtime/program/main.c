@@ -69,7 +69,7 @@ static int failed(const char *what, const char *path)
 }
 
 /* Writes the report and the names and units of the columns to a file next to the rows. */
-static int write_beside(struct program *p, struct pk_run *run)
+static int write_side_file(struct program *p, struct pk_run *run)
 {
     char *path = named(p->output, ".json");
     FILE *file = path ? fopen(path, "w") : NULL;
@@ -127,7 +127,7 @@ static int go(struct program *p)
             code = failed("write", p->output);
         if (!whole)
             fprintf(stderr, "run: rows as far as they came: %s\n", partial);
-        code = write_beside(p, run) ? PK_RUN_USAGE : code;
+        code = write_side_file(p, run) ? PK_RUN_USAGE : code;
     } else if (partial && !checkpoint) {
         remove(partial);
     }

@@ -3,7 +3,7 @@
 
 #include <pk/stability.h>
 
-#include "look/condition.h"
+#include "observers/condition.h"
 #include "settings/settings.h"
 #include "steps/steps.h"
 

@@ -99,7 +99,7 @@ void add_implicit(void);
 void add_exponential(void);
 void add_linear_drag(void);
 void add_unread(void);
-void add_apart(void);
+void add_subsystems(void);
 void add_least_action(void);
 void add_states(void);
 void add_states_between(void);

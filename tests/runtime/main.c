@@ -219,7 +219,7 @@ int main(int argc, char **argv)
     add_exponential();
     add_linear_drag();
     add_unread();
-    add_apart();
+    add_subsystems();
     add_least_action();
     add_states();
     add_states_between();

@@ -4,7 +4,7 @@
 #ifndef TEST_SYSTEMS_H
 #define TEST_SYSTEMS_H
 
-#include <pk/apart.h>
+#include <pk/subsystems.h>
 
 struct test_params {
     pk_real g;           /* gravity, or the oscillator's omega^2, or mu */

@@ -1,7 +1,7 @@
 /* A pendulum, of g, and a spring, of `limit`, that know nothing of each other: the whole has no
  * more kernels than rows, drifts and the report ask of it. /
  */
-#include <pk/apart.h>
+#include <pk/subsystems.h>
 
 #include "systems_make.h"
 

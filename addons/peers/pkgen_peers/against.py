@@ -117,13 +117,13 @@ def _quiet() -> Iterator[None]:
         os.close(nowhere)
 
 
-def lend(
+def attach_peers(
     peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
 ) -> dict[str, str]:
     """Adds the packages' methods to the programs. Returns the reasons for refusal by package."""
     refused: dict[str, str] = {}
     e = compilation.equations
-    jolts = [] if compilation.looped else [x.quantity.name for x in e.jolted]
+    jolts = [] if compilation.looped else [x.quantity.name for x in e.impulsive]
     for peer in (p for p in peers if p.open):
         try:
             if jolts:
@@ -179,7 +179,9 @@ def _measured(
     tracks: list[Track],
     on_progress: Show,
 ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-    refused = lend(peers, compilation, bench.starts)
+    """Returns the packages' answers, pkgen's own answers, and all tracks; answers are timed in
+    turns."""
+    refused = attach_peers(peers, compilation, bench.starts)
     able = [p for p in peers if p.name not in refused]
     part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
     found: list[Beside] = [_beside(p, why=refused[p.name]) for p in peers if p.name in refused]

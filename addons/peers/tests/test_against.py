@@ -252,7 +252,7 @@ def test_a_model_that_a_package_cannot_have_is_refused(
         motion.expressions("heyoka", object(), 0.0, [0.0, 0.0])
         return invented(motion, method)
 
-    refused = against.lend([replace(ROW, open=opened)], motion.compilation, [])
+    refused = against.attach_peers([replace(ROW, open=opened)], motion.compilation, [])
     if not refused:
         with pytest.raises(peers.Refused, match=said):
             opened(motion, "")

@@ -108,7 +108,7 @@ def _smooth(equations: Equations | LoopEquations, structure: Facts) -> str:
 
 
 def _impulses(equations: Equations) -> str:
-    names = [switch.quantity.name for switch in equations.jolted]
+    names = [switch.quantity.name for switch in equations.impulsive]
     return f"where {' or '.join(names)} vanishes: the rates may jump there" if names else ""
 
 

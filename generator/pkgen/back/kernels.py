@@ -34,7 +34,7 @@ def needed_kernels(
         )
     for name, needed in (("switching", equations.switches), ("marking", equations.marks)):
         names |= {name} if needed and not plain else set()
-    if equations.jolted and not plain:
+    if equations.impulsive and not plain:
         corner = ("corner", "energy", "unconstrained", "inertia")
         names |= {name for name in corner if KERNELS[name].exists(equations)}
     if "acceleration" in names and equations.acceleration is None:
@@ -138,7 +138,7 @@ _SPECS = (
             "slope": tuple(tuple(x.slope) or (ZERO,) * len(e.coordinates) for x in e.switches),
             "slope_t": tuple(x.slope_t for x in e.switches),
         },
-        exists=lambda e: bool(e.jolted),
+        exists=lambda e: bool(e.impulsive),
     ),
     *BOUND,
     *CANONICAL_SPECS,

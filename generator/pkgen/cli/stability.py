@@ -82,10 +82,10 @@ def _refuse_unmapped(compilation: Compilation) -> None:
     """Raises UsageError for models with jumps of rates, at which steps would have to end, and for
     redundant constraints."""
     model = compilation.model
-    jolted = getattr(compilation.equations, "jolted", ())
-    if jolted:
+    impulsive = getattr(compilation.equations, "impulsive", ())
+    if impulsive:
         raise UsageError(
-            f"{model.source.path}: the rates jump where {jolted[0].quantity.name} vanishes, and"
+            f"{model.source.path}: the rates jump where {impulsive[0].quantity.name} vanishes, and"
             " 'pkgen stability' locates no switches: 'pkgen chart' does"
         )
     bound = getattr(compilation.equations, "constraints", None)

@@ -28,7 +28,7 @@ LINK_WITH = "link"  # file in the folder of the libraries: flags that their user
 CORE = ("core", "constraints", "explicit", "integrate", "events", "watch")
 PARTS = {
     "core": (
-        *("run", "run/base", "run/settings", "run/look", "run/steps", "src"),
+        *("run", "run/base", "run/settings", "run/observers", "run/steps", "src"),
         *(f"src/{name}" for name in CORE),
     ),
     "implicit": ("src/implicit",),

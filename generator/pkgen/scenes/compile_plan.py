@@ -143,7 +143,7 @@ def _without_mass(e: object) -> bool:
 
 
 def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
-    """Whether members run in lanes (runtime/src/ensemble/abreast.c); not if kept as loops."""
+    """Whether members run in lanes (src/ensemble/adaptive_lanes.c); not if kept as loops."""
     if not isinstance(equations, Equations) or equations.constraints:
         return False
     return in_lanes(method, structure)

@@ -1,7 +1,7 @@
 """`expect` statements of a scene, as outputs of the model and settings of the runtime.
 
-Relations between columns are checked in C during the run: runtime/run/look/expect.c. Relations of
-drift(X) and time(EVENT), numbers of a whole run, are checked after it: `scenes/judge.py`.
+Relations between columns are checked in C during the run: runtime/run/observers/expect.c. Relations
+of drift(X) and time(EVENT), numbers of a whole run, are checked after it: `scenes/judge.py`.
 """
 
 from __future__ import annotations

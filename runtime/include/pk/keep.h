@@ -20,7 +20,7 @@
 
 #include <stddef.h>
 
-#include <pk/apart.h>
+#include <pk/subsystems.h>
 #include <pk/diagnostics.h>
 #include <pk/events.h>
 #include <pk/integrator.h>
@@ -46,7 +46,7 @@ void pk_keep_same(struct pk_keep *k, unsigned long long number);
 enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k);
 /* Keep the private data of these structs; events without their integrator. */
 enum pk_status pk_events_keep(struct pk_events *events, struct pk_keep *k);
-enum pk_status pk_apart_keep(struct pk_apart *apart, struct pk_keep *k);
+enum pk_status pk_subsystems_keep(struct pk_subsystems *apart, struct pk_keep *k);
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k);
 void pk_monitor_keep(struct pk_monitor *monitor, struct pk_keep *k);
 

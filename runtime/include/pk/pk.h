@@ -3,7 +3,7 @@
 #define PK_PK_H
 
 #include <pk/action.h>
-#include <pk/apart.h>
+#include <pk/subsystems.h>
 #include <pk/condition.h>
 #include <pk/constraint.h>
 #include <pk/diagnostics.h>

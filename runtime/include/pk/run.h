@@ -17,7 +17,7 @@
 #ifndef PK_RUN_H
 #define PK_RUN_H
 
-#include <pk/apart.h>
+#include <pk/subsystems.h>
 #include <pk/method.h>
 #include <pk/system.h>
 

@@ -83,7 +83,7 @@ struct pk_stepper {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
 };
 
-/* The same for a block of states in SIMD lanes; see pk/abreast.h. */
+/* The same for a block of states in SIMD lanes; see pk/adaptive_lanes.h. */
 struct pk_block;
 struct pk_block_stepper {
     const char *method;                                    /* NULL ends the list */

@@ -84,7 +84,7 @@ struct pk_part_switches {
 };
 
 /* Marks: arguments u of exp(u) and similar calls. Beyond +-36 such a call is constant, zero or
- * huge. The integrator monitors u along each step (src/core/marks.c). */
+ * huge. The integrator monitors u along each step (src/core/short_force_limiter.c). */
 struct pk_part_marks {
     size_t n;
     const struct pk_quantity *names; /* the calls as text, "exp(-x^2/w^2)" */

@@ -71,7 +71,7 @@ void json_real(struct json *j, const char *key, pk_real x)
         fputs("null", j->file);
 }
 
-void json_whole(struct json *j, const char *key, size_t x)
+void json_integer(struct json *j, const char *key, size_t x)
 {
     begin(j, key);
     fprintf(j->file, "%zu", x);
@@ -83,10 +83,10 @@ void json_each_real(struct json *j, const struct json_real *each)
         json_real(j, each->key, each->x);
 }
 
-void json_each_whole(struct json *j, const struct json_whole *each)
+void json_each_integer(struct json *j, const struct json_integer *each)
 {
     for (; each->key; each++)
-        json_whole(j, each->key, each->x);
+        json_integer(j, each->key, each->x);
 }
 
 void json_flag(struct json *j, const char *key, int x) { json_raw(j, key, x ? "true" : "false"); }

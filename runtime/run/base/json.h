@@ -18,7 +18,7 @@ struct json_real {
     pk_real x;
 };
 
-struct json_whole {
+struct json_integer {
     const char *key;
     size_t x;
 };
@@ -28,12 +28,13 @@ void json_close(struct json *j, char bracket);
 void json_text(struct json *j, const char *key, const char *text); /* NULL: null */
 void json_raw(struct json *j, const char *key, const char *text);  /* `text` is JSON already */
 void json_real(struct json *j, const char *key, pk_real x);
-void json_whole(struct json *j, const char *key, size_t x);
+void json_integer(struct json *j, const char *key, size_t x);
 /* Several members in the given order: json_reals(j, {"t", t}, {"energy", energy}). */
 #define json_reals(j, ...) json_each_real(j, (const struct json_real[]){__VA_ARGS__, {NULL, 0}})
-#define json_counts(j, ...) json_each_whole(j, (const struct json_whole[]){__VA_ARGS__, {NULL, 0}})
+#define json_counts(j, ...) \
+    json_each_integer(j, (const struct json_integer[]){__VA_ARGS__, {NULL, 0}})
 void json_each_real(struct json *j, const struct json_real *each);
-void json_each_whole(struct json *j, const struct json_whole *each);
+void json_each_integer(struct json *j, const struct json_integer *each);
 void json_flag(struct json *j, const char *key, int x);
 void json_numbers(struct json *j, const char *key, const pk_real *x, size_t count);
 

@@ -128,7 +128,7 @@ struct crossed {
 
 struct pk_run {
     const struct pk_run_model *model;
-    const struct observer *observers[16]; /* NULL behind the last; see look/look.h */
+    const struct observer *observers[16]; /* NULL behind the last; see observers/observers.h */
     struct settings settings;
     struct memory memory;
     struct control control;
@@ -141,7 +141,7 @@ struct pk_run {
     struct pk_problem problem;
     struct pk_integrator it;
     struct pk_monitor monitor;
-    struct pk_apart apart;            /* blocks of coordinates integrated apart */
+    struct pk_subsystems subsystems;  /* blocks of coordinates integrated apart */
     struct pk_choice *choices;        /* method and options of each block */
     struct pk_monitor *part_monitors; /* energy of each block */
     void *block, *monitor_block;
@@ -172,7 +172,7 @@ struct pk_run {
     pk_real h_min, h_max;  /* step sizes; h_min: least of the steps bounded by their error alone */
     unsigned long look_at; /* the step at which drifts are measured next; see look/drifts.c */
     int looked;            /* whether they were measured at this step */
-    pk_real trusted;       /* last time at which the energy was right; see look.h */
+    pk_real trusted;       /* last time at which the energy was right; see observers.h */
     int distrusted;
     pk_real ends;  /* end of the motion according to dop853 */
     int beyond;    /* the steps have gone on past that end */

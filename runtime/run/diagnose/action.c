@@ -82,7 +82,7 @@ void diagnose_action(struct pk_run *run, struct diagnostics *d)
                    {"error", periodic ? found.error : PK_INFINITY},
                    {"lo", swings ? found.lo : PK_INFINITY},
                    {"hi", swings ? found.hi : PK_INFINITY});
-        json_whole(j, "nodes", found.nodes);
+        json_integer(j, "nodes", found.nodes);
         json_flag(j, "held", !(run->problem.system->facts & PK_AUTONOMOUS));
         json_flag(j, "of_forces", !(run->problem.system->facts & PK_VARIATIONAL));
         if (periodic && d->rows)

@@ -62,7 +62,7 @@ void diagnose_angular_momentum(struct pk_run *run, struct diagnostics *d)
     const enum pk_status status = bodies_follow(&b);
     if (!diagnose_told(d, status, NULL, &b.it))
         return;
-    json_whole(j, "particles", b.n);
+    json_integer(j, "particles", b.n);
     about(j, "origin", &x, 0);
     if (b.n > 1)
         about(j, "centre", &x, 1);

@@ -2,7 +2,7 @@
  */
 #include "area.h"
 
-#include "../look/look.h"
+#include "../observers/observers.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>

@@ -237,7 +237,7 @@ static void write_rows(struct pk_run *run, struct diagnostics *d, const struct f
         d->code = 4;
     }
     pk_drift_init(&drift);
-    json_whole(j, "members", l->members);
+    json_integer(j, "members", l->members);
     json_numbers(j, "winding", f->winding, l->n);
     json_real(j, "threshold", RESOLVED);
     json_flag(j, "conserved", (run->settings.system->facts & PK_VARIATIONAL) != 0);

@@ -1,12 +1,12 @@
 /* Diagnostics of `pkgen run --diagnose`, made after the run, from its start, by its method. They
- * implement the table struct pk_run_diagnose of look/look.h. */
+ * implement the table struct pk_run_diagnose of observers/observers.h. */
 #ifndef RUN_DIAGNOSE_H
 #define RUN_DIAGNOSE_H
 
 #include "diagnostics.h"
 #include "../base/json.h"
 #include "../base/state.h"
-#include "../look/look.h"
+#include "../observers/observers.h"
 
 /* One flag per diagnostic. */
 #define DIAGNOSE_PLACE(name, of, kernels) DIAGNOSE_PLACE_##name,

@@ -64,9 +64,9 @@ static void write(struct diagnostics *d, const struct pk_least_action *found, co
     struct json *j = &d->json;
     json_reals(j, {"action", found->action}, {"time", found->time}, {"slope", found->slope});
     json_flag(j, "minimum", !index);
-    json_whole(j, "index", index);
+    json_integer(j, "index", index);
     json_flag(j, "settled", index == index_of_half);
-    json_whole(j, "modes", found->modes);
+    json_integer(j, "modes", found->modes);
     json_numbers(j, "curvatures", lambda, m < SHOWN ? m : SHOWN);
     json_numbers(j, "conjugate", found->conjugate,
                  points < PK_CONJUGATE_MOST ? points : PK_CONJUGATE_MOST);

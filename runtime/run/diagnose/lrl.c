@@ -59,12 +59,12 @@ static void write_orbit(struct diagnostics *d, const struct bodies *b, const str
     const pk_real periods = x->count > 1 ? (pk_real)(x->count - 1) : 0;
     const int turns = periods > 0 && !round;
     struct json *j = &d->json;
-    json_whole(j, "particles", b->n);
+    json_integer(j, "particles", b->n);
     json_reals(j, {"k", x->lrl.k}, {"eccentricity", x->size.first});
     json_numbers(j, "direction", direction, round ? 0 : 3);
     json_reals(j, {"varies", x->rate}, {"turned", round ? PK_INFINITY : x->lrl.angle},
                {"rate", round ? PK_INFINITY : x->angle.cov / x->angle.var_t});
-    json_whole(j, "pericentres", round ? 0 : x->count);
+    json_integer(j, "pericentres", round ? 0 : x->count);
     json_reals(j, {"period", turns ? (x->last_t - x->first_t) / periods : PK_INFINITY},
                {"per_period", turns ? (x->last_angle - x->first_angle) / periods : PK_INFINITY});
     report_drift(j, "drift", "eccentricity", &x->size);

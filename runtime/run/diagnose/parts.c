@@ -3,7 +3,7 @@
  */
 #include "parts.h"
 
-#include "../look/look.h"
+#include "../observers/observers.h"
 
 /* Flags of the diagnostics that read rows. */
 #define FLAG_OF_MOTION(name)

@@ -3,7 +3,7 @@
 #define RUN_DIAGNOSE_PARTS_H
 
 #include "../base/json.h"
-#include "../look/look.h"
+#include "../observers/observers.h"
 #include "diagnose.h"
 
 struct diagnostics {

@@ -78,7 +78,7 @@ void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
     }
     if (diagnose_told(d, status, NULL, NULL)) {
         struct json *j = &d->json;
-        json_whole(j, "rows", count);
+        json_integer(j, "rows", count);
         json_reals(j, {"interval", dt}, {"nyquist", found[0].nyquist},
                    {"resolution", found[0].resolution});
         json_open(j, "coordinates", '[');

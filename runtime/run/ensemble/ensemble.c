@@ -91,7 +91,7 @@ static void report_failed(const struct settings *s, struct json *j, const char *
                           const struct failed *of)
 {
     json_open(j, key, '{');
-    json_whole(j, "count", of->count);
+    json_integer(j, "count", of->count);
     json_real(j, "member", (pk_real)member_number(s, of->member));
     json_text(j, "status", pk_status_name(of->status));
     json_text(j, "text", pk_status_text(of->status));
@@ -121,13 +121,13 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
         if (tally->failures[k].count)
             report_failed(s, j, NULL, &tally->failures[k]);
     json_close(j, ']');
-    json_whole(j, "astray", tally->astray);
+    json_integer(j, "astray", tally->astray);
     json_real(j, "first_astray",
               tally->astray ? (pk_real)member_number(s, tally->first_astray) : PK_INFINITY);
     watched_report(tally, s, j);
     expect_report(run, j);
     json_flag(j, "interrupted", run->interrupted);
-    json_flag(j, "whole", rows_whole(run));
+    json_flag(j, "whole", rows_complete(run));
     json_counts(j, {"rows", run->rows}, {"threads", b->threads});
     json_reals(j, {"seconds", (pk_real)run->seconds}, {"processor", (pk_real)run->processor});
     if (run->model->diagnose)

@@ -6,7 +6,7 @@
 #include "../settings/settings.h"
 #include "ensemble.h"
 
-#include <pk/abreast.h>
+#include <pk/adaptive_lanes.h>
 
 enum { PARTS = 4 }; /* groups of members per thread */
 
@@ -124,18 +124,18 @@ static int begin(struct member *m, const struct work *w, size_t i)
 }
 
 /* Advances members in lanes; a lane whose member has ended takes the next one. */
-static void go_abreast(const struct work *w, size_t next, size_t behind)
+static void go_in_lanes(const struct work *w, size_t next, size_t behind)
 {
     struct member members[PK_BLOCK_MOST];
-    struct pk_abreast_lane lanes[PK_BLOCK_MOST] = {{0}};
-    struct pk_abreast a;
+    struct pk_lane lanes[PK_BLOCK_MOST] = {{0}};
+    struct pk_lanes a;
     size_t live = 0;
-    pk_abreast_init(&a, &(struct pk_problem){.system = w->b->system, .params = w->b->params},
-                    w->run->settings.method, w->block + pk_thread() * w->bytes, w->bytes);
+    pk_lanes_init(&a, &(struct pk_problem){.system = w->b->system, .params = w->b->params},
+                  w->run->settings.method, w->block + pk_thread() * w->bytes, w->bytes);
     do {
         for (size_t l = 0; l < w->lanes; l++) {
             struct member *m = &members[l];
-            struct pk_abreast_lane *lane = &lanes[l];
+            struct pk_lane *lane = &lanes[l];
             while (!lane->it && next < behind)
                 if (begin(m, w, next++))
                     lane->it = &m->run->it, live++;
@@ -146,12 +146,12 @@ static void go_abreast(const struct work *w, size_t next, size_t behind)
             lane->free = m->run->lean ? run_wanted(m->run, lane->it->t, m->run->settings.until)
                                       : lane->it->t;
         }
-        pk_abreast_make(&a, lanes);
+        pk_lanes_make(&a, lanes);
         for (size_t l = 0; l < w->lanes; l++)
             if (lanes[l].it && !(a.idle >> l & 1) &&
                 !(try_to(go_on, &members[l]) && members[l].goes)) {
                 finish(&members[l]);
-                pk_abreast_leave(lanes[l].it);
+                pk_lanes_leave(lanes[l].it);
                 lanes[l].it = NULL;
                 live--;
             }
@@ -164,7 +164,7 @@ static void make(void *context, size_t number)
     const size_t first = number * w->group, left = w->count - first;
     const size_t behind = first + (left < w->group ? left : w->group);
     if (w->lanes > 1) {
-        go_abreast(w, first, behind);
+        go_in_lanes(w, first, behind);
         return;
     }
     for (size_t i = first; i < behind; i++) {
@@ -229,10 +229,10 @@ int watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_
     struct memory *memory = &run->memory;
     struct work w = {.b = b, .run = run, .first = first, .count = count, .group = 1, .lanes = 1};
     w.runs = memory_take(memory, count, sizeof *w.runs);
-    w.bytes = pk_abreast_size(&problem, run->settings.method);
+    w.bytes = pk_lanes_size(&problem, run->settings.method);
     if (w.bytes) {
         const size_t parts = PARTS * b->threads;
-        w.lanes = pk_abreast_lanes(&problem, run->settings.method);
+        w.lanes = pk_lanes_count(&problem, run->settings.method);
         w.group = (count + parts - 1) / parts;
         w.group = w.group < w.lanes ? w.lanes : w.group;
         w.block = memory_take(memory, b->threads, w.bytes);

@@ -87,7 +87,7 @@ static struct pk_range range_of(const struct settings *s, size_t parameter)
     return range;
 }
 
-static int is_given(const struct pk_run_value *given, size_t n_given, size_t parameter)
+static int has_value(const struct pk_run_value *given, size_t n_given, size_t parameter)
 {
     for (size_t k = 0; k < n_given; k++)
         if (given[k].index == parameter)
@@ -128,7 +128,7 @@ int settings_assign(struct settings *s, void *params, const struct pk_run_value 
     memset(s->given, 0, system->n_parameters);
     for (int families = 0; families < 2; families++)
         for (size_t at = 0; at < system->n_parameters; at++) {
-            if (!is_given(asked, n, at) && !is_given(more, n_more, at))
+            if (!has_value(asked, n, at) && !has_value(more, n_more, at))
                 continue;
             if (range_of(s, at).is_family != families)
                 continue;

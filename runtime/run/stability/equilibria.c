@@ -72,7 +72,7 @@ static void print(struct pk_stability *s, const struct pk_equilibria *found, str
         json_numbers(j, "v", v, n);
         json_real(j, "energy", energy);
         json_text(j, "status", pk_status_name(solved));
-        json_whole(j, "slack", found->slack[k]);
+        json_integer(j, "slack", found->slack[k]);
         print_modes(s, modes);
         json_close(j, '}');
     }

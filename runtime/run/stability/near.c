@@ -198,7 +198,7 @@ int stability_near(struct pk_stability *s, const struct pk_stability_question *x
     json_text(&s->out, "near", method->name);
     json_real(&s->out, "h", h);
     json_text(&s->out, "status", pk_status_name(status));
-    json_whole(&s->out, "steps", turning.steps);
+    json_integer(&s->out, "steps", turning.steps);
     json_reals(&s->out, {"growth", grown}, {"turn", mean_turn(&turning)});
     stability_end(s, it);
     memory_drop(&s->run->memory, weights);
@@ -233,7 +233,7 @@ int stability_leave(struct pk_stability *s, const struct pk_stability_question *
     double rate = 0;
     if (it && (status = pk_integrator_to(it, until)) >= 0)
         rate = log(displacement(s, it->q, it->v) / first) / until;
-    json_whole(&s->out, "leave", from);
+    json_integer(&s->out, "leave", from);
     json_text(&s->out, "status", pk_status_name(status));
     json_real(&s->out, "rate", rate);
     stability_end(s, it);

@@ -85,7 +85,7 @@ static void take_state(const struct pk_stability *s, const struct pk_stability_q
 
 /* Steps from the start and from a state `amplitude` boxes away in each unknown, and reports the
  * growth of their distance. */
-int stability_beside(struct pk_stability *s, const struct pk_stability_question *x)
+int stability_neighbour(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const struct pk_method *method = stability_method(s, x->method);
     if (!method)
@@ -135,7 +135,7 @@ static void print(struct pk_stability *s, const struct pk_closed_orbits *found)
         const struct pk_closed_orbit *one = &found->list[k];
         const size_t states = one->steps < PK_CLOSED_STATES ? one->steps : PK_CLOSED_STATES;
         json_open(j, NULL, '{');
-        json_whole(j, "steps", one->steps);
+        json_integer(j, "steps", one->steps);
         json_reals(j, {"h", one->h}, {"residual", one->residual});
         json_flag(j, "rests", one->rests);
         json_open(j, "states", '[');

@@ -152,7 +152,7 @@ int stability_point(struct pk_stability *s, const struct pk_stability_question *
     json_real(&s->out, "h", h);
     json_text(&s->out, "class", status < 0 ? failure(status) : class);
     json_text(&s->out, "status", pk_status_name(status));
-    json_whole(&s->out, "steps", e.steps);
+    json_integer(&s->out, "steps", e.steps);
     json_reals(&s->out, {"rise", e.rise / motion.scale}, {"away", e.away / motion.scale});
     json_real(&s->out, "cond",
               status < 0 ? 0 : condition_of_step(&s->run->memory, &s->problem, it));

@@ -72,7 +72,7 @@ static const struct {
 #ifdef PK_WITH_GSL
                {"equilibria", stability_equilibria}, {"near", stability_near},
                {"leave", stability_leave},           {"rates", stability_fastest},
-               {"orbits", stability_orbits},         {"beside", stability_beside},
+               {"orbits", stability_orbits},         {"beside", stability_neighbour},
                {"returns", stability_returns},
 #endif
                {"place", stability_place},           {"resolved", stability_resolved},

@@ -5,7 +5,7 @@
 #include <pk/diagnostics.h>
 #include <pk/stability.h>
 
-#include "../look/condition.h"
+#include "../observers/condition.h"
 #include "../base/state.h"
 
 #ifdef PK_WITH_GSL
@@ -134,7 +134,7 @@ struct reference stability_reference(struct pk_stability *s, double until);
 typedef int stability_answer(struct pk_stability *s, const struct pk_stability_question *q);
 stability_answer stability_ready, stability_motion, stability_point, stability_oscillator,
     stability_equilibria, stability_near, stability_leave, stability_fastest, stability_orbits,
-    stability_returns, stability_beside, stability_place, stability_resolved;
+    stability_returns, stability_neighbour, stability_place, stability_resolved;
 /* Adds a message; returns 0. */
 int stability_wrong(struct pk_stability *s, const char *message);
 /* Returns the method of that name if it has a fixed step; else NULL, with a message. */

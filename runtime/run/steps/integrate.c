@@ -1,5 +1,5 @@
 /* One trajectory from the start to the end, row by row. */
-#include <pk/abreast.h>
+#include <pk/adaptive_lanes.h>
 
 #include "../settings/settings.h"
 #include "checkpoint.h"

@@ -53,11 +53,11 @@ void report_run(struct pk_run *run, FILE *file)
     trust_warning(run, text, sizeof text);
     json_text(j, "warning", text);
     json_flag(j, "interrupted", run->interrupted);
-    json_flag(j, "whole", status >= 0 && !run->beyond && rows_whole(run));
+    json_flag(j, "whole", status >= 0 && !run->beyond && rows_complete(run));
     json_text(j, "not_finite", rows_not_finite(run, text, sizeof text));
     report_motion(j, run);
     report_work(j, run);
-    apart_report(run, j);
+    subsystems_report(run, j);
     observe_report(run, j);
     json_close(j, '}');
 }

@@ -2,7 +2,7 @@
 #ifndef RUN_STEPS_H
 #define RUN_STEPS_H
 
-#include "../look/look.h"
+#include "../observers/observers.h"
 
 /* run_settle() completes settings that depend on each other; run_begin() allocates memory, starts
  * integrators and events; run_steps() makes all rows; run_end() frees all but the settings. */
@@ -50,13 +50,13 @@ void observe_end(struct pk_run *run);
 void observe_keep(struct pk_run *run, struct pk_keep *k);
 void observe_report(const struct pk_run *run, struct json *j);
 
-/* Of apart.c: blocks of coordinates integrated apart; see pk/apart.h. */
+/* Of subsystems.c: blocks of coordinates integrated apart; see pk/subsystems.h. */
 /* Refuses settings that need the whole system, and chooses the methods and options of the parts. */
-enum pk_run_code apart_choose(struct pk_run *run);
-enum pk_run_code apart_begin(struct pk_run *run);
-void apart_integrate(struct pk_run *run);
+enum pk_run_code subsystems_choose(struct pk_run *run);
+enum pk_run_code subsystems_begin(struct pk_run *run);
+void subsystems_integrate(struct pk_run *run);
 /* Writes the member "parts" of the report. */
-void apart_report(const struct pk_run *run, struct json *j);
+void subsystems_report(const struct pk_run *run, struct json *j);
 
 /* The report of one trajectory, in JSON. */
 void report_run(struct pk_run *run, FILE *file);

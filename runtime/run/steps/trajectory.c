@@ -1,5 +1,5 @@
 /* One trajectory: completes its settings, starts it, makes its steps, and frees its memory. */
-#include "../look/look.h"
+#include "../observers/observers.h"
 #include "../settings/settings.h"
 #include "steps.h"
 
@@ -64,26 +64,26 @@ static enum pk_run_code start(struct pk_run *run)
 
 enum pk_run_code run_settle(struct pk_run *run)
 {
-    return run->settings.n_parts ? apart_choose(run) : settle(run);
+    return run->settings.n_parts ? subsystems_choose(run) : settle(run);
 }
 
 enum pk_run_code run_begin(struct pk_run *run)
 {
     observe_begin(run);
     if (run->settings.n_parts)
-        return apart_begin(run);
+        return subsystems_begin(run);
     const enum pk_run_code code = start(run);
     return code ? code : crossings_begin(run);
 }
 
 void run_steps(struct pk_run *run)
 {
-    (run->settings.n_parts ? apart_integrate : run_integrate)(run);
+    (run->settings.n_parts ? subsystems_integrate : run_integrate)(run);
 }
 
 void run_end(struct pk_run *run)
 {
-    pk_apart_free(&run->apart);
+    pk_subsystems_free(&run->subsystems);
     pk_events_free(&run->events);
     pk_integrator_free(&run->it);
     pk_integrator_free(&run->aside);

@@ -120,7 +120,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++)
         if (!(norm_error(&w, v, r) <= PK_WRITTEN))
-            return pk_because(it, PK_OFF_CONSTRAINTS, 2 * w.c + r, norm_error(&w, v, r));
+            return pk_fail_with(it, PK_OFF_CONSTRAINTS, 2 * w.c + r, norm_error(&w, v, r));
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
@@ -131,7 +131,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     pk_project_terms(&w, q, v);
     pk_project_slopes(&w, q, v, w.J, w.c, w.mu);
     if (!pk_all_finite(w.mu, w.c)) /* J is not finite */
-        return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
+        return pk_fail_with(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
     size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0);
     const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1);
     size_t depends = w.whole ? nothing(&w, q, v, w.d) : 0;
@@ -142,10 +142,10 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (w.inertia)
         return pk_eval_failed(it, it->t, q, v, w.inertia);
     if (row < w.h)
-        return pk_because(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
+        return pk_fail_with(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
     row = off;
     if (row < w.c)
-        return pk_because(it, PK_OFF_CONSTRAINTS, w.c + row, w.rate[row]);
+        return pk_fail_with(it, PK_OFF_CONSTRAINTS, w.c + row, w.rate[row]);
     it->where = depends - 1;
     if (depends)
         return PK_NO_PROJECTION;

@@ -101,8 +101,8 @@ static void turn_back(const struct pk_projection *w, pk_real *v, pk_real *low)
 }
 
 /* Returns the largest |d_k| in tolerances of y, divided by MOST_OFF. */
-static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *d, const pk_real *y,
-                                 size_t first, size_t count)
+static pk_real correction_in_tolerances(const struct pk_integrator *it, const pk_real *d,
+                                        const pk_real *y, size_t first, size_t count)
 {
     pk_real most = 0;
     for (size_t k = 0; k < count; k++)
@@ -111,7 +111,7 @@ static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *
 }
 
 /* Whether |d| > |h v|, the larger v of the step's two ends, in the metric of M = L D L^T. */
-static int beyond_way(const struct pk_integrator *it, const struct pk_projection *w)
+static int longer_than_step(const struct pk_integrator *it, const struct pk_projection *w)
 {
     const pk_real h = it->own->next_t - it->t;
     const pk_real *ends[2] = {it->v, pk_next(it, PK_V)};
@@ -145,11 +145,11 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
     if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
     if (!repeats)
-        return !of_rates && beyond_way(it, w);
+        return !of_rates && longer_than_step(it, w);
     for (size_t k = 0; of_rates && k < count; k++)
         most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(w->d[k]));
     return !(of_rates && most <= pk_project_rest(it, w, q)) &&
-           beside_tolerances(it, w->d, y, of_rates ? it->n_q : 0, count) > 1;
+           correction_in_tolerances(it, w->d, y, of_rates ? it->n_q : 0, count) > 1;
 }
 
 /* Corrects positions, or then rates with the current J. J does not depend on rates, so one
@@ -178,7 +178,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
         else if (!done)
             pk_project_solve(w, rows, residual);
         if (done || singular || (!count && off(it, w, ratio, q, of_rates ? v : q, of_rates)))
-            return pk_because(it, PK_NO_PROJECTION, where + which, residual[which]);
+            return pk_fail_with(it, PK_NO_PROJECTION, where + which, residual[which]);
         if (of_rates) {
             pk_project_seen(it, w);
             subtract(v, w->d, low_v, w->m);
@@ -214,7 +214,7 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 0, moved));
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 1, moved));
     if (!it->own->seen)
-        pk_passage_unseen(it, &w, q, v);
+        pk_singular_crossing_unseen(it, &w, q, v);
     return PK_DONE;
 }
 

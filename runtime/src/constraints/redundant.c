@@ -60,8 +60,8 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
     pk_project_slopes(&w, q, v, w.off_rows, w.r, w.off_slopes);
     size_t row = pk_project_broken(&w, w.off, w.off_size, w.off_slopes, h, q, 0);
     if (row < h)
-        return pk_because(it, status, first + row, w.off[row]);
+        return pk_fail_with(it, status, first + row, w.off[row]);
     row =
         broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1, pk_project_rest(it, &w, q));
-    return row < w.r ? pk_because(it, status, first + w.r + row, w.off[h + row]) : PK_DONE;
+    return row < w.r ? pk_fail_with(it, status, first + w.r + row, w.off[h + row]) : PK_DONE;
 }

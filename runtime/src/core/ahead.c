@@ -13,7 +13,7 @@ void pk_ahead_all(struct pk_integrator *it)
     struct pk_ahead *a = it->own->ahead;
     pk_ahead_take(it, PK_Q, 2);
     pk_ahead_take(it, PK_LOW_Q, PK_PARTS - PK_LOW_Q);
-    pk_exchange(it);
+    pk_commit_step(it);
     it->own->h = a->h;
     it->own->off_grid = 0;
     it->last_t = it->t;
@@ -31,8 +31,8 @@ void pk_ahead_all(struct pk_integrator *it)
 void pk_ahead_take(struct pk_integrator *it, int part, int parts)
 {
     const struct pk_ahead *a = it->own->ahead;
-    const size_t first = pk_before(it->n_q, it->n, part);
-    const size_t count = pk_before(it->n_q, it->n, part + parts) - first;
+    const size_t first = pk_state_offset(it->n_q, it->n, part);
+    const size_t count = pk_state_offset(it->n_q, it->n, part + parts) - first;
     copy(a, it->own->next + first, a->next + first * a->lanes, count);
 }
 

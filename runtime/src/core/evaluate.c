@@ -145,8 +145,8 @@ pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real 
     pk_real d0 = 0, d1 = 0;
     for (size_t i = 0; i < n; i++) {
         const pk_real q = i < n_q ? it->q[i] : 0;
-        const pk_real of_q = i < n_q ? pk_scale_shown(pk_tolerance(it, i, q, q)) : PK_INFINITY;
-        const pk_real v = it->v[i], of_v = pk_scale_shown(pk_tolerance(it, n_q + i, v, v));
+        const pk_real of_q = i < n_q ? pk_scale_known(pk_tolerance(it, i, q, q)) : PK_INFINITY;
+        const pk_real v = it->v[i], of_v = pk_scale_known(pk_tolerance(it, n_q + i, v, v));
         d0 += v / of_v * (v / of_v) + q / of_q * (q / of_q);
         d1 += a[i] / of_v * (a[i] / of_v) + v / of_q * (v / of_q);
     }

@@ -38,7 +38,7 @@ static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status st
 }
 
 /* Exchanges state and next: the new state becomes current, the old one stays available. */
-static inline void pk_exchange(struct pk_integrator *it)
+static inline void pk_commit_step(struct pk_integrator *it)
 {
     pk_real *const left_behind = it->own->state;
     it->own->state = it->own->next;
@@ -50,8 +50,8 @@ static inline void pk_exchange(struct pk_integrator *it)
 }
 
 /* The same with a number, but it->status is left to the caller. */
-static inline enum pk_status pk_because(struct pk_integrator *it, enum pk_status status,
-                                        size_t where, pk_real detail)
+static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_status status,
+                                          size_t where, pk_real detail)
 {
     it->where = where;
     it->detail = detail;
@@ -109,7 +109,7 @@ int pk_sides_missing(const struct pk_integrator *it);
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method);
 
 /* pk_step_choose() checks limits before a step towards `limit`, which is not it->t; with fixed
- * steps it sets it->own->next_t and it->own->h. pk_step_made() updates the times after a step. */
+ * steps it sets it->own->next_t and it->own->h. pk_step_advance_time() updates the times after a step. */
 /* Whether many trials since the last check of progress were rejected. */
 int pk_often_rejected(const struct pk_integrator *it);
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
@@ -121,10 +121,10 @@ struct pk_planned {
 struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit);
 /* Returns the number of fixed steps that end before `limit`, at most `most`; the last one is left
  * to pk_integrator_step(), which ends exactly there. */
-unsigned long pk_step_whole(const struct pk_integrator *it, pk_real limit, unsigned long most);
+unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most);
 /* Makes the end of it->own->ahead->many steps made ahead the state. */
 void pk_ahead_all(struct pk_integrator *it);
-void pk_step_made(struct pk_integrator *it, int fixed);
+void pk_step_advance_time(struct pk_integrator *it, int fixed);
 
 /* Kernels with inputs filled, calls counted, failures reported. */
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -153,12 +153,12 @@ enum pk_status pk_singularity_here(struct pk_integrator *it);
 enum pk_status pk_singularity_step(struct pk_integrator *it);
 enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
-/* Forces that may be shorter than a step (marks.c): memory size; the limit of a trial step; whether
+/* Forces that may be shorter than a step (short_force_limiter.c): memory size; the limit of a trial step; whether
  * it may miss such a force and must be repeated up to a nearer limit; after it is accepted. */
-size_t pk_marks_size(const struct pk_system *system, size_t n_q, size_t n);
-pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit);
-int pk_marks_reject(struct pk_integrator *it);
-void pk_marks_accept(struct pk_integrator *it);
+size_t pk_short_force_size(const struct pk_system *system, size_t n_q, size_t n);
+pk_real pk_short_force_limit(const struct pk_integrator *it, pk_real limit);
+int pk_short_force_reject(struct pk_integrator *it);
+void pk_short_force_accept(struct pk_integrator *it);
 /* q, v and a at the end of a step. */
 struct pk_knot {
     const pk_real *q, *v, *a;

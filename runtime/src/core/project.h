@@ -122,21 +122,21 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
 /* Passage through positions where rows are dependent for an instant: memory size; at a start; after
  * each step; whether the next step is a passage, and then it->own->next_t; that step, into
  * it->own->next; and the motion within it. */
-size_t pk_passage_size(const struct pk_system *system, size_t n_q, size_t n);
-void pk_passage_forget(struct pk_integrator *it);
-void pk_passage_note(struct pk_integrator *it);
+size_t pk_singular_crossing_size(const struct pk_system *system, size_t n_q, size_t n);
+void pk_singular_crossing_forget(struct pk_integrator *it);
+void pk_singular_crossing_note(struct pk_integrator *it);
 /* Whether the fixed step in it->own->next may have turned into another branch. */
-enum pk_status pk_passage_judge(struct pk_integrator *it);
+enum pk_status pk_singular_crossing_judge(struct pk_integrator *it);
 /* Called if A was not factored, since nothing was to be corrected: J and M are current. Factors A
  * in every second such call. */
-void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
-                       const pk_real *v);
-int pk_passage_due(struct pk_integrator *it, pk_real limit);
+void pk_singular_crossing_unseen(struct pk_integrator *it, struct pk_projection *w,
+                                 const pk_real *q, const pk_real *v);
+int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit);
 /* Limits an adaptive step: half the way to a singular position. */
-pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit);
+pk_real pk_singular_crossing_limit(const struct pk_integrator *it, pk_real limit);
 /* PK_NO_CONVERGENCE: an adaptive step over the position is too long yet; go nearer first. */
-enum pk_status pk_passage_step(struct pk_integrator *it);
-void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
+enum pk_status pk_singular_crossing_step(struct pk_integrator *it);
+void pk_singular_crossing_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
 
 #endif

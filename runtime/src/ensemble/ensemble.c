@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <pk/abreast.h>
+#include <pk/adaptive_lanes.h>
 
 #include "ensemble.h"
 
@@ -21,17 +21,17 @@ int pk_ensemble_fixed(const struct pk_ensemble *e)
 }
 
 /* Returns the bytes for steps made ahead in lanes, each member with its own step; 0: none. */
-static size_t abreast_size(const struct pk_ensemble *e)
+static size_t lanes_size(const struct pk_ensemble *e)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
-    return stepper(e) ? 0 : pk_ensemble_padded(pk_abreast_size(&problem, e->method));
+    return stepper(e) ? 0 : pk_ensemble_padded(pk_lanes_size(&problem, e->method));
 }
 
 static size_t lanes(const struct pk_ensemble *e)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
     const struct pk_block_stepper *s = stepper(e);
-    return s ? s->lanes : pk_abreast_lanes(&problem, e->method);
+    return s ? s->lanes : pk_lanes_count(&problem, e->method);
 }
 
 /* Returns the number of integrators: one a lane, and one more to reach rows within steps; or those
@@ -45,11 +45,7 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
 {
     if (!e || !e->system || !e->method || !e->params || e->system->abi != PK_ABI)
         return 0;
-    const struct pk_problem problem = pk_ensemble_problem(e, 0);
-    const size_t n = pk_system_count(e->system, problem.params);
-    const size_t n_q = pk_system_coordinates(e->system, problem.params);
-    return integrators(e) * pk_member_size(e) +
-           (stepper(e) ? pk_block_size(e, n_q, n, lanes(e)) : abreast_size(e));
+    return integrators(e) * pk_member_size(e) + (stepper(e) ? pk_block_size(e) : lanes_size(e));
 }
 
 /* A member in motion from row to row; `kept`: whether rows are stored. */
@@ -141,14 +137,9 @@ static void end(struct way *w)
     pk_integrator_free(&w->m->it);
 }
 
-static struct pk_member *member_at(const struct pk_ensemble *e, void *block, size_t k)
-{
-    return (struct pk_member *)(void *)((char *)block + k * pk_member_size(e));
-}
-
 static void run_one(const struct pk_ensemble *e, size_t member, void *block)
 {
-    struct way w = {.e = e, .m = member_at(e, block, 0), .aside = member_at(e, block, 1)};
+    struct way w = {.e = e, .m = pk_member_at(e, block, 0), .aside = pk_member_at(e, block, 1)};
     w.kept = 1;
     for (int goes = begin(&w, member); goes; goes = step(&w))
         ;
@@ -156,19 +147,19 @@ static void run_one(const struct pk_ensemble *e, size_t member, void *block)
 }
 
 /* Runs members in lanes; each lane takes the next member when its own has ended. */
-static void run_abreast(const struct pk_ensemble *e, size_t first, size_t count, void *block)
+static void run_in_lanes(const struct pk_ensemble *e, size_t first, size_t count, void *block)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, first);
     const size_t W = lanes(e), behind = first + count;
     struct way ways[PK_BLOCK_MOST];
-    struct pk_abreast_lane of[PK_BLOCK_MOST];
-    struct pk_abreast a;
-    pk_abreast_init(&a, &problem, e->method, member_at(e, block, W + 1), abreast_size(e));
+    struct pk_lane of[PK_BLOCK_MOST];
+    struct pk_lanes a;
+    pk_lanes_init(&a, &problem, e->method, pk_member_at(e, block, W + 1), lanes_size(e));
     for (size_t l = 0; l < W; l++) {
-        ways[l] =
-            (struct way){.e = e, .m = member_at(e, block, l), .aside = member_at(e, block, W)};
+        ways[l] = (struct way){
+            .e = e, .m = pk_member_at(e, block, l), .aside = pk_member_at(e, block, W)};
         ways[l].kept = 1;
-        of[l] = (struct pk_abreast_lane){0};
+        of[l] = (struct pk_lane){0};
     }
     for (size_t next = first, left = count; left;) {
         for (size_t l = 0; l < W; l++) {
@@ -182,7 +173,7 @@ static void run_abreast(const struct pk_ensemble *e, size_t first, size_t count,
             if (of[l].it)
                 of[l].limit = limit(w), of[l].free = w->m->it.t;
         }
-        pk_abreast_make(&a, of);
+        pk_lanes_make(&a, of);
         for (size_t l = 0; l < W; l++)
             if (of[l].it && !step(&ways[l]))
                 end(&ways[l]), of[l].it = NULL, left--;
@@ -210,7 +201,7 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
     const enum pk_status wrong = usable(e, member, 1, block, block_size);
     if (wrong < 0)
         return snprintf(text, size, "%s", pk_status_text(wrong));
-    struct way w = {.e = e, .m = member_at(e, block, 0), .aside = member_at(e, block, 1)};
+    struct way w = {.e = e, .m = pk_member_at(e, block, 0), .aside = pk_member_at(e, block, 1)};
     struct pk_integrator *it = &w.m->it;
     const enum pk_status status = e->status[member];
     const pk_real last = e->last_t[member];
@@ -238,7 +229,7 @@ enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t
     const struct pk_block_stepper *s = stepper(e);
     const size_t W = lanes(e);
     if (!s && W > 1)
-        run_abreast(e, first, count, block);
+        run_in_lanes(e, first, count, block);
     for (size_t i = 0; i < count && (s || W == 1); i += W) {
         if (s)
             pk_block_run(e, s, first + i, count - i < W ? count - i : W, (char *)block);

@@ -6,7 +6,7 @@
 
 #include <pk/ensemble.h>
 
-#include "../core/internal.h"
+#include "lanes.h"
 
 /* Inputs of one member: context of its pk_problem. */
 struct pk_constant_input {
@@ -25,6 +25,10 @@ struct pk_member {
     struct pk_constant_input input;
 };
 size_t pk_member_size(const struct pk_ensemble *e);
+static inline struct pk_member *pk_member_at(const struct pk_ensemble *e, void *memory, size_t k)
+{
+    return (struct pk_member *)(void *)((char *)memory + k * pk_member_size(e));
+}
 /* Returns the number of pk_members in memory when W lanes share their steps. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
 /* Initialises the integrator of a member; begin() also resets its rows done and its last time. */
@@ -36,11 +40,8 @@ enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struc
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
                               const pk_real *next, size_t W, enum pk_status status);
 
-/* Returns the stepper of blocks, the system's own or a generic one; NULL: there is none. */
-const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
-                                                   const struct pk_method *method);
 /* Returns the bytes of a block, without those of its members. */
-size_t pk_block_size(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W);
+size_t pk_block_size(const struct pk_ensemble *e);
 void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s, size_t first,
                   size_t count, char *memory);
 

@@ -80,7 +80,7 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
     for (size_t i = 0; i < it->n_q + it->n; i++)
         it->own->next[i] = next[i * W];
     PK_TRY(pk_singularity_step(it));
-    pk_exchange(it);
+    pk_commit_step(it);
     it->t = it->own->next_t;
     return PK_DONE;
 }

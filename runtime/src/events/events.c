@@ -172,7 +172,7 @@ static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, s
 /* Handles a start beyond a limit, or on it within rounding and moving out, which crosses nothing:
  * the run stops there, as at the limit. If it goes on, that rounding is subtracted and the start
  * counts as inside (pk_events_functions()): a later way out crosses the limit. */
-static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
+static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int backwards)
 {
     const struct pk_event *table = it->problem.system->events.table;
     pk_real *g = pk_events_end(e, 0);
@@ -268,7 +268,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
     const int clear = pk_events_ahead(e, it); /* then nothing is at its start either */
-    if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t)))
+    if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || stop_beyond_limit(e, it, limit < it->t)))
         return it->status;
     for (int count = 0;; count++) {
         if (pk_integrator_step(it, limit) != PK_DONE)

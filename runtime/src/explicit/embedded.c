@@ -51,7 +51,7 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     if (generic_slope(it, it->t + (pk_real)it->own->direction * h, w->y, w->last) < 0)
         return h;
     for (size_t i = 0; i < w->m; i++) {
-        const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
+        const pk_real scale = pk_scale_known(pk_tolerance(it, i, y0[i], y0[i]));
         const pk_real x = (w->last[i] - w->k[i]) / scale;
         d1 += w->k[i] / scale * (w->k[i] / scale);
         d2 += x * x;

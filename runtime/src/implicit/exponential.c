@@ -241,7 +241,7 @@ static void load(const struct work *w, const pk_real *state)
 {
     const size_t m = w->m - 1, bytes = m * sizeof *state;
     memcpy(w->x.hi, state, bytes); /* q and v are adjacent, their low parts too */
-    memcpy(w->x.lo, state + pk_before(w->n_q, w->n, PK_LOW_Q), bytes);
+    memcpy(w->x.lo, state + pk_state_offset(w->n_q, w->n, PK_LOW_Q), bytes);
     w->x.hi[m] = 1;
     w->x.lo[m] = 0;
 }

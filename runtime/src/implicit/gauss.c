@@ -102,7 +102,7 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
             return PK_DONE; /* corrections no longer shrink: they are round-off */
         before = size;
     }
-    return pk_because(it, PK_NO_CONVERGENCE, PK_OF_RATES, before);
+    return pk_fail_with(it, PK_NO_CONVERGENCE, PK_OF_RATES, before);
 }
 
 static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
@@ -116,7 +116,7 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = it->own->h; /* too long for fixed-point iteration */
+        w.kept->slow_h = it->own->h;                        /* too long for fixed-point iteration */
         memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* it was the low part of v, not of p */
         it->own->flags = 0;
     }
@@ -132,7 +132,7 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;
-    memcpy(it->own->next, it->own->state, pk_before(w->n_q, n, PK_PARTS) * sizeof *w->V);
+    memcpy(it->own->next, it->own->state, pk_state_offset(w->n_q, n, PK_PARTS) * sizeof *w->V);
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     pk_real *p = pk_next(it, PK_P);
     pk_real *low_q = pk_next(it, PK_LOW_Q), *low_p = pk_next(it, PK_LOW_X);
@@ -147,7 +147,7 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
         p[k] = pk_sum(p[k], dp, &low_p[k]);
         v[k] = w->V[(s - 1) * n + k];
     }
-    if (!pk_all_finite(it->own->next, pk_before(w->n_q, n, PK_LOW_Q)))
+    if (!pk_all_finite(it->own->next, pk_state_offset(w->n_q, n, PK_LOW_Q)))
         return PK_NOT_FINITE;
     if (w->c[s - 1] < 1 || w->table->conjugate)
         PK_TRY(recover_rates(it, w, it->own->next_t, q, p, v));

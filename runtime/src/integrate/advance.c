@@ -19,7 +19,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     if (!system->families.advance || n_q < n || !table || system->n_inputs ||
         it->own->singularities || it->own->project)
         return 0;
-    unsigned long steps = pk_step_whole(it, limit, most);
+    unsigned long steps = pk_step_count(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
         steps = it->options.max_steps - it->count.steps;
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
@@ -37,7 +37,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
             break;
     }
     memset(pk_next(it, PK_LOW_Q), 0, (n_q + n) * sizeof *q);
-    pk_exchange(it);
+    pk_commit_step(it);
     it->own->flags = 0; /* the acceleration of this state is not known */
     it->own->h = h;
     it->last_t = it->own->anchor + (it->own->grid + (pk_real)steps - 1) * h;
@@ -59,12 +59,12 @@ static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned lon
     const struct pk_system *system = it->problem.system;
     const pk_real h = (pk_real)it->own->direction * it->options.h;
     if (it->method->traits & PK_ADAPTIVE || it->own->singularities || it->own->project ||
-        it->own->passage || it->own->ahead || it->own->atol || system->marks.n ||
+        it->own->crossing || it->own->ahead || it->own->atol || system->marks.n ||
         system->switches.n || (it->options.stop && it->options.stop(it->options.context)))
         return 0;
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
         return 0;
-    unsigned long steps = pk_step_whole(it, limit, most);
+    unsigned long steps = pk_step_count(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
         steps = it->options.max_steps - it->count.steps;
     unsigned long made = 0;
@@ -74,12 +74,12 @@ static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned lon
         it->own->next_t = it->own->anchor + (it->own->grid + PK_C(1.0)) * h;
         it->own->off_grid = 0;
         if (it->own->step(it, limit) < 0 ||
-            !pk_all_finite(it->own->next, pk_before(it->n_q, it->n, PK_LOW_Q))) {
+            !pk_all_finite(it->own->next, pk_state_offset(it->n_q, it->n, PK_LOW_Q))) {
             it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
             break;
         }
-        pk_exchange(it);
-        pk_step_made(it, 1);
+        pk_commit_step(it);
+        pk_step_advance_time(it, 1);
     }
     return made;
 }

@@ -18,7 +18,7 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
         return it->status = PK_DONE;
     }
     if (it->own->crossed) {
-        pk_passage_at(it, t, q, v);
+        pk_singular_crossing_at(it, t, q, v);
         return it->status = PK_DONE;
     }
     it->status = it->method->dense(it, t, q, v);

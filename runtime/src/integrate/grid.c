@@ -25,7 +25,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
     return (struct pk_planned){limit - it->t, limit, 1};
 }
 
-unsigned long pk_step_whole(const struct pk_integrator *it, pk_real limit, unsigned long most)
+unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     /* Times are rounded: a step that ends that close to the limit is the last one. */
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
@@ -109,7 +109,7 @@ enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed
     return PK_DONE;
 }
 
-void pk_step_made(struct pk_integrator *it, int fixed)
+void pk_step_advance_time(struct pk_integrator *it, int fixed)
 {
     it->last_t = it->t;
     it->t = it->own->next_t;

@@ -40,16 +40,16 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
     const struct pk_system *system = problem->system;
     const size_t singularities = pk_system_singularity_count(system, problem->params);
     const struct pk_slot slots[] = {
-        {&own->state, pk_before(n_q, n, PK_PARTS)},
-        {&own->next, pk_before(n_q, n, PK_PARTS)},
+        {&own->state, pk_state_offset(n_q, n, PK_PARTS)},
+        {&own->next, pk_state_offset(n_q, n, PK_PARTS)},
         {&own->atol, pk_scale_size(problem, method, n_q, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : n_q + 2 * n + system->n_inputs},
         {&own->work, work_size(problem, method, n)},
         {&own->singularities, pk_singularity_size(singularities, n_q, n)},
         {&own->project, pk_project_size(problem, n)},
-        {&own->marks, pk_marks_size(system, n_q, n)},
-        {&own->passage, pk_passage_size(system, n_q, n)},
+        {&own->marks, pk_short_force_size(system, n_q, n)},
+        {&own->crossing, pk_singular_crossing_size(system, n_q, n)},
         {&own->params, pk_params_reals(system)},
     };
     own->n_singularities = singularities;
@@ -121,7 +121,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     if (!pk_project_size(problem, it->n))
         it->own->project = NULL;
     if (!system->constraints.n)
-        it->own->passage = NULL;
+        it->own->crossing = NULL;
     if (!system->marks.n)
         it->own->marks = NULL;
     it->q = pk_state(it, PK_Q);
@@ -148,12 +148,12 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     memmove(pk_state(it, PK_Q), q, n_q * sizeof *q);
     memmove(pk_state(it, PK_V), v, n * sizeof *v);
     memset(pk_state(it, PK_P), 0,
-           (pk_before(n_q, n, PK_PARTS) - pk_before(n_q, n, PK_P)) * sizeof *q);
+           (pk_state_offset(n_q, n, PK_PARTS) - pk_state_offset(n_q, n, PK_P)) * sizeof *q);
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
     /* Parts of the state that a method does not carry, and inputs without a source, stay 0. */
-    memset(it->own->next, 0, pk_before(n_q, n, PK_PARTS) * sizeof *q);
+    memset(it->own->next, 0, pk_state_offset(n_q, n, PK_PARTS) * sizeof *q);
     memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
     it->own->direction = 0;
@@ -169,7 +169,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     if (it->status >= 0 && it->method->init)
         it->status = it->method->init(it);
     pk_singularity_start(it);
-    pk_passage_forget(it);
+    pk_singular_crossing_forget(it);
     it->own->ready = it->status >= 0;
     return it->status;
 }
@@ -198,7 +198,7 @@ static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
 /* Whether q, v and p of the trial step are finite. */
 static int are_numbers(const struct pk_integrator *it)
 {
-    return pk_all_finite(it->own->next, pk_before(it->n_q, it->n, PK_LOW_Q));
+    return pk_all_finite(it->own->next, pk_state_offset(it->n_q, it->n, PK_LOW_Q));
 }
 
 /* A step with its projection. Where the method can, a failed projection is retried at a quarter of
@@ -213,14 +213,14 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
     for (int cuts = 0;; cuts++) {
         if (it->own->ahead)
             it->own->ahead->again = cuts == 0 && !raised;
-        enum pk_status status = it->own->step(it, pk_marks_limit(it, limit));
+        enum pk_status status = it->own->step(it, pk_short_force_limit(it, limit));
         if (pk_waits(it))
             return PK_DONE;
         if (status >= 0 && !are_numbers(it))
             status = PK_NOT_FINITE;
         const int pushed = status == PK_STEP_UNDERFLOW && !raised &&
                            pk_scale_raise(it, while_at_rest);
-        if (pushed || (status >= 0 && pk_marks_reject(it))) {
+        if (pushed || (status >= 0 && pk_short_force_reject(it))) {
             cuts--;
             raised |= pushed;
             it->own->h = pushed ? while_at_rest : it->own->h;
@@ -232,7 +232,7 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && it->own->project && !are_numbers(it))
             status = PK_NOT_FINITE;
         if (status == PK_STEP_UNDERFLOW && cuts)
-            return pk_because(it, PK_NO_PROJECTION, where, detail);
+            return pk_fail_with(it, PK_NO_PROJECTION, where, detail);
         if (status == PK_STEP_UNDERFLOW && it->own->project && pk_project_dependent(it))
             return PK_NO_PROJECTION;
         if (status != PK_NO_PROJECTION || !pk_repeats(it) || cuts == CUTS)
@@ -274,27 +274,27 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         if (status < 0)
             return stop(it, status);
     }
-    const int near = it->own->near, due = near && pk_passage_due(it, limit);
+    const int near = it->own->near, due = near && pk_singular_crossing_due(it, limit);
     it->own->seen = 0;
-    status = due ? pk_passage_step(it) : PK_NO_CONVERGENCE;
+    status = due ? pk_singular_crossing_step(it) : PK_NO_CONVERGENCE;
     const int passes = status != PK_NO_CONVERGENCE;
     it->own->crossed = it->own->crossed && passes;
     if (!passes)
-        status = advance(it, near ? pk_passage_limit(it, limit) : limit);
+        status = advance(it, near ? pk_singular_crossing_limit(it, limit) : limit);
     if (status >= 0 && pk_waits(it))
         return it->status = PK_DONE;
     if (status >= 0 && !passes && (near || it->own->seen > PK_SEEN))
-        status = pk_passage_judge(it);
+        status = pk_singular_crossing_judge(it);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
     if (status < 0)
         return stop(it, status);
 
-    pk_marks_accept(it);
-    pk_exchange(it);
-    pk_step_made(it, fixed);
+    pk_short_force_accept(it);
+    pk_commit_step(it);
+    pk_step_advance_time(it, fixed);
     pk_scale_step(it);
-    if (it->own->passage && (near || it->own->seen != PK_SEEN))
-        pk_passage_note(it);
+    if (it->own->crossing && (near || it->own->seen != PK_SEEN))
+        pk_singular_crossing_note(it);
     return it->status = status;
 }
 
@@ -319,14 +319,15 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
                pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
     if (it->own->crossed) { /* no reset: rows may depend on each other there */
         pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
-        pk_passage_at(it, t, q, v);
+        pk_singular_crossing_at(it, t, q, v);
         side->t = t;
         return PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
     if (side->status >= 0) /* parts of the state that a start does not have */
         memcpy(pk_state(side, PK_P), pk_next(it, PK_P),
-               (pk_before(n_q, n, PK_A) - pk_before(n_q, n, PK_P)) * sizeof *it->own->next);
+               (pk_state_offset(n_q, n, PK_A) - pk_state_offset(n_q, n, PK_P)) *
+                   sizeof *it->own->next);
     if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
         (t < it->last_t || t > it->last_t))
         pk_integrator_set_step(side, pk_abs(t - it->last_t));

@@ -20,7 +20,7 @@ static void addresses(struct pk_integrator_private *to, const struct pk_integrat
     to->n_singularities = from->n_singularities;
     to->lane = from->lane;
     to->project = from->project;
-    to->passage = from->passage;
+    to->crossing = from->crossing;
     to->params = from->params;
     to->marks = from->marks;
     to->extra = from->extra;
@@ -43,7 +43,7 @@ static int sound(const struct pk_integrator *it, const struct pk_integrator_priv
 {
     const struct pk_integrator_private *own = it->own;
     const struct pk_system *system = it->problem.system;
-    const int bound = own->passage != NULL, marks = own->marks != NULL;
+    const int bound = own->crossing != NULL, marks = own->marks != NULL;
     if (!is_flag(kept->off_grid) || !is_flag(kept->ready) || !is_flag(kept->made) || !kept->ready ||
         kept->direction < -1 || kept->direction > 1)
         return 0;
@@ -70,7 +70,7 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     struct pk_integrator_private kept = *own;
     int turned = own->next < own->state;
     pk_real *const first = turned ? own->next : own->state, *const end = own->params;
-    pk_real *const second = first + pk_before(it->n_q, it->n, PK_PARTS);
+    pk_real *const second = first + pk_state_offset(it->n_q, it->n, PK_PARTS);
 
     pk_keep_same(k, name(it->method->name));
     pk_keep_same(k, sizeof kept + sizeof(pk_real));

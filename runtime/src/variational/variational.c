@@ -100,8 +100,7 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     pk_real *q = pk_variational_to(w, PK_Q), *v = pk_variational_to(w, PK_V);
     pk_real *p = pk_variational_to(w, PK_P), *low_p = pk_variational_to(w, PK_LOW_X);
     guess(it, w, v);
-    const int known = it->own->flags &
-                      PK_HAVE_A; /* here: M and the forces are of this state */
+    const int known = it->own->flags & PK_HAVE_A; /* here: M and the forces are of this state */
     if (!known)
         pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
     if (!known || !w->whole) /* [M J^T; J 0] lies in the system's memory: others write there */
@@ -137,7 +136,7 @@ static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
     pk_real done = 0;
     (void)limit;
     memcpy(it->own->next, it->own->state,
-           pk_before(it->n_q, it->n, PK_PARTS) * sizeof *it->own->next);
+           pk_state_offset(it->n_q, it->n, PK_PARTS) * sizeof *it->own->next);
     w.to = it->own->next;
     for (int i = 0; i < parts->stages && status >= 0; i++) {
         w.t = it->t + done * it->own->h;

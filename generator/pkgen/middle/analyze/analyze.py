@@ -44,10 +44,10 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     autonomous = steady and not seen.occurs([*equations.state_rates, *kept], TIME_OR_INPUT)
     moving = [*equations.force, *equations.state_rates]
     jumping = _jumping(equations)
-    smooth = _smooth(equations) and not equations.jolted
+    smooth = _smooth(equations) and not equations.impulsive
     coupled = mass_blocks(equations)
     influence = influences(equations, coupled)
-    solvable = symmetric and n and untouched and not (jumping or equations.jolted)
+    solvable = symmetric and n and untouched and not (jumping or equations.impulsive)
     solvable = solvable and not equations.attitudes and bound is None
     found = None
     if solvable:

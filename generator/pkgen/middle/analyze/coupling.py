@@ -45,7 +45,7 @@ def influences(equations: Equations, blocks: Indices) -> Indices:
     `blocks` are those of M: each acceleration of a block depends on all its forces and entries.
     """
     found = _in_motion(equations, blocks)
-    if equations.jolted:
+    if equations.impulsive:
         n = len(equations.coordinates)
         found = tuple((*range(n), *row) if i < n else row for i, row in enumerate(found))
     tied = ties(equations)

@@ -111,16 +111,20 @@ def _jolted(along: Along, node: Node) -> str:
     """Returns the reason why a quantity may jump where rates jump, or "". Momenta without impulse
     do not jump, nor does the energy if surfaces and constraints do not depend on t."""
     g, e = along.graph, along.equations
-    if not e.jolted:
+    if not e.impulsive:
         return ""
     rows = e.constraints.rows if e.constraints is not None else ()
-    timeless = all(x.slope_t == ZERO and any(x.slope) for x in e.jolted)
+    timeless = all(x.slope_t == ZERO and any(x.slope) for x in e.impulsive)
     held = e.constraints is None or e.constraints.workless
     kept = {
         rest
         for rest, (_, i) in along.leaves.items()
         if (i is None and timeless and held)
-        or (i is not None and not any(x.slope[i] for x in e.jolted) and not any(r[i] for r in rows))
+        or (
+            i is not None
+            and not any(x.slope[i] for x in e.impulsive)
+            and not any(r[i] for r in rows)
+        )
     }
     seen, stack = set(), [node]
     while stack:
@@ -130,7 +134,7 @@ def _jolted(along: Along, node: Node) -> str:
         seen.add(n)
         stack += g.args[n]
         if g.op[n] is Op.SYMBOL:
-            at = ", ".join(x.quantity.name for x in e.jolted)
+            at = ", ".join(x.quantity.name for x in e.impulsive)
             return f"{naming(e)(g.data[n])} jumps where {at} vanishes"
     return ""
 

@@ -3,8 +3,8 @@
 A pulse or a barrier of a millionth of a step may lie between all stages of a method; no error
 estimate can see it. Its argument u, however, is smooth along the step, and tells where the function
 varies: exp(u) is 0 up to rounding for u < -36, 1/cosh(u) for |u| > 36, and 1 - tanh(u)^2 for
-|u| > 18. The runtime (src/core/marks.c) evaluates u along each step, and limits the step size so
-that u, within +-36, does not vary by much.
+|u| > 18. The runtime (src/core/short_force_limiter.c) evaluates u along each step, and limits the
+step size so that u, within +-36, does not vary by much.
 
 A divisor or a root of a + b(q, t) varies in a short range where |b| is not larger than the constant
 a: there u = 1 + b/a. The function decays only by powers, so a ladder u, u/1000, ... makes step

@@ -172,7 +172,7 @@ def _unconstrained(
 ) -> tuple[Row, Row] | None:
     """Returns p and pdot without constraint forces if there are rotations, constraints or impulses,
     or in solved form, where `canonical` has p = v; else None."""
-    if not solved and not e.quaternions and e.constraints is None and not e.jolted:
+    if not solved and not e.quaternions and e.constraints is None and not e.impulsive:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
     n, count = len(e.coordinates), len(rates)

@@ -1,4 +1,4 @@
-/* A step made ahead in a SIMD lane together with those of other integrators: pk/abreast.h. An
+/* A step made ahead in a SIMD lane together with those of other integrators: pk/adaptive_lanes.h. An
  * integrator that reaches this step takes its result instead of making it, and does the rest of its
  * work around the step as usual.
  */

@@ -86,8 +86,9 @@ static PK_INLINE void pk_block_kick_drift(size_t n_q, size_t n, size_t W,
                                           const pk_real *a, pk_real drift, const pk_real *from,
                                           pk_real *to)
 {
-    const size_t of_v = pk_before(n_q, n, PK_V) * W, of_low_q = pk_before(n_q, n, PK_LOW_Q) * W;
-    const size_t of_low_v = pk_before(n_q, n, PK_LOW_X) * W;
+    const size_t of_v = pk_state_offset(n_q, n, PK_V) * W,
+                 of_low_q = pk_state_offset(n_q, n, PK_LOW_Q) * W;
+    const size_t of_low_v = pk_state_offset(n_q, n, PK_LOW_X) * W;
     for (size_t i = 0; i < n_q * W; i += W) {
         PK_LANE_LOOP
         for (size_t l = 0; l < W; l++) {
@@ -113,7 +114,8 @@ static PK_INLINE void pk_block_kick_drift(size_t n_q, size_t n, size_t W,
 static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_real *PK_RESTRICT h,
                                     pk_real kick, const pk_real *a, pk_real *to)
 {
-    pk_real *v = to + pk_before(n_q, n, PK_V) * W, *low = to + pk_before(n_q, n, PK_LOW_X) * W;
+    pk_real *v = to + pk_state_offset(n_q, n, PK_V) * W,
+            *low = to + pk_state_offset(n_q, n, PK_LOW_X) * W;
     for (size_t i = 0; i < n * W; i += W) {
         PK_LANE_LOOP
         for (size_t l = 0; l < W; l++)

@@ -61,7 +61,8 @@ static PK_INLINE unsigned long long PK_STEPPER(block_erk)(struct pk_block *b,
                                                           const struct pk_tableau *table)
 {
     const size_t n_q = PK_BLOCK_COORDINATES(b), n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b);
-    const size_t v = n_q * W, low_q = pk_before(n_q, n, PK_LOW_Q) * W, low_v = low_q + v, m = n * W;
+    const size_t v = n_q * W, low_q = pk_state_offset(n_q, n, PK_LOW_Q) * W, low_v = low_q + v,
+                 m = n * W;
     PK_STEPPER(block_stages)(b, table);
     pk_block_sum(n_q, W, b->next, b->state, b->next + low_q, b->state + low_q, b->h, table->b,
                  table->stages, b->work, 2 * m);
@@ -91,7 +92,7 @@ static PK_INLINE unsigned long long PK_STEPPER(block_splitting)(struct pk_block 
                                                                 const struct pk_splitting *table)
 {
     const size_t n_q = PK_BLOCK_COORDINATES(b), n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b);
-    const size_t v = n_q * W, of_a = pk_before(n_q, n, PK_A) * W;
+    const size_t v = n_q * W, of_a = pk_state_offset(n_q, n, PK_A) * W;
     const pk_real *from = b->state, *a = from + of_a;
     pk_real *to = b->next, *a1 = to + of_a;
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;

@@ -26,7 +26,7 @@
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
 /* Returns the offset of a part. */
-static inline size_t pk_before(size_t n_q, size_t n, int part)
+static inline size_t pk_state_offset(size_t n_q, size_t n, int part)
 {
     const size_t of_q = (size_t)(part > PK_Q) + (size_t)(part > PK_LOW_Q);
     return of_q * n_q + ((size_t)part - of_q) * n;
@@ -34,7 +34,7 @@ static inline size_t pk_before(size_t n_q, size_t n, int part)
 
 static inline pk_real *pk_part(pk_real *state, size_t n_q, size_t n, int part)
 {
-    return state + pk_before(n_q, n, part);
+    return state + pk_state_offset(n_q, n, part);
 }
 
 static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }

@@ -26,7 +26,7 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
         return pk_linear_drag_step(it, table);
 #endif
     const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
-    const pk_real h = it->own->h, *from = it->own->state, *a = from + pk_before(n_q, n, PK_A);
+    const pk_real h = it->own->h, *from = it->own->state, *a = from + pk_state_offset(n_q, n, PK_A);
     pk_real *to = it->own->next, *a1 = pk_part(to, n_q, n, PK_A);
     pk_real done = 0; /* fraction of the step drifted so far */
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;

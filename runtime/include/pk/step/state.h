@@ -30,29 +30,30 @@ struct pk_integrator_private {
     pk_real judged_passed;  /* at the last check of progress: passed, t, trials, rejections */
     pk_real judged_t;
     unsigned long judged, judged_rejections;
-    pk_real longest;         /* longest rejected step */
-    pk_real next_t;          /* end of the current step */
-    pk_real h;               /* signed step size, of the last step or the next */
-    pk_real anchor, grid;    /* fixed steps: t = anchor + grid * h, never a running sum */
-    pk_real error;           /* adaptive: of the last accepted step, relative to the tolerance */
-    int off_grid;            /* fixed steps: the current one is shorter and ends the grid */
-    int ready;               /* a start was accepted; otherwise no step is made */
-    int made;                /* tables that a method makes once, for any start, are made */
-    int direction;           /* +1, -1, 0 before the first step */
-    int flags;               /* PK_HAVE_A and so on */
-    pk_real condition;       /* for a singular M: the least pivot relative to its diagonal entry */
-    pk_real *project;        /* rotations and constraints: src/constraints/project.c; NULL: none */
-    pk_real *passage;        /* src/constraints/passage.c; NULL: there are no constraints */
-    int crossed, near, seen; /* flags of constraints/passage.c: last step was a passage; near one */
-    pk_real *params;         /* memory for a copy of the params */
-    pk_real *marks;          /* their values at the start, ...: src/core/marks.c; NULL: none */
-    int marked, unlooked;    /* values at the start are known; fixed steps that stay unexamined */
-    pk_real reach, rise;     /* limit of the next step for marks, 0: none; of the one after it */
-    pk_real calm;            /* length of the last step in which marks hardly varied */
-    pk_real range, varied;   /* variation of marks in the trial step; the part of it that matters */
-    enum pk_status trouble;  /* status, time, where and condition of the last trial step that */
-    pk_real trouble_t;       /* broke down: the cause to report if step sizes then underflow */
-    size_t trouble_where;    /* just before it */
+    pk_real longest;      /* longest rejected step */
+    pk_real next_t;       /* end of the current step */
+    pk_real h;            /* signed step size, of the last step or the next */
+    pk_real anchor, grid; /* fixed steps: t = anchor + grid * h, never a running sum */
+    pk_real error;        /* adaptive: of the last accepted step, relative to the tolerance */
+    int off_grid;         /* fixed steps: the current one is shorter and ends the grid */
+    int ready;            /* a start was accepted; otherwise no step is made */
+    int made;             /* tables that a method makes once, for any start, are made */
+    int direction;        /* +1, -1, 0 before the first step */
+    int flags;            /* PK_HAVE_A and so on */
+    pk_real condition;    /* for a singular M: the least pivot relative to its diagonal entry */
+    pk_real *project;     /* rotations and constraints: src/constraints/project.c; NULL: none */
+    pk_real *crossing;    /* src/constraints/singular_crossing.c; NULL: there are no constraints */
+    int crossed, near,
+        seen;        /* flags of constraints/singular_crossing.c: last step crossed; near one */
+    pk_real *params; /* memory for a copy of the params */
+    pk_real *marks; /* their values at the start, ...: src/core/short_force_limiter.c; NULL: none */
+    int marked, unlooked;   /* values at the start are known; fixed steps that stay unexamined */
+    pk_real reach, rise;    /* limit of the next step for marks, 0: none; of the one after it */
+    pk_real calm;           /* length of the last step in which marks hardly varied */
+    pk_real range, varied;  /* variation of marks in the trial step; the part of it that matters */
+    enum pk_status trouble; /* status, time, where and condition of the last trial step that */
+    pk_real trouble_t;      /* broke down: the cause to report if step sizes then underflow */
+    size_t trouble_where;   /* just before it */
     pk_real trouble_condition;
     struct pk_ahead *ahead; /* NULL: no steps are made ahead */
     void *extra;            /* memory of a foreign library */
@@ -78,7 +79,7 @@ static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_
 }
 
 /* For the guess of a first step: infinity for the tolerance of a number that is zero so far. */
-static inline pk_real pk_scale_shown(pk_real tolerance)
+static inline pk_real pk_scale_known(pk_real tolerance)
 {
     return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
 }

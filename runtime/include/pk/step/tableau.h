@@ -111,8 +111,8 @@ static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, c
 static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const pk_real *a,
                                     pk_real delta, const pk_real *from, pk_real *to)
 {
-    const size_t of_v = pk_before(n_q, n, PK_V), of_low_q = pk_before(n_q, n, PK_LOW_Q);
-    const size_t of_low_v = pk_before(n_q, n, PK_LOW_X);
+    const size_t of_v = pk_state_offset(n_q, n, PK_V), of_low_q = pk_state_offset(n_q, n, PK_LOW_Q);
+    const size_t of_low_v = pk_state_offset(n_q, n, PK_LOW_X);
     PK_LANE_LOOP
     for (size_t k = 0; k < n_q; k++) {
         pk_real low_v = from[of_low_v + k], low_q = from[of_low_q + k];

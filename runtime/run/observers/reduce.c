@@ -1,7 +1,7 @@
 /* Reductions of each ensemble member to some numbers, in place of its rows or with them; an
  * observer. It reads the columns from the cells of each row.
  */
-#include "look.h"
+#include "observers.h"
 
 #include "../settings/settings.h"
 

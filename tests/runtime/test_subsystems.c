@@ -127,7 +127,7 @@ struct test {
     struct whole_params params;
     struct pk_problem whole;
     struct pk_choice choices[2];
-    struct pk_apart apart;
+    struct pk_subsystems apart;
     void *block;
 };
 
@@ -143,15 +143,15 @@ static enum pk_status begin(struct test *t, const struct pk_part *of)
         t->choices[k].options.rtol = t->choices[k].options.atol = 1e-13;
         t->choices[k].options.h = k ? 0 : 0.002;
     }
-    const size_t size = pk_apart_size(&t->whole, of, t->choices, 2);
+    const size_t size = pk_subsystems_size(&t->whole, of, t->choices, 2);
     t->block = malloc(size ? size : 1);
     CU_ASSERT_PTR_NOT_NULL_FATAL(t->block);
-    return pk_apart_init(&t->apart, &t->whole, of, t->choices, 2, 0, q0, v0, t->block, size);
+    return pk_subsystems_init(&t->apart, &t->whole, of, t->choices, 2, 0, q0, v0, t->block, size);
 }
 
 static void end(struct test *t)
 {
-    pk_apart_free(&t->apart);
+    pk_subsystems_free(&t->apart);
     free(t->block);
 }
 
@@ -168,7 +168,7 @@ static void against_together(void)
                                        block, sizeof block) == PK_DONE);
     double worst = 0;
     for (int k = 1; k <= 8; k++) {
-        CU_ASSERT(pk_apart_to(&t.apart, k * 0.5, k * 0.5) == PK_DONE && t.apart.t == k * 0.5);
+        CU_ASSERT(pk_subsystems_to(&t.apart, k * 0.5, k * 0.5) == PK_DONE && t.apart.t == k * 0.5);
         CU_ASSERT(pk_integrator_to(&it, k * 0.5) == PK_DONE);
         for (int i = 0; i < 2; i++) {
             worst = fmax(worst, fabs(t.apart.q[i] - it.q[i]));
@@ -181,7 +181,7 @@ static void against_together(void)
     printf("\n    apart %lu and %lu steps, together %lu: %.1e", many, few, it.count.steps, worst);
     CU_ASSERT(worst > 0 && worst < 2e-11);
     CU_ASSERT(many == 2000 && few < 20 && it.count.steps > 100);
-    CU_ASSERT(pk_apart_to(&t.apart, 0, 0) == PK_DONE);
+    CU_ASSERT(pk_subsystems_to(&t.apart, 0, 0) == PK_DONE);
     CU_ASSERT(fabs(t.apart.v[2] - 1) < 1e-12 && fabs(t.apart.q[1] - 1) < 1e-10);
     end(&t);
 }
@@ -194,19 +194,19 @@ static void failure(void)
     CU_ASSERT_FATAL(begin(&t, parts) == PK_DONE);
     end(&t);
     t.params.end = 1.25;
-    const size_t size = pk_apart_size(&t.whole, parts, t.choices, 2);
+    const size_t size = pk_subsystems_size(&t.whole, parts, t.choices, 2);
     t.block = malloc(size);
-    CU_ASSERT_FATAL(t.block && pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0,
-                                             t.block, size) == PK_DONE);
-    CU_ASSERT(pk_apart_to(&t.apart, 1, 1) == PK_DONE);
+    CU_ASSERT_FATAL(t.block && pk_subsystems_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0,
+                                                  v0, t.block, size) == PK_DONE);
+    CU_ASSERT(pk_subsystems_to(&t.apart, 1, 1) == PK_DONE);
     const double x = t.apart.q[0], y = t.apart.q[1];
-    CU_ASSERT(pk_apart_to(&t.apart, 2, 2) == PK_NOT_FINITE && t.apart.failed == 1);
+    CU_ASSERT(pk_subsystems_to(&t.apart, 2, 2) == PK_NOT_FINITE && t.apart.failed == 1);
     CU_ASSERT(t.apart.t == 1 && t.apart.q[0] == x && t.apart.q[1] == y);
-    pk_apart_reason(&t.apart, reason, sizeof reason);
+    pk_subsystems_reason(&t.apart, reason, sizeof reason);
     CU_ASSERT(strstr(reason, "part 1 (y): the motion is no longer finite; last valid time 1.2") !=
               NULL);
     CU_ASSERT(strstr(reason, "the whole is at t = 1") != NULL);
-    CU_ASSERT(pk_apart_to(&t.apart, 1.5, 1.5) == PK_NOT_FINITE && t.apart.t == 1);
+    CU_ASSERT(pk_subsystems_to(&t.apart, 1.5, 1.5) == PK_NOT_FINITE && t.apart.t == 1);
     end(&t);
 }
 
@@ -217,24 +217,24 @@ static void kept(void)
     struct test a, b;
     struct pk_keep out = {.to = bytes, .size = sizeof bytes}, in = {.from = bytes};
     CU_ASSERT_FATAL(begin(&a, parts) == PK_DONE && begin(&b, parts) == PK_DONE);
-    CU_ASSERT(pk_apart_to(&a.apart, 0.501, 4) == PK_DONE);
-    CU_ASSERT(pk_apart_keep(&a.apart, &out) == PK_DONE);
+    CU_ASSERT(pk_subsystems_to(&a.apart, 0.501, 4) == PK_DONE);
+    CU_ASSERT(pk_subsystems_keep(&a.apart, &out) == PK_DONE);
     in.size = out.used - 1;
-    CU_ASSERT(pk_apart_keep(&b.apart, &in) == PK_BLOCK_TOO_SMALL);
+    CU_ASSERT(pk_subsystems_keep(&b.apart, &in) == PK_BLOCK_TOO_SMALL);
     end(&b);
     CU_ASSERT_FATAL(begin(&b, parts) == PK_DONE);
     in = (struct pk_keep){.from = bytes, .size = out.used};
-    CU_ASSERT(pk_apart_keep(&b.apart, &in) == PK_DONE);
+    CU_ASSERT(pk_subsystems_keep(&b.apart, &in) == PK_DONE);
     for (int k = 0; k < 2; k++) {
         CU_ASSERT(a.apart.t == b.apart.t);
         CU_ASSERT(memcmp(a.apart.q, b.apart.q, sizeof q0) == 0);
         CU_ASSERT(memcmp(a.apart.v, b.apart.v, sizeof v0) == 0);
         for (int i = 0; i < 2; i++) {
-            const struct pk_apart_part *x = &a.apart.parts[i], *y = &b.apart.parts[i];
+            const struct pk_subsystem *x = &a.apart.parts[i], *y = &b.apart.parts[i];
             CU_ASSERT((x->there == &x->aside) == (y->there == &y->aside));
             CU_ASSERT(x->aside.count.evaluations == y->aside.count.evaluations);
         }
-        pk_apart_to(&a.apart, 0.5011, 4), pk_apart_to(&b.apart, 0.5011, 4);
+        pk_subsystems_to(&a.apart, 0.5011, 4), pk_subsystems_to(&b.apart, 0.5011, 4);
     }
     end(&a), end(&b);
 }
@@ -249,37 +249,37 @@ static void refused(void)
     struct test t;
     char reason[500];
     CU_ASSERT(begin(&t, twice) == PK_BAD_ARGUMENT);
-    pk_apart_reason(&t.apart, reason, sizeof reason);
+    pk_subsystems_reason(&t.apart, reason, sizeof reason);
     CU_ASSERT(strstr(reason, "the parts are not the whole") != NULL);
-    CU_ASSERT(pk_apart_to(&t.apart, 1, 1) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_subsystems_to(&t.apart, 1, 1) == PK_BAD_ARGUMENT);
     end(&t);
     CU_ASSERT(begin(&t, beyond) == PK_BAD_ARGUMENT && t.apart.failed == 1);
     end(&t);
     CU_ASSERT(begin(&t, strange) == PK_BAD_ARGUMENT && t.apart.failed == 1);
     end(&t);
     CU_ASSERT(begin(&t, parts) == PK_DONE);
-    CU_ASSERT(pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, t.block, 64) ==
+    CU_ASSERT(pk_subsystems_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, t.block, 64) ==
               PK_BLOCK_TOO_SMALL);
     /* What a part's method needs, and its parameters' bounds, are asked of each. */
     t.choices[1].method = pk_method_find("exponential");
     t.choices[1].options.h = 0.1;
-    const size_t size = pk_apart_size(&t.whole, parts, t.choices, 2);
+    const size_t size = pk_subsystems_size(&t.whole, parts, t.choices, 2);
     void *block = malloc(size);
-    CU_ASSERT(pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, block, size) ==
+    CU_ASSERT(pk_subsystems_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, block, size) ==
               PK_REFUSED);
-    pk_apart_reason(&t.apart, reason, sizeof reason);
+    pk_subsystems_reason(&t.apart, reason, sizeof reason);
     CU_ASSERT(strstr(reason, "part 2 (x): exponential needs ") != NULL);
     t.params.fast = -1;
-    CU_ASSERT(pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, block, size) ==
+    CU_ASSERT(pk_subsystems_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, block, size) ==
               PK_OUT_OF_BOUNDS);
-    pk_apart_reason(&t.apart, reason, sizeof reason);
+    pk_subsystems_reason(&t.apart, reason, sizeof reason);
     CU_ASSERT(strstr(reason, "part 1 (y): a parameter is outside its bounds: fast") != NULL);
     end(&t);
     free(block); /* that the parts are in */
-    CU_ASSERT(pk_apart_size(&t.whole, NULL, t.choices, 2) == 0);
+    CU_ASSERT(pk_subsystems_size(&t.whole, NULL, t.choices, 2) == 0);
 }
 
-void add_apart(void)
+void add_subsystems(void)
 {
     CU_pSuite suite = CU_add_suite("blocks apart", NULL, NULL);
     CU_add_test(suite, "against the whole", against_together);

@@ -1,12 +1,12 @@
-/* Shared by the monitoring of singular positions (near.c) and the step over one (passage.c). */
-#ifndef PK_PASSAGE_H
-#define PK_PASSAGE_H
+/* Shared by the monitoring of singular positions (near_singular.c) and the step over one (singular_crossing.c). */
+#ifndef PK_SINGULAR_CROSSING_H
+#define PK_SINGULAR_CROSSING_H
 
 #include "../core/project.h"
 
-enum { PK_PASSAGE_STAGES = 8 };
+enum { PK_SINGULAR_CROSSING_STAGES = 8 };
 
-struct pk_passage {
+struct pk_singular_crossing {
     pk_real sigma; /* sigma at the last look */
     pk_real at;    /* predicted time of its root, if it falls */
     pk_real falls; /* whether it falls */
@@ -19,24 +19,25 @@ struct pk_passage {
     pk_real unseen;        /* whether the last step did not compute sigma */
 };
 
-struct pk_passage_parts {
-    struct pk_passage *is;
+struct pk_singular_crossing_parts {
+    struct pk_singular_crossing *is;
     pk_real *q, *v;     /* at the start of the step */
     pk_real *Q, *V, *A; /* at its stages */
     pk_real *q_here, *v_here, *a_here;
-    pk_real c[PK_PASSAGE_STAGES], b[PK_PASSAGE_STAGES];
+    pk_real c[PK_SINGULAR_CROSSING_STAGES], b[PK_SINGULAR_CROSSING_STAGES];
 };
 
-struct pk_passage_parts pk_passage_parts(const struct pk_integrator *it);
+struct pk_singular_crossing_parts pk_singular_crossing_parts(const struct pk_integrator *it);
 
-static inline struct pk_passage *pk_passage_of(const struct pk_integrator *it)
+static inline struct pk_singular_crossing *pk_singular_crossing_of(const struct pk_integrator *it)
 {
-    return (struct pk_passage *)(void *)it->own->passage; /* first in its memory */
+    return (struct pk_singular_crossing *)(void *)it->own->crossing; /* first in its memory */
 }
 
 /* Returns sigma at (t, q, v); 1 if M is singular. */
-pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v);
+pk_real pk_singular_crossing_sigma(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                   const pk_real *v);
 /* Returns it->where for an undetermined branch: after all other indices, plus the row. */
-size_t pk_passage_told(const struct pk_integrator *it);
+size_t pk_singular_crossing_told(const struct pk_integrator *it);
 
 #endif

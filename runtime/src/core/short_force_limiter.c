@@ -30,7 +30,7 @@ static size_t lay_out(struct between *b, const struct pk_system *system, size_t 
     return PK_LAY_OUT(base, slots);
 }
 
-size_t pk_marks_size(const struct pk_system *system, size_t n_q, size_t n)
+size_t pk_short_force_size(const struct pk_system *system, size_t n_q, size_t n)
 {
     struct between b;
     return system->marks.n ? 4 * system->marks.n + lay_out(&b, system, n_q, n, NULL) : 0;
@@ -160,13 +160,13 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
     return 1;
 }
 
-pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit)
+pk_real pk_short_force_limit(const struct pk_integrator *it, pk_real limit)
 {
     const int restrained = it->own->reach > 0 && it->own->reach < pk_abs(limit - it->t);
     return restrained ? it->t + (pk_real)it->own->direction * it->own->reach : limit;
 }
 
-int pk_marks_reject(struct pk_integrator *it)
+int pk_short_force_reject(struct pk_integrator *it)
 {
     if (!it->own->marks)
         return 0;
@@ -217,7 +217,7 @@ int pk_marks_reject(struct pk_integrator *it)
     return 0;
 }
 
-void pk_marks_accept(struct pk_integrator *it)
+void pk_short_force_accept(struct pk_integrator *it)
 {
     if (!it->own->marks)
         return;

@@ -1,8 +1,8 @@
-/* Judges up to which time a run can be trusted; an observer. See look.h. */
+/* Judges up to which time a run can be trusted; an observer. See observers.h. */
 #include <pk/methods.h>
 
 #include "../settings/settings.h"
-#include "look.h"
+#include "observers.h"
 
 #define OFF "the energy, which the motion keeps, is off by more than %g of its scale after t = %.9g"
 #define LOOSE PK_C(1e-8)
@@ -114,7 +114,7 @@ void trust_reason(const struct pk_run *run, char *text, size_t size)
     const struct pk_integrator *it = &run->it;
     char arrived[256], name[128];
     if (run->settings.n_parts) {
-        pk_apart_reason(&run->apart, text, size);
+        pk_subsystems_reason(&run->subsystems, text, size);
         return;
     }
     pk_integrator_reason(it, text, size);

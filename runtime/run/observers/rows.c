@@ -3,7 +3,7 @@
  */
 #include <pk/constraint.h>
 
-#include "look.h"
+#include "observers.h"
 
 #include "../base/numbers.h"
 #include "../settings/settings.h"
@@ -295,4 +295,4 @@ const char *rows_not_finite(const struct pk_run *run, char *name, size_t size)
     return name;
 }
 
-int rows_whole(const struct pk_run *run) { return !run->interrupted && !run->write_failed; }
+int rows_complete(const struct pk_run *run) { return !run->interrupted && !run->write_failed; }

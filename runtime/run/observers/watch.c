@@ -1,5 +1,5 @@
 /* Records and reports the crossings of events and switches; an observer. */
-#include "look.h"
+#include "observers.h"
 
 enum { FEW = 4 }; /* states too few to judge an event function; a stop at the event is one */
 
@@ -21,7 +21,8 @@ const char *watch_name(const struct pk_system *system, size_t k)
 static const struct pk_integrator *integrator(const struct pk_run *run, size_t k)
 {
     if (run->settings.n_parts)
-        return k < run->apart.count && run->apart.parts ? &run->apart.parts[k].it : NULL;
+        return k < run->subsystems.count && run->subsystems.parts ? &run->subsystems.parts[k].it
+                                                                  : NULL;
     return k == 0 ? &run->it : NULL;
 }
 
@@ -83,14 +84,14 @@ static void report(const struct pk_run *run, struct json *j)
     const struct pk_integrator *it;
     report_kind(run, j, "events", 0, system->events.n);
     report_kind(run, j, "switches", system->events.n, system->switches.n);
-    json_whole(j, "event_tries", run->events.tries);
+    json_integer(j, "event_tries", run->events.tries);
     json_open(j, "passed_over", '[');
     for (size_t k = 0; (it = integrator(run, k)) != NULL; k++) {
         if (!it->passed_over.count)
             continue;
         json_open(j, NULL, '{');
         json_text(j, "name", it->problem.system->marks.names[it->passed_over.which].name);
-        json_whole(j, "steps", it->passed_over.count);
+        json_integer(j, "steps", it->passed_over.count);
         json_real(j, "t", it->passed_over.t);
         json_close(j, '}');
     }

@@ -1,4 +1,4 @@
-/* Steps of several integrators made ahead, in lanes; see pk/abreast.h. A lane holds its
+/* Steps of several integrators made ahead, in lanes; see pk/adaptive_lanes.h. A lane holds its
  * integrator's state as long as that takes the steps made for it; otherwise the lane is loaded
  * again.
  */
@@ -6,43 +6,21 @@
 
 #include "../core/generic.h"
 #include "../core/tableau.h"
-#include "ensemble.h"
 
-#include <pk/abreast.h>
+#include <pk/adaptive_lanes.h>
 #include <pk/events.h>
 #include <pk/step/embedded.h>
 
 #include "../events/events.h"
-#include "screen.h"
+#include "event_screen.h"
+#include "lanes.h"
 
 enum {
     FEW = 8,  /* lanes are not worthwhile for at most 1/8 of them */
     MANY = 32 /* steps in a call */
 };
 
-static int most_stages(const struct pk_method *method)
-{
-    const struct pk_tableau *table = pk_explicit_table(method);
-    return table ? table->stages : 0;
-}
-
-static size_t lay_out(struct pk_block *b, const struct pk_system *system,
-                      const struct pk_method *method, size_t W, pk_real **screen, pk_real *base)
-{
-    const size_t n_q = b->n_q, n = b->n, parts = pk_before(n_q, n, PK_PARTS);
-    const size_t looks = pk_screen_size(system, n_q, n, W);
-    const struct pk_slot slots[] = {{&b->state, parts * W},
-                                    {&b->next, parts * W},
-                                    {&b->P, pk_params_reals(system) * W},
-                                    {&b->u, system->n_inputs * W},
-                                    {&b->t, W},
-                                    {&b->work, pk_block_reals(most_stages(method), n_q, n, W)},
-                                    {&b->lane, n_q + 2 * n + system->n_inputs},
-                                    {screen, looks}};
-    return PK_LAY_OUT(base, slots);
-}
-
-size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method *method)
+size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const struct pk_system *system = problem->system;
 #ifdef PK_ONE_BY_ONE /* to measure the gain of lanes */
@@ -50,51 +28,45 @@ size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method 
 #else
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
 #endif
-    struct pk_block b = {.n_q = pk_system_coordinates(system, problem->params),
-                         .n = pk_system_count(system, problem->params)};
-    pk_real *screen;
+    struct pk_block b;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt) ||
         system->constraints.n) /* projection, made one by one, is most of a step */
         return 0;
-    return lay_out(&b, system, method, s->lanes, &screen, NULL) * sizeof(pk_real);
+    const size_t block = pk_block_lay_out(&b, problem, method, 0, NULL);
+    return (block + pk_screen_size(&b)) * sizeof(pk_real);
 }
 
-size_t pk_abreast_lanes(const struct pk_problem *problem, const struct pk_method *method)
+size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method)
 {
-    return pk_abreast_size(problem, method) ? pk_block_stepper_of(problem->system, method)->lanes
-                                            : 1;
+    return pk_lanes_size(problem, method) ? pk_block_stepper_of(problem->system, method)->lanes : 1;
 }
 
-void pk_abreast_leave(struct pk_integrator *it)
+void pk_lanes_leave(struct pk_integrator *it)
 {
     if (it->own)
         it->own->ahead = NULL;
 }
 
-void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
-                     const struct pk_method *method, void *block, size_t size)
+void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
+                   const struct pk_method *method, void *block, size_t size)
 {
     const struct pk_system *system = problem->system;
     const struct pk_splitting *splitting = pk_splitting_table(method);
     const int stages = splitting ? splitting->stages : pk_explicit_table(method)->stages;
-    pk_real *screen;
     memset(a, 0, sizeof *a);
     memset(block, 0, size);
     a->method = method;
     a->stepper = pk_block_stepper_of(system, method);
     a->lanes = a->stepper->lanes;
-    a->b.system = system;
-    a->b.lanes = a->lanes;
-    a->b.n_q = pk_system_coordinates(system, problem->params);
-    a->b.n = pk_system_count(system, problem->params);
-    lay_out(&a->b, system, method, a->lanes, &screen, (pk_real *)block);
-    pk_screen_init(&a->screen, &a->b, a->stepper, screen);
+    pk_real *const base = (pk_real *)block;
+    pk_screen_init(&a->screen, &a->b, a->stepper,
+                   base + pk_block_lay_out(&a->b, problem, method, 0, base));
     for (size_t l = 0; l < a->lanes; l++)
         a->ahead[l].lanes = a->lanes, a->ahead[l].cost = (unsigned long)stages;
 }
 
 /* Predicts the next step towards `limit`. Returns 0 if it cannot be predicted. */
-static int plan(const struct pk_abreast *a, struct pk_integrator *it, pk_real limit,
+static int plan(const struct pk_lanes *a, struct pk_integrator *it, pk_real limit,
                 struct pk_planned *x)
 {
     const struct pk_splitting *splitting = pk_splitting_table(a->method);
@@ -107,7 +79,7 @@ static int plan(const struct pk_abreast *a, struct pk_integrator *it, pk_real li
     }
     if (!(it->own->flags & PK_HAVE_STEP || pk_waits(it)) || !(pk_abs(it->own->h) > 0))
         return 0;
-    limit = pk_marks_limit(it, limit);
+    limit = pk_short_force_limit(it, limit);
     struct pk_trial trial = pk_trial(it, limit);
     if (!pk_trial_next(it, limit, &trial))
         return 0;
@@ -116,49 +88,22 @@ static int plan(const struct pk_abreast *a, struct pk_integrator *it, pk_real li
     return 1;
 }
 
-static void put(const pk_real *from, size_t count, pk_real *to, size_t W)
-{
-    for (size_t i = 0; i < count; i++)
-        to[i * W] = from[i];
-}
-
-static void load(struct pk_abreast *a, const struct pk_abreast_lane *lane, size_t l)
+static void load(struct pk_lanes *a, const struct pk_lane *lane, size_t l)
 {
     struct pk_block *b = &a->b;
     struct pk_integrator *it = lane->it;
-    const size_t n_q = b->n_q, n = b->n, W = b->lanes, reals = pk_params_reals(b->system);
-    const void *own = lane->events && lane->events->params ? lane->events->params
-                                                           : it->problem.params;
-    const pk_real *params = (const pk_real *)own;
-    b->params[l] = params;
-    put(it->own->state, pk_before(n_q, n, PK_PARTS), b->state + l, W);
-    if (a->method->traits & PK_ADAPTIVE) {
+    const int switched = lane->events && lane->events->params;
+    pk_block_load(b, it, switched ? lane->events->params : it->problem.params, l);
+    if (a->method->traits & PK_ADAPTIVE) { /* the first stage */
         const struct pk_tableau *table = pk_explicit_table(a->method);
-        const struct pk_embedded_work w = pk_embedded_parts(it, table, n_q, n);
+        const struct pk_embedded_work w = pk_embedded_parts(it, table, b->n_q, b->n);
         const pk_real *slope = it->own->flags & PK_HAVE_STEP ? w.last : w.k;
-        put(slope, n_q, b->work + l, W);
-        put(slope + n_q, n, b->work + n * W + l, W);
+        for (size_t i = 0; i < b->n_q; i++)
+            b->work[i * b->lanes + l] = slope[i];
+        for (size_t i = 0; i < b->n; i++)
+            b->work[(b->n + i) * b->lanes + l] = slope[b->n_q + i];
     }
-    put(params, reals, b->P + l, W);
-    put(pk_eval_input(it, it->t), b->system->n_inputs, b->u + l, W);
     a->loaded |= 1ull << l;
-}
-
-/* Fills an unused lane with the finite numbers of another one. */
-static void copy_lane(struct pk_block *b, const struct pk_abreast *a, size_t from, size_t to)
-{
-    const size_t W = b->lanes;
-    const struct {
-        pk_real *x;
-        size_t count;
-    } all[] = {{b->state, pk_before(b->n_q, b->n, PK_PARTS)},
-               {b->P, pk_params_reals(b->system)},
-               {b->u, b->system->n_inputs},
-               {b->work, a->method->traits & PK_ADAPTIVE ? 2 * b->n : 0}};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        for (size_t i = 0; i < all[k].count; i++)
-            all[k].x[i * W + to] = all[k].x[i * W + from];
-    b->params[to] = b->params[from];
 }
 
 /* Copies `from` to `to` in the lanes of `mask`. */
@@ -173,10 +118,10 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
 }
 
 /* Advances the state of these lanes to the end of their step. */
-static void advance(struct pk_abreast *a, unsigned long long lanes)
+static void advance(struct pk_lanes *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
-    const size_t n_q = b->n_q, n = b->n, W = b->lanes, low = pk_before(n_q, n, PK_LOW_Q);
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes, low = pk_state_offset(n_q, n, PK_LOW_Q);
     pk_bits mask[PK_BLOCK_MOST];
     if (!lanes)
         return;
@@ -184,14 +129,15 @@ static void advance(struct pk_abreast *a, unsigned long long lanes)
         mask[l] = lanes >> l & 1 ? ~(pk_bits)0 : 0;
     pick(mask, n_q + n, W, b->next, b->state);
     if (a->method->traits & PK_ADAPTIVE)
-        pick(mask, 2 * n, W, pk_block_slopes(b, most_stages(a->method)), b->work);
+        pick(mask, 2 * n, W, pk_block_slopes(b, pk_block_stages(a->method)), b->work);
     else
-        pick(mask, pk_before(n_q, n, PK_PARTS) - low, W, b->next + low * W, b->state + low * W);
+        pick(mask, pk_state_offset(n_q, n, PK_PARTS) - low, W, b->next + low * W,
+             b->state + low * W);
 }
 
 /* Prepares the next step of each lane, loading its state where needed. Returns the lanes that have
  * one. */
-static unsigned long long enter(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
+static unsigned long long enter(struct pk_lanes *a, const struct pk_lane *lanes)
 {
     struct pk_block *b = &a->b;
     unsigned long long live = 0;
@@ -218,32 +164,30 @@ static unsigned long long enter(struct pk_abreast *a, const struct pk_abreast_la
 }
 
 /* Gives each lane that has no step a step of length 0. */
-static void rest(struct pk_abreast *a, unsigned long long live)
+static void rest(struct pk_lanes *a, unsigned long long live)
 {
     struct pk_block *b = &a->b;
-    size_t first = 0;
-    while (!(live >> first & 1))
-        first++;
+    const size_t first = pk_lowest(live);
     for (size_t l = 0; l < b->lanes; l++) {
         if (live >> l & 1)
             continue;
         if (!(a->loaded >> l & 1))
-            copy_lane(b, a, first, l);
+            pk_block_copy_lane(b, first, l);
         b->from[l] = b->end[l] = b->from[first];
         b->h[l] = 0;
     }
 }
 
 /* Makes a step in all lanes. Returns those that failed. */
-static unsigned long long step(struct pk_abreast *a)
+static unsigned long long step(struct pk_lanes *a)
 {
     struct pk_block *b = &a->b;
     b->failed = b->not_finite = 0;
     return (a->method->traits & PK_ADAPTIVE ? a->stepper->attempt : a->stepper->step)(b);
 }
 
-static unsigned long long accelerations(struct pk_abreast *a, const pk_real *t,
-                                        const pk_real *state, pk_real *to)
+static unsigned long long accelerations(struct pk_lanes *a, const pk_real *t, const pk_real *state,
+                                        pk_real *to)
 {
     struct pk_block *b = &a->b;
     memcpy(b->t, t, b->lanes * sizeof *t);
@@ -251,7 +195,7 @@ static unsigned long long accelerations(struct pk_abreast *a, const pk_real *t,
 }
 
 /* Returns those lanes of `of`, whose steps are made, that cross no event. */
-static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
+static unsigned long long clear(struct pk_lanes *a, const struct pk_lane *lanes,
                                 unsigned long long of, unsigned long long known)
 {
     struct pk_block *b = &a->b;
@@ -260,7 +204,8 @@ static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_la
         return of;
     if (a->method->traits & PK_ADAPTIVE) {
         memcpy(a->screen.a0, b->work + m, m * sizeof *b->work);
-        memcpy(a->screen.a1, pk_block_slopes(b, most_stages(a->method)) + m, m * sizeof *b->work);
+        memcpy(a->screen.a1, pk_block_slopes(b, pk_block_stages(a->method)) + m,
+               m * sizeof *b->work);
         return pk_screen(&a->screen, b, lanes, of, known, PK_CLEAR_OF);
     }
     if (pk_splitting_table(a->method))
@@ -272,12 +217,12 @@ static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_la
 }
 
 /* Whether the next steps need nothing but the method: no checks between them. */
-static int is_free(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
+static int is_free(const struct pk_lanes *a, const struct pk_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
     const struct pk_integrator_private *own = it->own;
     return !(a->method->traits & PK_ADAPTIVE) && !own->singularities && !own->marks &&
-           !own->project && !own->passage && (pk_real)own->direction * (lane->free - it->t) > 0 &&
+           !own->project && !own->crossing && (pk_real)own->direction * (lane->free - it->t) > 0 &&
            it->options.h > PK_C(10.0) * PK_EPS * pk_abs(lane->free);
 }
 
@@ -290,19 +235,19 @@ static size_t bits(unsigned long long x)
 }
 
 /* Returns how many steps of the lane may be made at once. */
-static unsigned long most_of(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
+static unsigned long most_of(const struct pk_lanes *a, const struct pk_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
     const unsigned long asked = it->options.max_steps, made = it->count.steps;
     const unsigned long left = !asked ? MANY : asked > made ? asked - made : 0;
     if (!is_free(a, lane) || (a->screen.functions && !pk_events_goes_on(lane->events)))
         return 0;
-    return pk_step_whole(it, lane->free, left < MANY ? left : MANY);
+    return pk_step_count(it, lane->free, left < MANY ? left : MANY);
 }
 
 /* Makes steps of the lanes `live` together, as long as at least half of them go on. */
-static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
-                      unsigned long long live, const unsigned long *most)
+static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned long long live,
+                      const unsigned long *most)
 {
     struct pk_block *b = &a->b;
     const size_t n_q = b->n_q, W = b->lanes, m = b->n * W, enough = (bits(live) + 1) / 2;
@@ -342,7 +287,7 @@ static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
     }
 }
 
-void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
+void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes)
 {
     struct pk_block *b = &a->b;
     const struct pk_splitting *splitting = pk_splitting_table(a->method);

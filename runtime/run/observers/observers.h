@@ -62,7 +62,7 @@ enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code);
 /* Reports values that were not finite. Returns `code`, changed to a failure by them. */
 enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code);
 /* Returns whether all rows were made and written. */
-int rows_whole(const struct pk_run *run);
+int rows_complete(const struct pk_run *run);
 /* Returns the name of the first output, or "energy", that was not finite; NULL if all were. */
 const char *rows_not_finite(const struct pk_run *run, char *name, size_t size);
 

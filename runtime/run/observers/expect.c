@@ -1,5 +1,5 @@
 /* Expectations of a scene, checked along its run; an observer. */
-#include "look.h"
+#include "observers.h"
 
 #include "../settings/settings.h"
 

@@ -1,5 +1,5 @@
 /* Drifts of constants of the motion: energy, momenta of cyclic coordinates, declared constants. */
-#include "look.h"
+#include "observers.h"
 
 #define LARGE PK_C(0.1) /* drift relative to its scale */
 

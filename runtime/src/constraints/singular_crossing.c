@@ -18,7 +18,7 @@
 #include <pk/constraint.h>
 
 #include "../core/tableau.h"
-#include "passage.h"
+#include "singular_crossing.h"
 
 enum { FEWEST = 6, ROUNDS = 60 };
 #define SURE PK_C(1e-3)    /* of the way: largest distance from the constraints before projection */
@@ -29,10 +29,11 @@ enum { FEWEST = 6, ROUNDS = 60 };
 #define ACCEPT PK_C(10.0) /* tolerances, as for the adaptive Gauss method */
 
 /* Computes the weights of the stages for the integral up to x of the step. */
-static void weights(const struct pk_passage_parts *x, pk_real to, pk_real *w)
+static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_real *w)
 {
-    const int s = (int)pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
-    pk_real at[PK_PASSAGE_STAGES + 1], P[PK_PASSAGE_STAGES + 1], integral[PK_PASSAGE_STAGES + 1];
+    const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
+    pk_real at[PK_SINGULAR_CROSSING_STAGES + 1], P[PK_SINGULAR_CROSSING_STAGES + 1],
+        integral[PK_SINGULAR_CROSSING_STAGES + 1];
     pk_legendre(to, 1 - to, s, at, integral);
     for (int j = 0; j < s; j++) {
         pk_legendre(x->c[j], 1 - x->c[j], s, P, NULL);
@@ -44,11 +45,11 @@ static void weights(const struct pk_passage_parts *x, pk_real to, pk_real *w)
 }
 
 /* Computes the state that the stages lead to. */
-static void along(const struct pk_integrator *it, const struct pk_passage_parts *x, pk_real to,
-                  pk_real *q, pk_real *v)
+static void along(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
+                  pk_real to, pk_real *q, pk_real *v)
 {
-    const size_t n = it->n, stages = pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
-    pk_real w[PK_PASSAGE_STAGES];
+    const size_t n = it->n, stages = pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
+    pk_real w[PK_SINGULAR_CROSSING_STAGES];
     weights(x, to, w);
     memcpy(q, x->q, it->n_q * sizeof *q);
     memcpy(v, x->v, n * sizeof *v);
@@ -61,8 +62,8 @@ static void along(const struct pk_integrator *it, const struct pk_passage_parts 
 }
 
 /* Returns the largest |a - b| relative to the largest |c - d|, in the metric of M's diagonal. */
-static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_real *b,
-                      const pk_real *c, const pk_real *d, size_t count)
+static pk_real relative_distance(const struct pk_projection *w, const pk_real *a, const pk_real *b,
+                                 const pk_real *c, const pk_real *d, size_t count)
 {
     pk_real off = 0, way = PK_TINY;
     for (size_t k = 0; k < count; k++) {
@@ -74,22 +75,22 @@ static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_
 }
 
 /* Projects q and v onto the constraints; *off: updated by the relative distance. */
-static enum pk_status put(struct pk_integrator *it, const struct pk_passage_parts *x, pk_real t,
-                          pk_real *q, pk_real *v, pk_real *off)
+static enum pk_status put(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
+                          pk_real t, pk_real *q, pk_real *v, pk_real *off)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     int moved;
     memcpy(x->q_here, q, it->n_q * sizeof *q);
     memcpy(x->v_here, v, it->n * sizeof *v);
     PK_TRY(pk_project(it, t, q, v, NULL, NULL, &moved));
-    *off = pk_max(*off, beside(&w, q, x->q_here, q, x->q, w.rotation));
-    *off = pk_max(*off, beside(&w, v, x->v_here, v, NULL, w.m));
+    *off = pk_max(*off, relative_distance(&w, q, x->q_here, q, x->q, w.rotation));
+    *off = pk_max(*off, relative_distance(&w, v, x->v_here, v, NULL, w.m));
     return PK_DONE;
 }
 
-void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+void pk_singular_crossing_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
-    const struct pk_passage_parts x = pk_passage_parts(it);
+    const struct pk_singular_crossing_parts x = pk_singular_crossing_parts(it);
     const pk_real next_t = it->own->next_t;
     pk_real off = 0;
     along(it, &x, (t - x.is->t) / x.is->h, q, v);
@@ -101,12 +102,12 @@ void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 }
 
 /* Chooses the number of stages that keeps farthest from the position. */
-static void choose(struct pk_passage_parts *x)
+static void choose(struct pk_singular_crossing_parts *x)
 {
     const pk_real place = (x->is->at - x->is->t) / x->is->h;
     pk_real best = -1;
     int stages = FEWEST;
-    for (int s = FEWEST; s <= PK_PASSAGE_STAGES; s++) {
+    for (int s = FEWEST; s <= PK_SINGULAR_CROSSING_STAGES; s++) {
         pk_real next = 1;
         pk_gauss_nodes(s, x->c, x->b);
         for (int j = 0; j < s; j++)
@@ -119,10 +120,12 @@ static void choose(struct pk_passage_parts *x)
 }
 
 /* Computes the stages, by fixed-point iteration from a constant acceleration. */
-static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x, pk_real *off)
+static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossing_parts *x,
+                            pk_real *off)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    const size_t n_q = it->n_q, n = it->n, s = pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
+    const size_t n_q = it->n_q, n = it->n,
+                 s = pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
     pk_real before = PK_INFINITY;
     memcpy(x->q, it->q, n_q * sizeof *x->q);
     memcpy(x->v, it->v, n * sizeof *x->v);
@@ -140,7 +143,7 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x
             pk_real *q = x->Q + j * n_q, *v = pk_next(it, PK_V);
             along(it, x, x->c[j], q, v);
             PK_TRY(put(it, x, t, q, v, off));
-            changed = pk_max(changed, beside(&w, v, x->V + j * n, v, NULL, w.m));
+            changed = pk_max(changed, relative_distance(&w, v, x->V + j * n, v, NULL, w.m));
             memcpy(x->V + j * n, v, n * sizeof *v);
             PK_TRY(pk_eval_acceleration(it, t, q, v, x->A + j * n));
         }
@@ -153,10 +156,10 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x
 
 /* Returns the error of the final rates relative to the tolerance, by the last Legendre coefficient
  * of the accelerations. */
-static pk_real error_of(const struct pk_integrator *it, const struct pk_passage_parts *x)
+static pk_real error_of(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x)
 {
-    const int s = (int)pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
-    pk_real P[PK_PASSAGE_STAGES + 1], last[PK_PASSAGE_STAGES], most = 0;
+    const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
+    pk_real P[PK_SINGULAR_CROSSING_STAGES + 1], last[PK_SINGULAR_CROSSING_STAGES], most = 0;
     for (int j = 0; j < s; j++) {
         pk_legendre(x->c[j], 1 - x->c[j], s, P, NULL);
         last[j] = x->b[j] * P[s - 1] * (pk_real)(2 * s - 1) / (pk_real)(2 * s) * x->is->h;
@@ -172,7 +175,8 @@ static pk_real error_of(const struct pk_integrator *it, const struct pk_passage_
 
 /* Whether an adaptive method should go nearer first, where its step over the position is shorter.
  * An error that does not fall with the length is rounding, which grows on the way. */
-static int too_long(const struct pk_integrator *it, const struct pk_passage_parts *x, int sure)
+static int too_long(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
+                    int sure)
 {
     const int shorter = pk_abs(x->is->h) < SHORTER * pk_abs(x->is->length);
     const pk_real before = shorter ? x->is->error : PK_INFINITY;
@@ -184,13 +188,13 @@ static int too_long(const struct pk_integrator *it, const struct pk_passage_part
     return x->is->error > ACCEPT && !(x->is->error > before / 2);
 }
 
-enum pk_status pk_passage_step(struct pk_integrator *it)
+enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
 {
-    struct pk_passage_parts x = pk_passage_parts(it);
+    struct pk_singular_crossing_parts x = pk_singular_crossing_parts(it);
     const size_t n = it->n;
     const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
-    memset(it->own->next, 0, pk_before(it->n_q, n, PK_PARTS) * sizeof *q);
+    memset(it->own->next, 0, pk_state_offset(it->n_q, n, PK_PARTS) * sizeof *q);
     if (!(x.is->passing > 0)) {
         it->own->next_t = it->t; /* not the end of a step: its projection is not judged as such */
         choose(&x);
@@ -201,7 +205,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
             return PK_NO_CONVERGENCE;
         x.is->error = x.is->tried = x.is->length = 0;
         if (!sure)
-            return pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), x.is->at);
+            return pk_fail_with(it, PK_NO_PROJECTION, pk_singular_crossing_told(it), x.is->at);
     }
     it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     along(it, &x, (t - x.is->t) / x.is->h, q, v);
@@ -211,7 +215,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
         const enum pk_status status = put(it, &x, t, q, v, &off);
         it->own->next_t = t;
         if (status < 0 || !(off < SURE))
-            return pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), x.is->at);
+            return pk_fail_with(it, PK_NO_PROJECTION, pk_singular_crossing_told(it), x.is->at);
         PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
     }
     it->own->crossed = 1;

@@ -4,7 +4,7 @@
 
 #include <pk/condition.h>
 
-#include "look.h"
+#include "observers.h"
 
 struct looking;
 

@@ -121,7 +121,7 @@ void condition_report(const struct looking *l, struct json *j)
     json_reals(j, {"digits", digits(l->found.lost.x)}, {"t", l->found.lost.t});
     json_text(j, "rate", name);
     json_close(j, '}');
-    json_whole(j, "looks", l->found.looks);
+    json_integer(j, "looks", l->found.looks);
     json_close(j, '}');
 }
 

@@ -1,11 +1,11 @@
-/* Blocks of coordinates integrated apart; see pk/apart.h. The memory block holds the structs of the
+/* Blocks of coordinates integrated apart; see pk/subsystems.h. The memory block holds the structs of the
  * parts, the state of the whole, the parameters and input map of each part, then the integrators of
  * each part, all padded so that each is aligned.
  */
 #include <stdio.h>
 #include <string.h>
 
-#include <pk/apart.h>
+#include <pk/subsystems.h>
 #include <pk/keep.h>
 
 #include "core/internal.h"
@@ -31,13 +31,13 @@ static size_t own_size(const struct pk_system *system)
     return padded(system->params_size) + padded(system->n_inputs * sizeof(size_t));
 }
 
-size_t pk_apart_size(const struct pk_problem *whole, const struct pk_part *parts,
-                     const struct pk_choice *choices, size_t count)
+size_t pk_subsystems_size(const struct pk_problem *whole, const struct pk_part *parts,
+                          const struct pk_choice *choices, size_t count)
 {
     if (!whole || !whole->system || !parts || !choices || whole->system->abi != PK_ABI ||
         whole->system->families.count)
         return 0;
-    size_t bytes = padded(count * sizeof(struct pk_apart_part)) +
+    size_t bytes = padded(count * sizeof(struct pk_subsystem)) +
                    padded(state_reals(whole->system) * sizeof(pk_real));
     for (size_t k = 0; k < count; k++) {
         const struct pk_problem problem = {.system = parts[k].system};
@@ -51,7 +51,7 @@ size_t pk_apart_size(const struct pk_problem *whole, const struct pk_part *parts
     return bytes;
 }
 
-static enum pk_status bad(struct pk_apart *a, const char *why, size_t part)
+static enum pk_status bad(struct pk_subsystems *a, const char *why, size_t part)
 {
     a->why = why;
     a->failed = part;
@@ -75,7 +75,7 @@ static int find(const struct pk_quantity *of, size_t count, const struct pk_quan
 
 /* Copies the values of equal names; the part's other parameters follow from these. `given`: a flag
  * for each. */
-static int take_parameters(struct pk_apart_part *part, const struct pk_problem *whole,
+static int take_parameters(struct pk_subsystem *part, const struct pk_problem *whole,
                            unsigned char *given)
 {
     const struct pk_system *system = part->of.system, *from = whole->system;
@@ -96,7 +96,7 @@ static int take_parameters(struct pk_apart_part *part, const struct pk_problem *
 
 static void input(void *context, pk_real t, pk_real *u)
 {
-    const struct pk_apart_part *part = (const struct pk_apart_part *)context;
+    const struct pk_subsystem *part = (const struct pk_subsystem *)context;
     const struct pk_problem *whole = &part->apart->whole;
     whole->input(whole->context, t, part->u);
     for (size_t i = 0; i < part->of.system->n_inputs; i++)
@@ -105,7 +105,7 @@ static void input(void *context, pk_real t, pk_real *u)
 
 /* Checks that each coordinate of the whole is in one part, and each input of a part is in the
  * whole. */
-static enum pk_status check_parts(struct pk_apart *a)
+static enum pk_status check_parts(struct pk_subsystems *a)
 {
     const struct pk_system *whole = a->whole.system;
     size_t n = 0;
@@ -134,11 +134,11 @@ static enum pk_status check_parts(struct pk_apart *a)
 }
 
 /* Copies the states of the parts into that of the whole. */
-static void assemble(struct pk_apart *a)
+static void assemble(struct pk_subsystems *a)
 {
     const size_t n_q = coordinates(a->whole.system);
     for (size_t k = 0; k < a->count; k++) {
-        const struct pk_apart_part *part = &a->parts[k];
+        const struct pk_subsystem *part = &a->parts[k];
         for (size_t i = 0; i < coordinates(part->of.system); i++)
             a->state[part->of.coordinates[i]] = part->there->q[i];
         for (size_t i = 0; i < part->of.system->n; i++)
@@ -146,11 +146,11 @@ static void assemble(struct pk_apart *a)
     }
 }
 
-static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice *choice,
+static enum pk_status start(struct pk_subsystems *a, size_t k, const struct pk_choice *choice,
                             pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                             size_t size)
 {
-    struct pk_apart_part *part = &a->parts[k];
+    struct pk_subsystem *part = &a->parts[k];
     const struct pk_system *system = part->of.system;
     const size_t n_q = coordinates(system), n = system->n;
     pk_real *q = a->state, *v = q + n_q; /* unused until all parts have started */
@@ -182,28 +182,28 @@ static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice
     return a->status;
 }
 
-enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
-                             const struct pk_part *parts, const struct pk_choice *choices,
-                             size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
-                             void *block, size_t block_size)
+enum pk_status pk_subsystems_init(struct pk_subsystems *a, const struct pk_problem *whole,
+                                  const struct pk_part *parts, const struct pk_choice *choices,
+                                  size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
+                                  void *block, size_t block_size)
 {
     memset(a, 0, sizeof *a);
-    const size_t size = pk_apart_size(whole, parts, choices, count);
+    const size_t size = pk_subsystems_size(whole, parts, choices, count);
     if (size == 0 || !q0 || !v0 || !block)
         return bad(a, "a pointer is null, or a system of another version, or of loops", 0);
-    if (block_size < size || (size_t)block % _Alignof(struct pk_apart_part) ||
+    if (block_size < size || (size_t)block % _Alignof(struct pk_subsystem) ||
         (size_t)block % _Alignof(pk_real))
         return a->status = PK_BLOCK_TOO_SMALL;
     memset(block, 0, size);
     char *at = (char *)block;
     a->whole = *whole;
     a->count = count;
-    a->parts = (struct pk_apart_part *)(void *)at;
+    a->parts = (struct pk_subsystem *)(void *)at;
     at += padded(count * sizeof *a->parts);
     a->state = (pk_real *)(void *)at;
     at += padded(state_reals(whole->system) * sizeof(pk_real));
     for (size_t k = 0; k < count; k++) {
-        struct pk_apart_part *part = &a->parts[k];
+        struct pk_subsystem *part = &a->parts[k];
         part->of = parts[k];
         part->apart = a;
         part->u = a->state + coordinates(whole->system) + whole->system->n;
@@ -225,9 +225,9 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
     return a->status;
 }
 
-static enum pk_status part_to(struct pk_apart *a, size_t k, pk_real t, pk_real limit)
+static enum pk_status part_to(struct pk_subsystems *a, size_t k, pk_real t, pk_real limit)
 {
-    struct pk_apart_part *part = &a->parts[k];
+    struct pk_subsystem *part = &a->parts[k];
     struct pk_integrator *it = &part->it;
     const pk_real way = t < a->t ? PK_C(-1.0) : PK_C(1.0);
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
@@ -244,7 +244,7 @@ static enum pk_status part_to(struct pk_apart *a, size_t k, pk_real t, pk_real l
     return pk_integrator_aside(it, &part->aside, t);
 }
 
-enum pk_status pk_apart_to(struct pk_apart *a, pk_real t, pk_real limit)
+enum pk_status pk_subsystems_to(struct pk_subsystems *a, pk_real t, pk_real limit)
 {
     if (a->status < 0)
         return a->status;
@@ -260,7 +260,7 @@ enum pk_status pk_apart_to(struct pk_apart *a, pk_real t, pk_real limit)
     return a->status;
 }
 
-int pk_apart_reason(const struct pk_apart *a, char *text, size_t size)
+int pk_subsystems_reason(const struct pk_subsystems *a, char *text, size_t size)
 {
     const char *what = pk_status_text(a->status);
     char names[160] = "", reason[400];
@@ -269,7 +269,7 @@ int pk_apart_reason(const struct pk_apart *a, char *text, size_t size)
         return snprintf(text, size, "%s: part %zu: %s", what, a->failed, a->why);
     if (a->why || !a->failed)
         return snprintf(text, size, "%s%s%s", what, a->why ? ": " : "", a->why ? a->why : "");
-    const struct pk_apart_part *part = &a->parts[a->failed - 1];
+    const struct pk_subsystem *part = &a->parts[a->failed - 1];
     const size_t own = coordinates(part->of.system);
     for (size_t i = 0; i < own && used < sizeof names; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "",
@@ -282,18 +282,18 @@ int pk_apart_reason(const struct pk_apart *a, char *text, size_t size)
                     reason, (double)a->t);
 }
 
-void pk_apart_free(struct pk_apart *a)
+void pk_subsystems_free(struct pk_subsystems *a)
 {
     for (size_t k = 0; a->parts && k < a->count; k++)
         pk_integrator_free(&a->parts[k].it), pk_integrator_free(&a->parts[k].aside);
 }
 
-enum pk_status pk_apart_keep(struct pk_apart *a, struct pk_keep *k)
+enum pk_status pk_subsystems_keep(struct pk_subsystems *a, struct pk_keep *k)
 {
     pk_keep(k, &a->t, sizeof a->t);
     pk_keep(k, a->state, state_reals(a->whole.system) * sizeof *a->state);
     for (size_t i = 0; i < a->count; i++) {
-        struct pk_apart_part *part = &a->parts[i];
+        struct pk_subsystem *part = &a->parts[i];
         int aside = part->there == &part->aside;
         pk_keep(k, &aside, sizeof aside);
         part->there = aside ? &part->aside : &part->it;

@@ -21,7 +21,7 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
     return c;
 }
 
-enum pk_run_code apart_choose(struct pk_run *run)
+enum pk_run_code subsystems_choose(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     const char *none = s->asked.members                 ? "ensembles"
@@ -59,7 +59,7 @@ enum pk_run_code apart_choose(struct pk_run *run)
 /* Copies time, state, status and counts to run->it, for rows, drifts and the report. */
 static void look(struct pk_run *run)
 {
-    const struct pk_apart *a = &run->apart;
+    const struct pk_subsystems *a = &run->subsystems;
     struct pk_integrator *it = &run->it;
     it->problem = run->problem;
     it->method = run->settings.method;
@@ -82,17 +82,17 @@ static void look(struct pk_run *run)
     }
 }
 
-enum pk_run_code apart_begin(struct pk_run *run)
+enum pk_run_code subsystems_begin(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     run->problem = run_problem(run);
     const size_t size =
-        pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
+        pk_subsystems_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
     run->block = memory_take(&run->memory, size, 1);
     drift_begin(run, &run->problem);
-    const enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
-                                                run->choices, run->settings.n_parts, 0, s->q, s->v,
-                                                run->block, size);
+    const enum pk_status status =
+        pk_subsystems_init(&run->subsystems, &run->problem, run->settings.parts, run->choices,
+                           run->settings.n_parts, 0, s->q, s->v, run->block, size);
     look(run);
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }
@@ -102,7 +102,7 @@ enum pk_run_code apart_begin(struct pk_run *run)
 static void stepped(void *context, size_t k)
 {
     struct pk_run *run = context;
-    const struct pk_integrator *it = &run->apart.parts[k].it;
+    const struct pk_integrator *it = &run->subsystems.parts[k].it;
     pk_monitor_update(&run->part_monitors[k], it->t, it->q, it->v);
 }
 
@@ -117,7 +117,7 @@ static void scale(struct pk_run *run)
 
 static void watch_parts(struct pk_run *run)
 {
-    struct pk_apart *a = &run->apart;
+    struct pk_subsystems *a = &run->subsystems;
     size_t size = 0;
     for (size_t k = 0; k < a->count; k++)
         size += pk_monitor_size(&a->parts[k].it.problem);
@@ -138,16 +138,16 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     (void)context;
     pk_keep(k, &run->next, sizeof run->next);
-    const enum pk_status status = pk_apart_keep(&run->apart, k);
-    for (size_t i = 0; i < run->apart.count; i++)
+    const enum pk_status status = pk_subsystems_keep(&run->subsystems, k);
+    for (size_t i = 0; i < run->subsystems.count; i++)
         pk_monitor_keep(&run->part_monitors[i], k);
     return status;
 }
 
-void apart_integrate(struct pk_run *run)
+void subsystems_integrate(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
-    struct pk_apart *a = &run->apart;
+    struct pk_subsystems *a = &run->subsystems;
     watch_parts(run);
     run->next = 1;
     if (!checkpoint_begin(run, keep, NULL))
@@ -160,7 +160,7 @@ void apart_integrate(struct pk_run *run)
     while (run->next <= run->count && !run->interrupted && !run->write_failed) {
         const pk_real t = run_row_time(run, run->next, run->count);
         while (a->t < t) {
-            pk_apart_to(a, expect_limit(run, a->t, t), s->until);
+            pk_subsystems_to(a, expect_limit(run, a->t, t), s->until);
             look(run);
             if (a->status != PK_DONE)
                 return;
@@ -177,14 +177,14 @@ void apart_integrate(struct pk_run *run)
     observe_end(run);
 }
 
-void apart_report(const struct pk_run *run, struct json *j)
+void subsystems_report(const struct pk_run *run, struct json *j)
 {
-    const struct pk_apart *a = &run->apart;
+    const struct pk_subsystems *a = &run->subsystems;
     if (!run->settings.parts)
         return;
     json_open(j, "parts", '[');
     for (size_t k = 0; a->parts && k < a->count; k++) {
-        const struct pk_apart_part *part = &a->parts[k];
+        const struct pk_subsystem *part = &a->parts[k];
         const struct pk_choice *c = &run->choices[k];
         json_open(j, NULL, '{');
         json_open(j, "coordinates", '[');

@@ -1,4 +1,4 @@
-/* How near a motion is to a position where constraint rows depend on each other; see passage.c.
+/* How near a motion is to a position where constraint rows depend on each other; see singular_crossing.c.
  * sigma comes from the factor of J M^-1 J^T that a step needs anyway; its slope is computed only
  * where it is small.
  */
@@ -7,7 +7,7 @@
 #include <pk/constraint.h>
 
 #include "../core/tableau.h"
-#include "passage.h"
+#include "singular_crossing.h"
 
 #define AHEAD PK_C(2.0)   /* steps: a root as near as that is stepped over, */
 #define EARLY PK_C(0.1)   /* or, by an adaptive method, whose steps may be short, at this sigma */
@@ -17,42 +17,42 @@
 #define LITTLE PK_C(1e-4) /* of the time left, for the slope of sigma */
 #define TURN PK_C(0.3)    /* of its way: a larger deviation from its rates means another branch */
 
-static size_t lay_out(struct pk_passage_parts *x, size_t n_q, size_t n, pk_real *base)
+static size_t lay_out(struct pk_singular_crossing_parts *x, size_t n_q, size_t n, pk_real *base)
 {
     pk_real *is = NULL;
-    const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct pk_passage)},
+    const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct pk_singular_crossing)},
                                     {&x->q, n_q},
                                     {&x->v, n},
-                                    {&x->Q, PK_PASSAGE_STAGES * n_q},
-                                    {&x->V, PK_PASSAGE_STAGES * n},
-                                    {&x->A, PK_PASSAGE_STAGES * n},
+                                    {&x->Q, PK_SINGULAR_CROSSING_STAGES * n_q},
+                                    {&x->V, PK_SINGULAR_CROSSING_STAGES * n},
+                                    {&x->A, PK_SINGULAR_CROSSING_STAGES * n},
                                     {&x->q_here, n_q},
                                     {&x->v_here, n},
                                     {&x->a_here, n}};
     const size_t size = PK_LAY_OUT(base, slots);
-    x->is = (struct pk_passage *)(void *)is;
+    x->is = (struct pk_singular_crossing *)(void *)is;
     return size;
 }
 
-size_t pk_passage_size(const struct pk_system *system, size_t n_q, size_t n)
+size_t pk_singular_crossing_size(const struct pk_system *system, size_t n_q, size_t n)
 {
-    struct pk_passage_parts x;
+    struct pk_singular_crossing_parts x;
     return system->constraints.n ? lay_out(&x, n_q, n, NULL) : 0;
 }
 
-struct pk_passage_parts pk_passage_parts(const struct pk_integrator *it)
+struct pk_singular_crossing_parts pk_singular_crossing_parts(const struct pk_integrator *it)
 {
-    struct pk_passage_parts x;
-    lay_out(&x, it->n_q, it->n, it->own->passage);
-    if (pk_index(x.is->stages, PK_PASSAGE_STAGES + 1))
-        pk_gauss_nodes((int)pk_index(x.is->stages, PK_PASSAGE_STAGES + 1), x.c, x.b);
+    struct pk_singular_crossing_parts x;
+    lay_out(&x, it->n_q, it->n, it->own->crossing);
+    if (pk_index(x.is->stages, PK_SINGULAR_CROSSING_STAGES + 1))
+        pk_gauss_nodes((int)pk_index(x.is->stages, PK_SINGULAR_CROSSING_STAGES + 1), x.c, x.b);
     return x;
 }
 
-void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
-                       const pk_real *v)
+void pk_singular_crossing_unseen(struct pk_integrator *it, struct pk_projection *w,
+                                 const pk_real *q, const pk_real *v)
 {
-    struct pk_passage *is = pk_passage_of(it);
+    struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     is->unseen = !(is->unseen > 0);
     if (is->unseen > 0 && !it->own->near)
         return;
@@ -62,9 +62,10 @@ void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w, const 
         pk_project_seen(it, w);
 }
 
-pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
+pk_real pk_singular_crossing_sigma(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                   const pk_real *v)
 {
-    struct pk_passage *is = pk_passage_of(it);
+    struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     pk_real found = 1;
     w.t = t;
@@ -86,26 +87,27 @@ pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, 
 
 int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
 {
-    if (!it->own || !it->own->passage || !(it->own->near || it->own->crossed))
+    if (!it->own || !it->own->crossing || !(it->own->near || it->own->crossed))
         return 0;
-    struct pk_passage *is = pk_passage_of(it);
+    struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     const pk_real row = is->row;
-    const pk_real sigma = pk_passage_sigma(it, t, q, v);
+    const pk_real sigma = pk_singular_crossing_sigma(it, t, q, v);
     is->row = row;
     return sigma < PK_SINGULAR;
 }
 
 /* Predicts the root of sigma by its slope along the motion; `left`: a rough time until then. */
-static enum pk_status aim(struct pk_integrator *it, const struct pk_passage_parts *x, pk_real left)
+static enum pk_status aim(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
+                          pk_real left)
 {
-    struct pk_passage *is = x->is;
+    struct pk_singular_crossing *is = x->is;
     const pk_real little = LITTLE * left;
     PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->a_here));
     for (size_t i = 0; i < it->n_q; i++)
         x->q_here[i] = it->q[i] + little * it->v[i];
     for (size_t i = 0; i < it->n; i++)
         x->v_here[i] = it->v[i] + little * x->a_here[i];
-    const pk_real then = pk_passage_sigma(it, it->t + little, x->q_here, x->v_here);
+    const pk_real then = pk_singular_crossing_sigma(it, it->t + little, x->q_here, x->v_here);
     is->falls = then < is->sigma;
     is->at = it->t + is->sigma * little / (is->sigma - then);
     return PK_DONE;
@@ -113,23 +115,23 @@ static enum pk_status aim(struct pk_integrator *it, const struct pk_passage_part
 
 static void look(struct pk_integrator *it)
 {
-    const struct pk_passage_parts x = pk_passage_parts(it);
-    struct pk_passage *is = x.is;
+    const struct pk_singular_crossing_parts x = pk_singular_crossing_parts(it);
+    struct pk_singular_crossing *is = x.is;
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     const pk_real near = fixed ? 2 * PK_NEAR : PK_NEAR, was = is->sigma;
     is->falls = 0;
-    is->sigma = pk_passage_sigma(it, it->t, it->q, it->v);
+    is->sigma = pk_singular_crossing_sigma(it, it->t, it->q, it->v);
     const pk_real way = it->t - it->last_t;
     if (is->sigma < near && is->sigma < was && (way > 0 || way < 0))
         if (aim(it, &x, way) < 0)
             is->falls = 0;
 }
 
-void pk_passage_forget(struct pk_integrator *it)
+void pk_singular_crossing_forget(struct pk_integrator *it)
 {
-    if (!it->own->passage)
+    if (!it->own->crossing)
         return;
-    struct pk_passage *is = pk_passage_of(it);
+    struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     memset(is, 0, sizeof *is);
     is->sigma = 1;
     it->own->crossed = it->own->seen = it->own->near = 0;
@@ -138,9 +140,9 @@ void pk_passage_forget(struct pk_integrator *it)
     it->own->near = is->sigma < PK_FAR;
 }
 
-void pk_passage_note(struct pk_integrator *it)
+void pk_singular_crossing_note(struct pk_integrator *it)
 {
-    struct pk_passage *is = pk_passage_of(it);
+    struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     const int seen = it->own->seen;
     if (is->passing > 0)
         return;
@@ -153,9 +155,9 @@ void pk_passage_note(struct pk_integrator *it)
     it->own->near = is->sigma < PK_FAR;
 }
 
-int pk_passage_due(struct pk_integrator *it, pk_real limit)
+int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit)
 {
-    struct pk_passage *is = pk_passage_of(it);
+    struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     if (!(is->passing > 0)) {
         const pk_real left = is->at - it->t, h = fixed ? it->own->h : it->t - it->last_t;
@@ -173,27 +175,27 @@ int pk_passage_due(struct pk_integrator *it, pk_real limit)
     return 1;
 }
 
-pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit)
+pk_real pk_singular_crossing_limit(const struct pk_integrator *it, pk_real limit)
 {
-    const struct pk_passage *is = pk_passage_of(it);
+    const struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     if (!(is->falls > 0) || !(it->method->traits & PK_ADAPTIVE))
         return limit;
     const pk_real half = (is->at - it->t) / 2;
     return half / (limit - it->t) > 0 && half / (limit - it->t) < 1 ? it->t + half : limit;
 }
 
-size_t pk_passage_told(const struct pk_integrator *it)
+size_t pk_singular_crossing_told(const struct pk_integrator *it)
 {
     const struct pk_part_constraints *c = &it->problem.system->constraints;
     const size_t rows = pk_system_rows(it->problem.system, it->problem.params, 0);
     return 2 * (rows + c->n_redundant) +
            pk_system_rotations(it->problem.system, it->problem.params) + 1 +
-           pk_index(pk_passage_parts(it).is->row, rows + 1);
+           pk_index(pk_singular_crossing_parts(it).is->row, rows + 1);
 }
 
-enum pk_status pk_passage_judge(struct pk_integrator *it)
+enum pk_status pk_singular_crossing_judge(struct pk_integrator *it)
 {
-    const struct pk_passage *is = pk_passage_of(it);
+    const struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     if (it->method->traits & PK_ADAPTIVE || !(is->sigma < PK_FAR || it->own->seen & PK_SEEN_DIPS))
         return PK_DONE;
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
@@ -205,6 +207,7 @@ enum pk_status pk_passage_judge(struct pk_integrator *it)
         off = pk_max(off, root * pk_abs(q[k] - it->q[k] - h / 2 * (v[k] + it->v[k])));
         way = pk_max(way, root * pk_abs(h) * pk_max(pk_abs(v[k]), pk_abs(it->v[k])));
     }
-    return off < TURN * way ? PK_DONE
-                            : pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), it->t + h / 2);
+    return off < TURN * way
+               ? PK_DONE
+               : pk_fail_with(it, PK_NO_PROJECTION, pk_singular_crossing_told(it), it->t + h / 2);
 }

@@ -1,11 +1,11 @@
-/* Integrators abreast: makes the next steps of several integrators at once, in SIMD lanes. They
+/* Makes the next steps of several integrators at once, in SIMD lanes. They
  * share system and method; each has its own state, parameters, time and step size.
  *
- *     size_t size = pk_abreast_size(&problem, method);      (bytes; 0: there are no lanes for it)
- *     pk_abreast_init(&abreast, &problem, method, block, size);
+ *     size_t size = pk_lanes_size(&problem, method);      (bytes; 0: there are no lanes for it)
+ *     pk_lanes_init(&steps, &problem, method, block, size);
  *     while (...) {
- *         lanes[l] = (struct pk_abreast_lane){&it[l], NULL, limit[l], it[l].t};  (for all lanes)
- *         pk_abreast_make(&abreast, lanes);
+ *         lanes[l] = (struct pk_lane){&it[l], NULL, limit[l], it[l].t};  (for all lanes)
+ *         pk_lanes_make(&steps, lanes);
  *         pk_integrator_step(&it[l], limit[l]);  (of each that is not idle, or pk_events_step())
  *     }
  *
@@ -17,8 +17,8 @@
  * Lanes serve explicit Runge-Kutta methods, adaptive ones too, and splitting methods, but no
  * systems with constraints, since projection is most of their step. Inputs must be constant.
  */
-#ifndef PK_ABREAST_H
-#define PK_ABREAST_H
+#ifndef PK_ADAPTIVE_LANES_H
+#define PK_ADAPTIVE_LANES_H
 
 #include <pk/step/block.h>
 
@@ -26,7 +26,7 @@ PK_BEGIN
 
 struct pk_events;
 
-struct pk_abreast_lane {
+struct pk_lane {
     struct pk_integrator *it; /* NULL: an empty lane */
     struct pk_events *events; /* the events of its steps; NULL: none are detected */
     pk_real limit;
@@ -44,7 +44,7 @@ struct pk_screen {
     void (*values)(const struct pk_block *b, const pk_real *q, const pk_real *v, pk_real *g);
 };
 
-struct pk_abreast {
+struct pk_lanes {
     size_t lanes;
 
     /* For the runtime alone. */
@@ -59,13 +59,13 @@ struct pk_abreast {
 };
 
 /* Return the number of lanes; the bytes of the block, which must be aligned for pk_real. */
-size_t pk_abreast_lanes(const struct pk_problem *problem, const struct pk_method *method);
-size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method *method);
-void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
-                     const struct pk_method *method, void *block, size_t size);
-void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes);
+size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method);
+size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method);
+void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
+                   const struct pk_method *method, void *block, size_t size);
+void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes);
 /* Drops the steps made ahead for an integrator, which then continues alone. */
-void pk_abreast_leave(struct pk_integrator *it);
+void pk_lanes_leave(struct pk_integrator *it);
 
 PK_END
 
