@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import pytest
 
 from conftest import ROOT
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.needs_addon]
 cyclonedx = pytest.importorskip("cyclonedx", reason="pip install -e '.[dist]'")
 TOOL = "tools/release"
 
@@ -24,7 +25,7 @@ def copied(folder: Path) -> Path:
     """The repository's files elsewhere, with what an editor and a build leave, and without git."""
     names = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True).stdout
     for name in names.splitlines():
-        if name.startswith(("generator/", "runtime/", TOOL)) or "/" not in name:
+        if name.startswith(("generator/", "addons/", "runtime/", TOOL)) or "/" not in name:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(ROOT / name, folder / name, follow_symlinks=False)
             if not (folder / name).is_symlink():
@@ -60,10 +61,10 @@ def test_two_builds_give_the_same_bytes(made: tuple[Path, Path], tmp_path: Path)
 
 
 def test_the_wheel_has_what_git_has(made: tuple[Path, Path]) -> None:
-    names = subprocess.run(
-        ["git", "ls-files", "generator/pkgen", "runtime"], cwd=ROOT, capture_output=True, text=True
-    ).stdout.splitlines()
-    places = {n.replace("generator/", "").replace("runtime/", "pkgen_runtime/") for n in names}
+    listed = ["git", "ls-files", "generator/pkgen", "runtime", "addons/*/pkgen_*"]
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True).stdout.splitlines()
+    moved = (re.sub(r"^(generator|addons/\w+)/", "", n) for n in names)
+    places = {re.sub(r"^runtime/", "pkgen_runtime/", n) for n in moved}
     with zipfile.ZipFile(made[0]) as archive:
         held = {name for name in archive.namelist() if ".dist-info/" not in name}
     assert {p for p in places if not p.endswith(".md")} <= held <= places
@@ -117,5 +118,5 @@ def test_versions_of_what_is_held_are_those_of_the_tools() -> None:
     held = {one.name: one for one in sbom.HELD}
     text = (ROOT / "tools/vendor.py").read_text()
     assert f'"uplot",\n        "{held["uplot"].version}"' in text
-    font = (ROOT / "generator/pkgen/explain/fonts/README.md").read_text()
+    font = (ROOT / "addons/pages/pkgen_pages/explain/fonts/README.md").read_text()
     assert f"STIX Math {held['STIX Math'].version}" in font

@@ -20,7 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-TAKEN = ("generator", "runtime", "pyproject.toml", "README.md", "LICENSE")
+TAKEN = ("generator", "addons", "runtime", "pyproject.toml", "README.md", "LICENSE")
 FIRST_DATE = 315532800  # the earliest that a zip file can hold
 BUILD = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"
 

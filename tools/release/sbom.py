@@ -37,14 +37,14 @@ class Held:
 
 HELD = (
     Held(
-        "pkgen/back/web/vendor/",
+        "pkgen_web/vendor/",
         "uplot",
         "1.6.32",
         "MIT",
         PackageURL("npm", name="uplot", version="1.6.32"),
     ),
     Held(
-        "pkgen/explain/fonts/",
+        "pkgen_pages/explain/fonts/",
         "STIX Math",
         "1.1.1",
         "OFL-1.1",
