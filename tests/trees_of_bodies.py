@@ -161,8 +161,8 @@ class Motion:
             rates[b.rotation] = np.eye(3)[which]
         return self.passed(rates, False)
 
-    def accelerations(self) -> np.ndarray:
-        """Of coordinates, then of the body rates of rotations."""
+    def accelerations(self, armature=0.0, force=0.0) -> np.ndarray:
+        """Of coordinates, then of the body rates of rotations, with inertias and forces of each."""
         now = self.passed(self.rates, True)
         along = [self.one(speed) for speed in self.speeds]
         n = len(along)
@@ -175,7 +175,7 @@ class Motion:
             M += b.mass * Jv @ Jv.T + Jw @ inertia @ Jw.T
             f -= b.mass * Jv @ (a - self.gravity)
             f -= Jw @ (inertia @ alpha + np.cross(w, inertia @ w))
-        return np.linalg.solve(M, f)
+        return np.linalg.solve(M + armature * np.eye(n), f + force)
 
     def energy(self) -> float:
         total = 0.0

@@ -1,129 +1,121 @@
-"""Reads a subset of MJCF: bodies with <inertial>, their joints, positions and rotations. Unread
-elements that would change the motion are refused; sensors, actuators and geoms are left out with a
-note. Reference: mujoco.readthedocs.io, XML reference."""
+"""Reads MJCF: bodies with their masses, joints and default classes. An element that would change
+the motion and is not read is an error; all errors of a file are told at once. Sensors, actuators
+and contacts are left out with a note. Reference: mujoco.readthedocs.io, XML reference."""
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 
+from .include import spliced
+from .mjcf_file import MAIN, ZERO, Defaults, Settings, check_known, leave_out_sections
 from .robot import Joint, Link, Robot
-from .turns import UNIT, Turns, Vector, added, applied, matrix, of_angles, of_quaternion
-from .xml import ANGLE, Element
+from .shapes import Lump, balanced, bounded, lump, together
+from .turns import Turns, Vector, added, applied, matrix, of_angles, seen_from
+from .xml import ANGLE, Element, Errors
 
 KINDS = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
-ZERO = (0.0, 0.0, 0.0)
-SEEN = ("worldbody", "compiler", "option", "default", "asset", "visual", "size", "statistic")
-# Read elements in <worldbody> and bodies, and those that have no effect without contacts.
-IN_BODIES = ("body", "joint", "freejoint", "inertial", "geom", "site", "camera", "light")
-NOT_READ = {  # unread attributes that would change the motion
-    "compiler": ("settotalmass", "boundmass", "boundinertia", "inertiafromgeom"),
-    "option": ("density", "viscosity", "wind"),
-    "flag": ("gravity", "passive"),
-    "body": ("gravcomp", "mocap"),
-}
-REFUSED = ("equality", "tendon", "include", "extension", "deformable")
-# Attributes of a joint that change its motion and are not read: an error if they are not 0.
-SPRINGS = ("stiffness", "armature", "frictionloss", "springdamper", "springref", "ref")
+SHOWN = ("site", "camera", "light")  # left out with a note
+IN_BODIES = ("body", "joint", "freejoint", "inertial", "geom")
 
 
 class _Reader:
-    def __init__(self, root: Element):
+    def __init__(self, root: Element, errors: Errors):
         self.robot = Robot(root.attributes.get("model", ""), [], [])
-        compiler = root.first("compiler")
-        given = compiler.attributes if compiler else {}
-        self.angle = 1.0 if given.get("angle", "degree") == "radian" else math.pi / 180
-        self.auto_limits = given.get("autolimits", "true") != "false"
-        self.sequence = given.get("eulerseq", "xyz")
-        if len(self.sequence) != 3 or any(c not in "xyz" for c in self.sequence):
-            raise compiler.wrong(f'eulerseq="{self.sequence[:10]}" is not read', "e.g. xyz")
-        if given.get("coordinate", "local") != "local":
-            raise compiler.wrong("global coordinates are not read", 'coordinate="local"')
-        option = root.first("option")
-        if option is not None:
-            self.robot.gravity = option.numbers("gravity", 3, self.robot.gravity)
-        self.names: set[tuple[str, str]] = set()
-
-    def placed(self, element: Element) -> tuple[Vector, Turns]:
-        ways = [w for w in ("quat", "euler", "axisangle", "xyaxes", "zaxis") if
-                w in element.attributes]  # fmt: skip
-        at = element.numbers("pos", 3, ZERO)
-        turn: Turns | None = ()
-        if ways == ["quat"]:
-            turn = of_quaternion(element.numbers("quat", 4))
-        elif ways == ["euler"]:
-            angles = [angle * self.angle for angle in element.numbers("euler", 3, (), ANGLE)]
-            turn = of_angles([UNIT["xyz".index(letter)] for letter in self.sequence], angles)
-        elif ways == ["axisangle"]:
-            *axis, angle = element.numbers("axisangle", 4)
-            if abs(angle) > ANGLE:
-                raise element.wrong(f"an angle of {angle:g} is too large")
-            turn = of_angles([tuple(axis)], [angle * self.angle]) if any(axis) else None
-        elif ways:
-            raise element.wrong(f"'{ways[-1]}' is not read", "write a quat")
-        if turn is None:
-            raise element.wrong("a turn about the zero vector")
-        return at, turn
+        self.errors = errors
+        self.settings = Settings(root, errors)
+        self.robot.gravity = self.settings.gravity
+        self.defaults = Defaults(root)
+        self.given, self.names = _names(root), set()
 
     def name(self, element: Element | None, kind: str, other: str) -> str:
-        """Returns the unique name of a body or a joint; `other` if it has none."""
-        name = given = element.attributes.get("name", "") if element is not None else ""
-        name = name or other
-        while not given and (kind, name) in self.names:
-            name += "_"
-        if (kind, name) in self.names:
+        """Returns the unique name of a body or a joint; if it has none, `other` or one like it that
+        no other has."""
+        name = element.attributes.get("name", "") if element is not None else ""
+        if not name:
+            name = other
+            while (kind, name) in self.names or (kind, name) in self.given:
+                name += "_"
+        elif (kind, name) in self.names:
             raise element.wrong(f"there are two of the name '{name}'")
         self.names.add((kind, name))
         return name
 
-    def body(self, element: Element, parent: str, before: Vector) -> tuple[str, Vector]:
-        """Adds a body; returns its name and the position of its frame in MJCF's frame. The frame of
-        a body is at its last joint; `before` is the same position of the parent."""
-        if "childclass" in element.attributes:
-            raise element.wrong("classes of defaults are not read", "write the values out")
+    def body(
+        self, element: Element, parent: str, before: Vector, around: str
+    ) -> tuple[str, Vector, str]:
+        """Adds a body; returns its name, the position of its frame in MJCF's frame and the class of
+        its children. The frame of a body is at its last joint; `before` is the position of the
+        parent's frame."""
+        self.check_body(element)
+        around = element.attributes.get("childclass", around)
         name = self.name(element, "body", f"body{len(self.robot.links) + 1}")
-        at, turn = self.placed(element)
+        at, turn = self.settings.placed(element)
         at = added(at, before, -1.0)
-        joints = [*element.all("joint"), *element.all("freejoint")]
+        joints = [child for child in element.children if child.tag in ("joint", "freejoint")]
         anchor = ZERO
-        for k, joint in enumerate(joints):
+        for k, found in enumerate(joints):
             last = k == len(joints) - 1
             link = Link(name if last else self.name(None, "body", f"{name}_{k + 1}"))
             self.robot.links.append(link)
-            own = self.joint(joint, f"{name}_joint" if last else f"{link.name}_joint")
-            new = joint.numbers("pos", 3, ZERO) if own[0] != "free" else ZERO
-            place = added(at, applied(matrix(turn), added(new, anchor, -1.0)))
-            self.robot.joints.append(
-                Joint(own[1], own[0], parent, link.name, place, turn, *own[2:])
-            )
-            parent, at, turn, anchor = link.name, ZERO, (), new
+            other = f"{name}_joint" if last else f"{link.name}_joint"
+            with self.errors.collecting():
+                joint = self.joint(found, other, parent, link.name, around)
+                new = joint.at
+                place = added(at, applied(matrix(turn), added(new, anchor, -1.0)))
+                self.robot.joints.append(_placed(joint, place, turn))
+                at, turn, anchor = ZERO, (), new
+            parent = link.name
         if not joints:
             self.robot.links.append(Link(name))
-            self.robot.joints.append(Joint(f"{name}_weld", "fixed", parent, name, at, turn, None))
-        self.inertial(element, self.robot.links[-1], anchor)
-        return name, anchor
+            weld = self.name(None, "joint", f"{name}_weld")
+            self.robot.joints.append(Joint(weld, "fixed", parent, name, at, turn, None))
+        self.mass(element, self.robot.links[-1], anchor, around)
+        return name, anchor, around
 
-    def joint(self, element: Element, other: str):
-        """Returns its kind, name, axis, comment, damping and limits."""
-        given = "free" if element.tag == "freejoint" else element.attributes.get("type", "hinge")
+    def check_body(self, element: Element) -> None:
+        with self.errors.collecting():
+            check_known(element)
+            if element.number("gravcomp", 0.0):
+                raise element.wrong("'gravcomp' of <body> is not read, and would change the motion")
+            if element.flag("mocap"):
+                self.robot.leave_out("motions of a mocap <body>")
+            if len([*element.all("inertial")]) > 1:
+                raise element.wrong("a body has one <inertial>")
+
+    def joint(self, found: Element, other: str, parent: str, child: str, around: str) -> Joint:
+        """Returns a joint at its position in MJCF's frame of the body."""
+        free = found.tag == "freejoint"
+        element = found if free else self.defaults.of(found, around)
+        check_known(element)
+        given = "free" if free else element.attributes.get("type", "hinge")
         if given not in KINDS:
             raise element.wrong(f"there is no joint type '{given}'", f"types: {', '.join(KINDS)}")
-        if "class" in element.attributes:
-            raise element.wrong("classes of defaults are not read", "write the values out")
+        if element.attributes.get("align", "false") == "true":
+            raise element.wrong("'align' moves the frame of a free body, and is not read")
+        if any(element.numbers("springdamper", 0, (0.0,))):
+            help = "write stiffness and damping, as jnt_stiffness and dof_damping of MuJoCo's model"
+            raise element.wrong("'springdamper' of a joint is not read", help)
+        scale = self.settings.angle if given == "hinge" else 1.0
         axis = element.numbers("axis", 3, (0.0, 0.0, 1.0)) if given in ("hinge", "slide") else None
         if axis is not None and not any(axis):
             raise element.wrong("the axis of a joint is the zero vector")
-        for word in SPRINGS:
-            if any(element.numbers(word, len(element.attributes.get(word, "0").split()), (0.0,))):
-                raise element.wrong(
-                    f"'{word}' of a joint is not read", "take it out, add it by hand"
-                )
-        damping = element.number("damping", 0.0)
-        if damping < 0:
-            raise element.wrong("the damping of a joint is negative")
-        if damping and axis is None:
-            raise element.wrong("the damping of a ball is not read", "add it by 'force'")
+        at = element.numbers("pos", 3, ZERO) if given != "free" else ZERO
         name = self.name(element, "joint", other)
-        return KINDS[given], name, axis, "", damping, self.limits(element, given, name)
+        joint = Joint(name, KINDS[given], parent, child, at, (), axis)
+        if axis:
+            joint.zero = scale * element.numbers("ref", 1, (0.0,), ANGLE)[0]
+        joint.armature = _positive(element, "armature")
+        if self.settings.on("passive", "damper"):
+            joint.damping = _positive(element, "damping")
+        if self.settings.on("passive", "spring"):
+            joint.stiffness = _positive(element, "stiffness")
+            joint.rest = scale * element.numbers("springref", 1, (0.0,), ANGLE)[0]
+        if joint.stiffness and axis is None:
+            raise element.wrong(f"'stiffness' of a {given} joint is not read", "take it out")
+        if element.number("frictionloss", 0.0) and self.settings.on("frictionloss", "constraint"):
+            self.robot.leave_out("frictionloss of a joint")
+        joint.limits = self.limits(element, given, joint.name)
+        return joint
 
     def limits(self, element: Element, given: str, name: str) -> tuple[float, float] | None:
         """Returns the limits by `limited`; its default, "auto", is whether there is a range
@@ -132,8 +124,10 @@ class _Reader:
         limited = element.attributes.get("limited", "auto")
         if limited not in ("auto", "true", "false"):
             raise element.wrong(f'limited="{limited[:10]}" is not auto, true or false')
-        auto = self.auto_limits and "range" in element.attributes
+        auto = self.settings.auto_limits and (low or high)
         if limited == "false" or (limited == "auto" and not auto):
+            return None
+        if not self.settings.on("limit", "constraint"):
             return None
         if given not in ("hinge", "slide"):
             self.robot.leave_out("limits of a ball")
@@ -142,24 +136,53 @@ class _Reader:
             raise element.wrong(
                 f"the limits of '{name}' are [{low!r}, {high!r}]: none between them"
             )
-        scale = self.angle if given == "hinge" else 1.0
+        scale = self.settings.angle if given == "hinge" else 1.0
         return low * scale, high * scale
 
-    def inertial(self, element: Element, link: Link, anchor: Vector) -> None:
-        found = element.first("inertial")
-        geoms = [*element.all("geom")]
-        if found is None and geoms:
-            help = "write <inertial pos mass diaginertia>"
-            raise element.wrong("masses are not taken from geoms: there is no <inertial>", help)
-        for geom in geoms:
-            mesh = geom.attributes.get("mesh")
-            if mesh:
-                link.meshes.append(mesh)
-        if found is None:
-            return
-        at, turn = self.placed(found)
-        link.mass, link.com = found.number("mass"), added(at, anchor, -1.0)
-        if link.mass < 0:
+    def mass(self, element: Element, link: Link, anchor: Vector, around: str) -> None:
+        """Sets mass, centre and inertia by <inertial> or by the geoms, as `inertiafromgeom` says."""
+        settings, found, lumps = self.settings, element.first("inertial"), []
+        by_geoms = settings.from_geoms == "true" or (
+            settings.from_geoms == "auto" and found is None
+        )
+        for geom in element.all("geom"):
+            with self.errors.collecting():
+                part = self.geom(geom, around, link, by_geoms)
+                lumps += [part] if part else []
+        with self.errors.collecting():
+            whole = Lump(0.0, ZERO, (ZERO,) * 3)
+            if lumps:
+                whole = together(lumps)
+            elif found is not None:
+                whole = self.inertial(found, link)
+            if settings.least_mass or settings.least_moment:
+                whole = bounded(whole, settings.least_mass, settings.least_moment)
+            whole = balanced(whole) if settings.balance else whole
+            link.mass, link.com = whole.mass, added(whole.com, anchor, -1.0)
+            self.robot.inertia(link, whole.inertia, (), element)
+
+    def geom(self, geom: Element, around: str, link: Link | None, by_geoms: bool) -> Lump | None:
+        """Returns the lump of a geom, if masses are from geoms; notes its contacts and its mesh."""
+        own = self.defaults.of(geom, around)
+        check_known(own)
+        if self.settings.on("contact", "constraint") and any(
+            own.number(word, 1.0) for word in ("contype", "conaffinity")
+        ):
+            self.robot.leave_out("contacts of <geom>")
+        if link is None:
+            return None
+        if "mesh" in own.attributes:
+            link.meshes.append(own.attributes["mesh"])
+        low, high = self.settings.groups
+        if not by_geoms or not low <= own.number("group", 0.0) <= high:
+            return None
+        return lump(own, *self.settings.placed(own))
+
+    def inertial(self, found: Element, link: Link) -> Lump:
+        check_known(found)
+        at, turn = self.settings.placed(found)
+        mass = found.number("mass")
+        if mass < 0:
             raise found.wrong("the mass is negative")
         if "fullinertia" in found.attributes:
             xx, yy, zz, xy, xz, yz = found.numbers("fullinertia", 6)
@@ -167,55 +190,90 @@ class _Reader:
         else:
             x, y, z = found.numbers("diaginertia", 3, ZERO)
             own = ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
-        self.robot.inertia(link, own, turn, found)
+        return Lump(mass, at, seen_from(turn, own))
+
+    def children(self, element: Element) -> None:
+        """Notes sites, cameras and lights; adds an error for all that is not read."""
+        for child in element.children:
+            if child.tag in SHOWN:
+                self.robot.leave_out(f"<{child.tag}>")
+            elif child.tag not in IN_BODIES:
+                message = (
+                    f"<{child.tag}> in <{element.tag}> is not read, and would change the motion"
+                )
+                self.errors.add(child.wrong(message))
+
+    def scale(self) -> None:
+        """Scales masses and inertias to `settotalmass`."""
+        whole = sum(link.mass for link in self.robot.links)
+        if self.settings.total <= 0 or not whole:
+            return
+        factor = self.settings.total / whole
+        for link in self.robot.links:
+            link.mass *= factor
+            link.inertia = tuple(tuple(factor * x for x in row) for row in link.inertia or ())
 
 
-def _refuse_unread(root: Element) -> None:
-    waiting = [root]
+def _names(root: Element) -> set[tuple[str, str]]:
+    """Returns the names of all bodies and joints, with their kinds."""
+    names, waiting = set(), [*root.all("worldbody")]
     while waiting:
         element = waiting.pop()
-        for word in NOT_READ.get(element.tag, ()):
-            if element.attributes.get(word, "0") not in ("0", "false", "enable"):
-                raise element.wrong(
-                    f"'{word}' of <{element.tag}> is not read, and would change the motion"
-                )
-        if element.tag in ("worldbody", "body"):
-            for child in element.children:
-                if child.tag not in IN_BODIES:
-                    message = (
-                        f"<{child.tag}> in <{element.tag}> is not read, and would change the motion"
-                    )
-                    raise child.wrong(message)
-            if len([*element.all("inertial")]) > 1:
-                raise element.wrong("a body has one <inertial>")
         waiting += element.children
+        kind = "joint" if element.tag == "freejoint" else element.tag
+        names.add((kind, element.attributes.get("name", "")))
+    return names
+
+
+def _placed(joint: Joint, at: Vector, turn: Turns) -> Joint:
+    """Places a joint such that its coordinates are MuJoCo's: those of a free joint are the place
+    in space, and a `ref` is what a coordinate is in the drawn posture."""
+    if joint.kind == "free":
+        return replace(joint, pose=(at, turn))
+    if joint.zero and joint.kind == "revolute":
+        turn = (*turn, *of_angles([joint.axis], [-joint.zero]))
+    elif joint.zero:
+        size = sum(x * x for x in joint.axis) ** 0.5
+        way = tuple(-joint.zero * x / size for x in joint.axis)
+        at = added(at, applied(matrix(turn), way))
+    return replace(joint, at=at, turn=turn)
+
+
+def _positive(element: Element, word: str) -> float:
+    """Returns a linear coefficient of a joint. Raises ModelError."""
+    first, *higher = element.numbers(word, 0, (0.0,))
+    if any(higher):
+        raise element.wrong(f"'{word}' of a joint that is a polynomial is not read")
+    if first < 0:
+        raise element.wrong(f"the {word} of a joint is negative")
+    return first
 
 
 def robot(root: Element, base: str) -> Robot:
     """Reads a robot. A body without joints is fixed to the world, or free if `base` is "free"."""
-    for element in root.children:
-        if element.tag in REFUSED:
-            raise element.wrong(f"<{element.tag}> is not read, and would change the motion")
-    _refuse_unread(root)
-    reader = _Reader(root)
-    for element in root.children:
-        if element.tag not in SEEN:
-            reader.robot.leave_out(f"<{element.tag}>")
-    for default in root.all("default"):
-        waiting = [default]
-        while waiting:
-            element = waiting.pop()
-            if element.tag == "joint":
-                raise element.wrong("defaults of joints are not read", "write the values out")
-            waiting += element.children
+    errors = Errors()
+    spliced(root, errors)
+    reader = _Reader(root, errors)
+    leave_out_sections(root, reader.robot, reader.settings, reader.defaults, errors)
     worlds = [*root.all("worldbody")]
-    if not worlds or not any(world.first("body") for world in worlds):
-        raise root.wrong("there is no body in <worldbody>")
-    waiting = [(body, "", ZERO) for world in worlds for body in world.all("body")][::-1]
+    if not any(world.first("body") for world in worlds):
+        errors.add(root.wrong("there is no body in <worldbody>"))
+    waiting = []
+    for world in worlds:
+        reader.children(world)
+        for geom in world.all("geom"):
+            with errors.collecting():
+                reader.geom(geom, MAIN, None, False)
+        waiting += [(body, "", ZERO, MAIN) for body in world.all("body")]
+    waiting.reverse()
     while waiting:
-        element, parent, before = waiting.pop()
-        name, anchor = reader.body(element, parent, before)
-        waiting += [(child, name, anchor) for child in element.all("body")][::-1]
+        element, *around = waiting.pop()
+        reader.children(element)
+        with errors.collecting():
+            inside = reader.body(element, *around)
+            waiting += [(child, *inside) for child in element.all("body")][::-1]
+    errors.stop(root.source)
+    reader.scale()
     if base == "free":
         for joint in reader.robot.joints:
             if joint.kind == "fixed" and not joint.parent:

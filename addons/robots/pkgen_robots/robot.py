@@ -10,7 +10,7 @@ from itertools import count
 from pkgen import limits
 from pkgen.front.words import C_HEADERS, reserved, symbols_of
 
-from .turns import Matrix, Turns, Vector, inner, right_angles, seen_from
+from .turns import Matrix, Turns, Vector, crossed, inner, right_angles, seen_from
 from .xml import Element
 
 TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
@@ -48,14 +48,19 @@ class Joint:
     axis: Vector | None
     says: str = ""
     damping: float = 0.0
+    armature: float = 0.0  # an inertia that its rates alone have
+    stiffness: float = 0.0
+    rest: float = 0.0  # where its spring is at rest
     limits: tuple[float, float] | None = None  # [rad] or [m]
     mimic: Mimic | None = None
+    zero: float = 0.0  # the coordinate in the drawn posture
+    pose: tuple[Vector, Turns] = ((), ())  # the start of a free joint
 
     @property
     def start(self) -> float:
-        """Returns the start: 0, or the middle of its limits if they exclude 0."""
-        low, high = self.limits or (0.0, 0.0)
-        return (low + high) / 2 if low > 0 or high < 0 else 0.0
+        """Returns the start: the drawn posture, or the middle of its limits if they exclude it."""
+        low, high = self.limits or (self.zero, self.zero)
+        return self.zero if low <= self.zero <= high else (low + high) / 2
 
 
 @dataclass
@@ -74,15 +79,17 @@ class Robot:
             raise at.wrong(f"the inertia of '{link.name}' has a negative moment")
         if not _is_inertia(own):
             self.doubts.append(f"the inertia of '{link.name}' has a negative principal moment")
-        link.inertia = seen_from(turn, own)
+        tiny = 1e-16 * max(own[k][k] for k in range(3))  # of rounding, in products of inertia
+        tensor = seen_from(turn, own)
+        link.inertia = tuple(tuple(x if abs(x) > tiny else 0.0 for x in row) for row in tensor)
 
     def notes(self) -> list[str]:
         """Returns notes for the user: omitted and doubtful features."""
         left = [f"{what} ({count})" for what, count in self.left_out.items()]
         return (["left out: " + ", ".join(left)] if left else []) + self.doubts
 
-    def leave_out(self, what: str) -> None:
-        self.left_out[what] = self.left_out.get(what, 0) + 1
+    def leave_out(self, what: str, times: int = 1) -> None:
+        self.left_out[what] = self.left_out.get(what, 0) + times
 
 
 class Names:
@@ -117,24 +124,23 @@ def text(robot: Robot, file: str) -> str:
     lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
     lines += [_body(link, bodies[link.name]) for link in robot.links]
     lines.append("")
-    damped, starts, called = [], [], {}
+    terms, starts, called = [], [], {}
     for joint in robot.joints:
         name = names.new(joint.name, _suffixes(joint), "joint")
         lines.append(_joint(joint, name, bodies))
-        if joint.damping:
-            unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
-            damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
+        terms += _terms(joint, name)
         called[joint.name] = name, joint
     rows = []
     for name, joint in called.values():
-        start, why = joint.start, "between its limits"
+        start, why = joint.start, "as drawn" if joint.start == joint.zero else "between its limits"
         if joint.mimic and joint.kind != "fixed":
             start, why = _mimicked(joint, called), "as it mimics"
             rows.append(_row(name, joint, called, names))
         if start:
             unit = " [m]" * (joint.kind == "prismatic")
             starts.append(f"start {name} = {start!r}{unit}  # {why}")
-    more = [*damped, *rows, *starts]
+        starts += _pose(joint, name)
+    more = [*terms, *rows, *starts]
     return "\n".join([*lines, *([""] if more else []), *more]) + "\n"
 
 
@@ -170,6 +176,35 @@ def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
     return f"constraint {names.new(joint.name, (), 'mimic')}: {name} = {right}"
 
 
+def _terms(joint: Joint, name: str) -> list[str]:
+    """Returns armature, damping and spring as terms of energies and of the dissipation."""
+    turns, slides = f"{name}'^2", f"{name}'^2"
+    if joint.axis is None:
+        turns = f"dot(omega({name}), omega({name}))"
+        slides = f"({name}_x'^2 + {name}_y'^2 + {name}_z'^2)"
+    rates = [(turns, "kg*m^2", "N*m*s")] * (joint.kind in ("revolute", "spherical", "free"))
+    rates += [(slides, "kg", "N*s/m")] * (joint.kind in ("prismatic", "free"))
+    lines = []
+    for square, inertia, damping in rates:
+        if joint.armature:
+            lines.append(f"kinetic ({joint.armature!r} [{inertia}])/2*{square}")
+        if joint.damping:
+            lines.append(f"dissipation ({joint.damping!r} [{damping}])/2*{square}")
+    if joint.stiffness:
+        unit, length = ("N/m", " [m]") if joint.kind == "prismatic" else ("N*m", "")
+        way = f"({name} - ({joint.rest!r}{length}))" if joint.rest else name
+        lines.append(f"potential ({joint.stiffness!r} [{unit}])/2*{way}^2")
+    return lines
+
+
+def _pose(joint: Joint, name: str) -> list[str]:
+    """Returns the starts of a free joint."""
+    at, turns = joint.pose
+    starts = [f"{name}_{axis} = {x!r} [m]" for axis, x in zip("xyz", at, strict=False) if x]
+    starts += [f"{name} = {_turned(turns)}"] if turns else []
+    return [f"start {', '.join(starts)}  # as drawn"] if starts and joint.kind == "free" else []
+
+
 def _suffixes(joint: Joint) -> tuple[str, ...]:
     """Returns the suffixes of a joint's additional names."""
     return SUFFIXES.get(joint.kind, ()) + ("_lower", "_upper") * bool(joint.limits)
@@ -183,7 +218,8 @@ def _hold_massless(robot: Robot) -> None:
         if joint.child in heavy:
             heavy.add(joint.parent)
         elif joint.kind != "fixed":
-            joint.kind, joint.axis, joint.damping, joint.limits = "fixed", None, 0.0, None
+            joint.kind, joint.axis, joint.limits = "fixed", None, None
+            joint.damping = joint.armature = joint.stiffness = joint.zero = 0.0
             robot.leave_out("joints that carry no mass: fixed")
 
 
@@ -207,13 +243,16 @@ def _joint(joint: Joint, name: str, bodies: dict[str, str]) -> str:
         parts[0] += f" {_vector(joint.axis)}"
     if any(joint.at):
         parts.append(f"at {_vector(joint.at)} [m]")
-    turns = [f"rot({_vector(axis)}, {_angle(angle)})" for axis, angle in joint.turn]
-    if turns:
-        parts.append(f"turned {'*'.join(turns)}")
+    if joint.turn:
+        parts.append(f"turned {_turned(joint.turn)}")
     if joint.limits:
         low, high = (_angle(x) if joint.kind == "revolute" else repr(x) for x in joint.limits)
         parts.append(f"limits [{low}, {high}]" + " [m]" * (joint.kind == "prismatic"))
     return "  ".join(parts) + (f"  # {joint.says}" if joint.says else "")
+
+
+def _turned(turns: Turns) -> str:
+    return "*".join(f"rot({_vector(axis)}, {_angle(angle)})" for axis, angle in turns)
 
 
 def _angle(angle: float) -> str:
@@ -233,13 +272,9 @@ def _is_inertia(i: Matrix) -> bool:
     """Whether it is physical up to rounding: no principal moment is negative."""
     tiny = 1e-9 * max(i[k][k] for k in range(3))
     minors = (i[a][a] * i[b][b] - i[a][b] ** 2 for a, b in ((0, 1), (0, 2), (1, 2)))
-    determinant = inner(i[0], _crossed(i[1], i[2]))
+    determinant = inner(i[0], crossed(i[1], i[2]))
     return (
         all(i[k][k] >= 0 for k in range(3))
         and all(m >= -(tiny**2) for m in minors)
         and determinant >= -(tiny**3) * 1e9
     )
-
-
-def _crossed(a: Vector, b: Vector) -> Vector:
-    return tuple(a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3))

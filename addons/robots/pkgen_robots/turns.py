@@ -24,6 +24,10 @@ def inner(a: Sequence[float], b: Sequence[float]) -> float:
     return sum(x * y for x, y in zip(a, b, strict=True))
 
 
+def crossed(a: Sequence[float], b: Sequence[float]) -> Vector:
+    return tuple(a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3))
+
+
 def applied(m: Matrix, v: Sequence[float]) -> Vector:
     return tuple(inner(row, v) for row in m)
 
@@ -83,3 +87,20 @@ def of_quaternion(q: Sequence[float]) -> Turns | None:
         return None
     w, *v = (-x for x in q) if q[0] < 0 else q
     return of_angles([tuple(x + 0.0 for x in v)], [2 * math.atan2(math.hypot(*v), w)])
+
+
+def of_direction(z: Sequence[float]) -> Turns:
+    """Returns the shortest rotation of the z axis to a direction."""
+    axis = (-z[1], z[0], 0.0) if z[0] or z[1] else UNIT[0]
+    return of_angles([axis], [math.atan2(math.hypot(z[0], z[1]), z[2])])
+
+
+def of_axes(x: Sequence[float], y: Sequence[float]) -> Turns | None:
+    """Returns the rotation with the x axis along x, and the y axis nearest to y; None if x and y
+    are parallel."""
+    z = crossed(x, y)
+    if not any(z):
+        return None
+    first = of_direction(z)
+    near = [inner(column, x) for column in zip(*matrix(first), strict=True)]  # x before the first
+    return first + of_angles([UNIT[2]], [math.atan2(near[1], near[0])])

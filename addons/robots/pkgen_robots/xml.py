@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from xml.parsers import expat
 
 from pkgen import limits
@@ -23,6 +24,7 @@ class Element:
     attributes: dict[str, str]
     span: Span
     children: list[Element] = field(default_factory=list)
+    where: str = ""  # the place in an included file; the span is that of the <include>
 
     def all(self, tag: str) -> Iterator[Element]:
         return (child for child in self.children if child.tag == tag)
@@ -31,6 +33,9 @@ class Element:
         return next(self.all(tag), None)
 
     def wrong(self, message: str, help: str = "") -> ModelError:
+        if self.where:
+            message = f"{self.where.rsplit(':', 2)[0]}: {message}"
+            help = f"{self.where}{f': {help}' if help else ''}"
         return ModelError(self.source, [Diagnostic(message, self.span, help)])
 
     def text(self, name: str) -> str:
@@ -42,8 +47,8 @@ class Element:
     def numbers(
         self, name: str, count: int, default: tuple[float, ...] = (), largest: float = LARGEST
     ) -> tuple[float, ...]:
-        """Returns `count` finite numbers; without a default, the attribute is required. Raises
-        ModelError."""
+        """Returns `count` finite numbers, any number of them if it is 0; without a default, the
+        attribute is required. Raises ModelError."""
         if default and name not in self.attributes:
             return default
         words = self.text(name).split()
@@ -57,13 +62,51 @@ class Element:
         if small:
             help = f"write 0, or a number of at least {SMALLEST:g}"
             raise self.wrong(f'{name}="{shown}" is too small: {small[0][:40]} is not 0', help)
-        if len(found) != count:
+        if count and len(found) != count:
             numbers = "one number" if count == 1 else f"{count} numbers"
             raise self.wrong(f"'{name}' of <{self.tag}> is {numbers}, not {len(found)}")
         return found
 
     def number(self, name: str, *default: float) -> float:
         return self.numbers(name, 1, default)[0]
+
+    def flag(self, name: str, default: bool = False) -> bool:
+        """Returns whether an attribute is "true". Raises ModelError."""
+        value = self.attributes.get(name, str(default).lower())
+        if value not in ("true", "false"):
+            raise self.wrong(f'{name}="{value[:10]}" is not true or false')
+        return value == "true"
+
+
+class Errors:
+    """Collects what is wrong in a file; what is wrong alike in several places is one error."""
+
+    MOST = 20  # errors that are shown
+
+    def __init__(self) -> None:
+        self.found: dict[str, tuple[Diagnostic, int]] = {}
+
+    def add(self, error: ModelError) -> None:
+        for new in error.diagnostics:
+            first, count = self.found.get(new.message, (new, 0))
+            self.found[new.message] = first, count + 1
+
+    @contextmanager
+    def collecting(self) -> Iterator[None]:
+        try:
+            yield
+        except ModelError as error:
+            self.add(error)
+
+    def stop(self, source: Source) -> None:
+        """Raises ModelError if there was an error."""
+        if not self.found:
+            return
+        all_ = [
+            replace(first, message=first.message + (f" ({count} times)" if count > 1 else ""))
+            for first, count in self.found.values()
+        ]
+        raise ModelError(source, all_[: self.MOST], max(0, len(all_) - self.MOST))
 
 
 def _spelt(word: str) -> bool:

@@ -77,15 +77,49 @@ WRONG = {
     "xacro": ("<xacro:include/>", "is xacro"),
 }
 BODY = '<body name="b">{}<inertial mass="1" diaginertia="1 1 1"/></body>'
+GEOM = "<worldbody><body><joint/><geom {}/></body></worldbody>"
+JOINT = '<worldbody><body><joint/><inertial mass="1"/></body></worldbody>'
 MJCF_WRONG = {
     "none": ("", "no body"),
-    "geoms": ('<worldbody><body><geom size="1"/></body></worldbody>', "no <inertial>"),
-    "equality": ("<equality/>", "would change the motion"),
-    "include": ('<include file="/etc/passwd"/>', "would change the motion"),
-    "defaults": ("<default><default><joint/></default></default>", "defaults of joints"),
-    "armature": ('<joint armature="1"/>', "'armature' of a joint"),
-    "stiffness": ('<joint stiffness="1"/>', "'stiffness' of a joint"),
-    "class": ('<joint class="x"/>', "classes of defaults"),
+    "nothing moves": ('<worldbody><body><geom size="1"/></body></worldbody>', "nothing moves"),
+    "mesh": (GEOM.format('type="mesh" mesh="m"'), "masses are not taken from meshes"),
+    "fitted mesh": (GEOM.format('type="box" mesh="m"'), "masses are not taken from meshes"),
+    "shell": (GEOM.format('size="1" shellinertia="true"'), "'shellinertia' of a geom"),
+    "flat": (GEOM.format('type="box" size="1 1"'), "the size of a box is 3 positive numbers"),
+    "hollow": (GEOM.format('size="0"'), "the size of a sphere is 1 positive numbers"),
+    "unsized": (GEOM.format('type="capsule" fromto="0 0 0 0 0 1"'), "the size of a capsule"),
+    "point": (GEOM.format('type="capsule" size="1" fromto="1 0 0 1 0 0"'), "are one point"),
+    "ball from to": (GEOM.format('size="1" fromto="0 0 0 1 0 0"'), "a sphere has no 'fromto'"),
+    "light": (GEOM.format('size="1" density="-1"'), "the density of a geom is negative"),
+    "unknown": (GEOM.format('size="1" wieght="1"'), "'wieght' of <geom> is not read"),
+    "two ways": (GEOM.format('size="1" quat="1 0 0 0" zaxis="0 0 1"'), "'quat' and 'zaxis' both"),
+    "no plane": (GEOM.format('size="1" xyaxes="1 0 0 2 0 0"'), "the zero vector"),
+    "no axis": (GEOM.format('size="1" zaxis="0 0 0"'), "the zero vector"),
+    "equality": (f"<equality><weld/></equality>{JOINT}", "<weld> of <equality> is not read"),
+    "muscle": (f"<actuator><muscle/></actuator>{JOINT}", "a muscle pulls"),
+    "muscle by another name": (
+        f'<default><general gaintype="muscle"/></default><actuator><motor/></actuator>{JOINT}',
+        "a muscle pulls",
+    ),
+    "flexible": (f"<deformable><flex/></deformable>{JOINT}", "a flexible part"),
+    "tendon": (
+        f'<default><tendon stiffness="0 2"/></default><tendon><spatial/></tendon>{JOINT}',
+        "'stiffness' of <spatial> of <tendon>",
+    ),
+    "fluid": (f'<option viscosity="1e-5"/>{JOINT}', "a fluid would change the motion"),
+    "unknown option": (f'<compiler x="1"/>{JOINT}', "'x' of <compiler> is not read"),
+    "global": (f'<compiler coordinate="global"/>{JOINT}', "global coordinates"),
+    "aligned": (f'<compiler alignfree="true"/>{JOINT}', "'alignfree' moves the frames"),
+    "sequence": (f'<compiler eulerseq="xyw"/>{JOINT}', 'eulerseq="xyw" is not read'),
+    "guess": (f'<compiler inertiafromgeom="maybe"/>{JOINT}', 'inertiafromgeom="maybe"'),
+    "neither": (f'<compiler balanceinertia="1"/>{JOINT}', 'balanceinertia="1" is not true or'),
+    "springdamper": ('<joint springdamper="1 1"/>', "'springdamper' of a joint"),
+    "soft ball": ('<joint type="ball" stiffness="1"/>', "'stiffness' of a ball joint"),
+    "polynomial": ('<joint stiffness="1 0 2"/>', "'stiffness' of a joint that is a polynomial"),
+    "stiff": ('<joint stiffness="-1"/>', "the stiffness of a joint is negative"),
+    "inert": ('<joint armature="-1"/>', "the armature of a joint is negative"),
+    "turned free": ('<freejoint align="true"/>', "'align' moves the frame"),
+    "class": ('<joint class="x"/>', "there is no default class 'x'"),
     "small axis": ('<joint axis="1e-200 0 0"/>', "is too small: 1e-200 is not 0"),
     "limits": ('<joint range="1 -1"/>', "are [1.0, -1.0]: none between them"),
     "limited": ('<joint limited="perhaps"/>', 'limited="perhaps" is not auto, true or false'),
@@ -93,17 +127,16 @@ MJCF_WRONG = {
         '<worldbody><body axisangle="0 0 1 1e9"/></worldbody>',
         "an angle of 1e+09 is too large",
     ),
+    "far ref": ('<joint ref="1e9"/>', 'ref="1e9" is too large'),
     "type": ('<joint type="x"/>', "no joint type 'x'"),
     "axis": ('<joint axis="0 0 0"/>', "the zero vector"),
-    "frame": (
-        "<worldbody><frame><body/></frame></worldbody>",
-        "<frame> in <worldbody> is not read",
-    ),
-    "composite": ('<body q=""><composite/></body>', "<composite> in <body> is not read"),
-    "weightless": ('<option><flag gravity="disable"/></option>', "'gravity' of <flag> is not read"),
-    "scaled": ('<compiler settotalmass="3"/>', "'settotalmass' of <compiler> is not read"),
+    "frame": (f"<worldbody><frame/></worldbody>{JOINT}", "<frame> in <worldbody> is not read"),
+    "composite": ("<body><composite/></body>", "<composite> in <body> is not read"),
+    "lifted": (f'<worldbody><body gravcomp="1"/></worldbody>{JOINT}', "'gravcomp' of <body>"),
+    "twice": ('<joint name="b"/><body name="b"/>', "two of the name 'b'"),
+    "two inertials": ('<joint/><inertial mass="1"/>', "a body has one <inertial>"),
     "gaining": ('<joint damping="-2"/>', "the damping of a joint is negative"),
-    "quat": ('<body quat="0 0 0 0"/>', "the zero vector"),
+    "quat": ('<worldbody><body quat="0 0 0 0"/></worldbody>', "the zero vector"),
 }
 
 
@@ -140,7 +173,7 @@ def test_wrong_robots(tmp_path, case):
 @pytest.mark.parametrize("case", MJCF_WRONG)
 def test_wrong_mjcf(tmp_path, case):
     inside, said = MJCF_WRONG[case]
-    if inside.startswith(("<joint", "<body q")):
+    if inside.startswith(("<joint", "<body", "<freejoint")):
         inside = f"<worldbody>{BODY.format(inside)}</worldbody>"
     assert said in refused(tmp_path, f"<mujoco>{inside}</mujoco>")
 
@@ -170,3 +203,61 @@ def test_many_names_that_are_one(tmp_path):
     began = time.process_time()
     text = text_of(tmp_path, xml + joint("j", chr(0x4E00), "last") + "</robot>")
     assert text.count("\nbody ") == 4001 and time.process_time() - began < 10
+
+
+def test_all_that_keeps_a_model_from_being_read_is_told_at_once(tmp_path):
+    """Each once, with how often; what is alike in an included file too."""
+    geom = '<geom type="mesh" mesh="m"/>'
+    (tmp_path / "more.xml").write_text(f"<m><body><joint/>{geom}</body><body>{geom}</body></m>")
+    inside = f"<equality><weld/><weld/><joint/></equality><worldbody><body>{geom}</body>"
+    inside += '<include file="more.xml"/></worldbody><option wind="1 0 0" density="1.2"/>'
+    with pytest.raises(ModelError) as caught:
+        text_of(tmp_path, f"<mujoco>{inside}</mujoco>")
+    said = {d.message: d.help for d in caught.value.diagnostics}
+    assert [*said] == [
+        "<weld> of <equality> is not read, and would change the motion (2 times)",
+        "<joint> of <equality> is not read, and would change the motion",
+        "masses are not taken from meshes",
+        "more.xml: masses are not taken from meshes (2 times)",
+        "'density' of <option> is not read: a fluid would change the motion",
+    ]
+    assert said["more.xml: masses are not taken from meshes (2 times)"].startswith(
+        "more.xml:1:18: "
+    )
+
+
+INCLUDED_WRONG = {
+    "outside": ('<include file="../x.xml"/>', "'../x.xml' lies outside of the folder"),
+    "absolute": ('<include file="/etc/passwd"/>', "'/etc/passwd' lies outside of the folder"),
+    "none": ('<include file="none.xml"/>', "there is no file 'none.xml' beside this one"),
+    "folder": ('<include file="."/>', "there is no file '.' beside"),
+    "unnamed": ("<include/>", "<include> has no 'file'"),
+    "itself": ('<include file="robot.xml"/>', "'robot.xml' is included twice"),
+    "twice": ('<include file="a.xml"/><include file="a.xml"/>', "'a.xml' is included twice"),
+    "circle": ('<include file="circle.xml"/>', "'circle.xml' is included twice"),
+    "link": ('<include file="link.xml"/>', "'link.xml' lies outside of the folder"),
+    "entity": ('<include file="entity.xml"/>', "entity.xml:1:13: a document type is refused"),
+    "broken": ('<include file="broken.xml"/>', "broken.xml:1:4: this is no XML"),
+}
+
+
+@pytest.mark.parametrize("case", INCLUDED_WRONG)
+def test_what_is_not_included(tmp_path, case):
+    inside, said = INCLUDED_WRONG[case]
+    folder = tmp_path / "robot"
+    folder.mkdir()
+    (tmp_path / "x.xml").write_text("<mujoco/>")
+    (folder / "a.xml").write_text("<mujoco/>")
+    (folder / "circle.xml").write_text('<mujoco><include file="circle.xml"/></mujoco>')
+    (folder / "link.xml").symlink_to(tmp_path / "x.xml")
+    (folder / "entity.xml").write_text('<!DOCTYPE r [<!ENTITY x "y">]><r/>')
+    (folder / "broken.xml").write_text("<a><")
+    found = refused(folder, f"<mujoco>{inside}{JOINT}</mujoco>")
+    assert said in found
+
+
+def test_many_included_elements(tmp_path):
+    for k in range(3):
+        (tmp_path / f"{k}.xml").write_text(f"<mujoco>{'<a/>' * 99_000}</mujoco>")
+    inside = "".join(f'<include file="{k}.xml"/>' for k in range(3))
+    assert "with those included" in refused(tmp_path, f"<mujoco>{inside}</mujoco>")

@@ -10,6 +10,7 @@ from fractions import Fraction
 from sys import maxsize
 from typing import NamedTuple
 
+from ..system.resources import ResourcesExceeded
 from .monomials import Factors, Node
 
 Terms = tuple[tuple[Node, Node], ...]  # (scale, rest) of each term of a sum
@@ -62,7 +63,7 @@ class Symbol(NamedTuple):
     index: int = 0
 
 
-class TooLarge(Exception):
+class TooLarge(ResourcesExceeded):
     """The graph has reached its limit of nodes."""
 
 
@@ -213,7 +214,10 @@ class Nodes:
         """Appends a node of scale 1; without factors, its monomial is ((node, 1),)."""
         node = len(self.op)
         if node >= self.limit:
-            raise TooLarge
+            raise TooLarge(
+                f"the equations of the model have more than {self.limit:,} parts; "
+                "some kernels may have fewer: pkgen run --method dop853"
+            )
         self.op.append(op)
         self.args.append(args)
         self.data.append(data)
