@@ -130,8 +130,8 @@ def test_the_core_names_no_addon_and_none_another() -> None:
     assert wrong == []
 
 
-# An add-on reads `describe`, `api`, `back` and modules that know nothing of models. Each other module
-# of the core that it reads is a word of its row: shorter is better.
+# An add-on reads `describe`, `api`, `back` and modules that know nothing of models. Each other
+# module of the core that it reads is a word of its row: shorter is better.
 OPEN = {"describe", "api", "back", "system", "record", "source", "limits", "version"}
 READ = {
     "editor": """
