@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 
-from pkgen.scenes.run_settings import unknown
 from pkgen.system.exits import UsageError
+from pkgen.system.near import unknown
 
 from .against import Against
 from .peers import PEERS
