@@ -8,7 +8,7 @@ import math
 
 import pytest
 
-from conftest import ran, table, written
+from conftest import table, written
 
 PENDULUM = """\
 model pendulum
@@ -245,31 +245,3 @@ def test_members_of_families_accelerate(pkgen, tmp_path):
     for t, a in zip(found["t"], found["q[31]''"], strict=True):
         assert a == pytest.approx(-0.1 * math.sin(t), abs=1e-15)
     assert abs(found["q[3]''"][0]) > 1e-3 and abs(found["all"][2]) > 1e-3
-
-
-COUPLED = """\
-model links
-size N = 40
-coord a[1..N]
-kinetic   sum(sum(cos(a[i] - a[j])*a[i]'*a[j]', j = 1..N), i = 1..N)/2 + sum(a[i]'^2, i = 1..N)
-observe first = a[1]''
-"""
-
-
-def test_where_there_are_none_it_is_said(pkgen, tmp_path):
-    done = pkgen("check", written(tmp_path, COUPLED))
-    assert (
-        done.returncode == 1 and "links.lag:5:1: error: the accelerations of so many" in done.stderr
-    )
-    frame = "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2\n"
-    for line, said in (
-        ("kinetic x''^2", "5:9: error: x'' is an acceleration"),
-        ("let a = x''", "5:9: error: x'' is an acceleration"),
-        ("force x = x''", "5:11: error: x'' is an acceleration"),
-        ("observe b = x'''", "5:13: error: x''' is the rate of an acceleration"),
-        ("event e: (x'' + x)' rising", "5:10: error: (x'' + x)' is the rate of an acceleration"),
-        ("conserve d = x''", "5:1: error: 'd' is not constant"),
-    ):
-        done = pkgen("check", written(tmp_path, f"{frame}{line}\n"))
-        assert done.returncode == 1 and said in done.stderr, done.stderr
-    done = ran("check", written(tmp_path, f"{frame}conserve d = x'' + x\n"))

@@ -63,11 +63,3 @@ def test_members_of_an_ensemble_are_single_runs(pkgen, tmp_path: Path) -> None:
     assert len(mine) == 3
     for one, other in zip(alone, mine, strict=True):
         assert other == pytest.approx(one, rel=1e-11, abs=1e-12)
-
-
-def test_a_joint_without_inertia_ends_the_run(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "hanging.lag"
-    model.write_text(HANGING)
-    words = ("--until", 1, "--method", "rk4", "--step", "0.01", "--set", "m[20]=0")
-    done = pkgen("run", model, *words)
-    assert done.returncode == 4 and "theta[20]" in done.stderr

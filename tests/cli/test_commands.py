@@ -153,24 +153,6 @@ def test_units_are_shown_as_they_are_declared(pkgen, tmp_path: Path) -> None:
     assert "N*m" in done.stdout and "V*s/rad" in done.stdout and "[m]" in done.stdout
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["runn", HOOP], "there is no command 'runn'; did you mean 'run'?"),
-        (["run", HOOP, "--methd", "rk4"], "there is no option --methd; did you mean '--method'"),
-        (["run", HOOP, "--method", "gaus"], "did you mean 'gauss'"),
-        (["run", HOOP, "--set", "omga=1"], "did you mean 'Omega'"),
-        (["run", HOOP, "--start", "thta=1"], "did you mean 'theta'"),
-        (["run", HOOP, "--start", "theta=90deg"], "in square brackets: 90 [deg]"),
-        (["run", HOOP, "--scene", "slidng"], "scene"),
-        (["run", str(HOOP).replace("hoop", "hop")], "hoop.lag"),
-    ],
-)
-def test_the_nearest_word_is_named(pkgen, words: list, said: str) -> None:
-    done = pkgen(*words)
-    assert done.returncode == 2 and said in done.stderr, done.stderr
-
-
 def test_run_as_json_has_the_rows(pkgen) -> None:
     result = json.loads(pkgen("run", HOOP, "--until", "1", "--every", "0.5", "--json").stdout)
     assert [row[0] for row in result["rows"]] == [0, 0.5, 1]
@@ -195,36 +177,6 @@ def test_a_default_follows_what_is_set(pkgen) -> None:
         energies.append(rows(done.stdout)[1][0][-1])
     assert energies[0] == pytest.approx(energies[1], rel=1e-14)
     assert energies[1] != pytest.approx(energies[2], rel=1e-3)
-
-
-USAGE = {
-    "unknown parameter": (["--set", "g2=3"], "g2"),
-    "unknown start": (["--start", "theta3=3"], "theta3"),
-    "not a value": (["--set", "g=9,81"], "point"),
-    "wrong unit": (["--set", "g=3 [kg]"], "m/s^2"),
-    "code": (["--set", "g=__import__('os')"], "__import__"),
-    "no step": (["--method", "rk4"], "--step"),
-    "unknown method": (["--method", "rk5", "--step", "0.1"], "rk5"),
-    "negative duration": (["--until", "-1"], "until"),
-    "not finite": (["--until", "inf"], "until"),
-    "zero step": (["--method", "rk4", "--step", "0"], "step"),
-    "outside its bounds": (["--set", "m1=-1"], "m1"),
-    "not of this world": (["--rtol", "1e-40"], "--rtol 1e-40: no double"),
-    "no name": (["--set", "=1"], "give a name and a value"),
-    "whose value": (["--set", "l1=nan"], "--set l1=nan: unknown name"),
-    "unknown file type": (["-o", "rows.xls"], "rows.xls"),
-    "not a size": (["--size", "N=3.5"], "--size"),
-    "scene": (["--scene", "butterfly"], "no such scene"),
-}
-
-
-@pytest.mark.parametrize("case", USAGE)
-def test_usage_errors(pkgen, case: str) -> None:
-    arguments, mentioned = USAGE[case]
-    done = pkgen("run", DOUBLE, "--until", "1", *arguments)
-    assert done.returncode == 2, done.stderr
-    assert mentioned in done.stderr and "Traceback" not in done.stderr
-    assert done.stdout == ""
 
 
 def test_a_constant_that_is_zero_is_judged_by_what_it_is_made_of(pkgen) -> None:

@@ -78,24 +78,6 @@ def test_a_start_off_the_constraints_is_refused(pkgen, tmp_path, options, named)
     assert len(done.stdout.splitlines()) <= 2  # no rows of a motion that there is not
 
 
-def test_what_a_method_needs_is_said(pkgen, tmp_path):
-    free = written(tmp_path, "model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\n")
-    sleigh = written(
-        tmp_path,
-        "model sleigh\ncoord x, y, a\nkinetic (x'^2 + y'^2 + a'^2)/2\n"
-        "rolling blade: x'*sin(a) - y'*cos(a) = 0\nstart x' = 1, a' = 1\n",
-    )
-    for path, method, said in (
-        (sleigh, "rattle", "rolling"),
-        (sleigh, "verlet", "separable"),
-    ):
-        done = pkgen("run", path, "--method", method, "--step", "0.01", "--until", "1")
-        assert done.returncode in (2, 4) and said in done.stderr, done.stderr
-    # What is free is taken by the methods of groups and of constraints as it is.
-    for method in ("rattle", "rkmk4", "lie_midpoint"):
-        done = ran("run", free, "--method", method, "--step", "0.01", "--until", "1")
-
-
 def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_path):
     """A point on a plane that is lowered onto the top of a sphere: there both say the same."""
     path = written(
@@ -147,16 +129,6 @@ def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
     assert "link[i] = -l^2 + (-x[i-1] + x[i])^2 + (-y[i-1] + y[i])^2   for i = 1..N" in said
     pkgen(path, "-o", tmp_path)
     assert "chain_constraints" in (tmp_path / "chain.c").read_text()
-
-
-def test_a_refused_start_misses_what_a_scene_expects_of_its_events(pkgen):
-    """No row and no event: once the command met nothing of that name in its report, and broke."""
-    path = ROOT / "models" / "constrained" / "pendulum_rod.lag"
-    done = pkgen("run", path, "--scene", "over_the_top", "--start", "x=2")
-    assert done.returncode == 4, done.stderr
-    assert "the start breaks a constraint: rod by 4" in done.stderr
-    assert "expectation missed: event 'over' did not happen" in done.stderr
-    assert "expected: 0 of 3 met" in done.stderr
 
 
 def test_a_turning_point_of_all_rates_but_a_spin():
@@ -257,14 +229,6 @@ def test_steps_from_rest_and_beside_a_spin(tmp_path, text, method):
     ran("run", path, "--until", "1", "--method", method, "--step", "0.01", "--every", "1")
 
 
-def test_what_is_of_free_coordinates_says_that_there_are_constraints(pkgen, tmp_path):
-    path = written(tmp_path, ROD)
-    options = ("--until", "1", "--method", "gauss4", "--step", "0.01", "--diagnose")
-    for name in ("symplectic", "modes", "least_action", "action", "lyapunov"):
-        done = pkgen("run", path, *options, name)
-        assert f"diagnose {name}: the model has constraints" in done.stderr
-
-
 CANCELLING = """\
 model cancelling
 coord y, z
@@ -294,13 +258,3 @@ def test_terms_that_coordinates_are_small_beside(pkgen, tmp_path, a, b, method):
         options = ("--method", method, "--step", step, "--until", "0.1", "--every", "0.1")
         y = rows(pkgen, path, *options)[-1]["y"]
         assert y == pytest.approx(-0.005 * a * a / (a * a + b * b), rel=1e-2)
-
-
-def test_a_member_says_which_constraint_its_start_breaks(pkgen, tmp_path):
-    path = written(tmp_path, ROD)
-    (tmp_path / "m.csv").write_text("x,y\n0.6,-0.8\n0.6,-0.9\n")
-    done = pkgen("run", path, "--ensemble", tmp_path / "m.csv", "--until", "1")
-    assert done.returncode == 4
-    assert "1 of 2 members failed, first member 2: the start breaks a constraint: rod by " in (
-        done.stderr
-    )

@@ -160,32 +160,6 @@ start x = 0.1, y' = 0.5
         assert (slow, fast) == pytest.approx((0.005, 0.125), abs=1e-9)
 
 
-def test_far_away_is_no_equilibrium(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "far.lag"
-    path.write_text("model far\ncoord x\nlagrangian x'^2/2 - exp(-x)\nstart x = 1\n")
-    done = pkgen("run", path, "--until", "3", "--diagnose", "modes", "-o", tmp_path / "rows.csv")
-    assert done.returncode == 2 and "no equilibrium was found" in done.stderr
-
-
-def test_refusals(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "model.lag"
-    cases = {
-        "coord x\nkinetic x'^2/2\npotential x": "no equilibrium was found",
-        "coord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)": "without explicit time",
-        "coord x\nkinetic x'^2/2\npotential x^2/2\ndissipation x'^2": "forces besides those of L",
-        "coord x\nstate s\nkinetic x'^2/2\npotential x^2/2\nrate s = x": "model has states",
-        "state x\nrate x = -x": "model has states",
-        "coord x\nkinetic x'^2/2\npotential abs(x)": "the equations have a kink",
-        "coord x, y\nlagrangian (x'^2 + y'^2)/2 + x*y' - y*x' - x^2 - y^2": "depend on rates",
-    }
-    for text, reason in cases.items():
-        path.write_text(f"model m\n{text}\nstart x = 1\n")
-        done = pkgen("run", path, "--diagnose", "modes", "--until", "1")
-        assert done.returncode == 2 and reason in done.stderr, done.stderr
-    done = pkgen("run", ROOT / "models/heavy_top.lag", "--diagnose", "modes", "--until", "1")
-    assert done.returncode == 2 and "the coordinates themselves are singular" in done.stderr
-
-
 def test_of_what_a_scene_reduces_to(pkgen, tmp_path: Path) -> None:
     """A top's nutation about its steady precession; the whole top rests nowhere."""
     top = ROOT / "models" / "heavy_top.lag"

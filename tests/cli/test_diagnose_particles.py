@@ -251,34 +251,3 @@ def test_methods_that_need_derivatives_have_them(pkgen, tmp_path: Path) -> None:
     method = ["--method", "adaptive_verlet", "--step", "0.001", "--until", "1"]
     of, _ = found(pkgen, tmp_path, KEPLER, "angular_momentum", *method)
     assert of["angular_momentum"]["origin"]["drifts"][0]["max"] < 1e-13
-
-
-def test_refusals(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "model.lag"
-    path.write_text("model line\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
-    done = pkgen("run", path, "--diagnose", "angular_momentum")
-    expected = f"""pkgen: {path}:3:9: error: --diagnose angular_momentum is of particles, and of \
-this model none are seen: it names no place in a plane or in space, and a motion on a line turns \
-about nothing
-    3 | kinetic x'^2/2
-      |         ^^^^^^
-   help: name the place of each particle, by let or observe, as x = l*sin(theta) and \
-y = -l*cos(theta), so that the kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a rigid \
-body, record p_ANGLE
-"""
-    assert done.returncode == 2 and done.stderr == expected
-    # What the help says to add is enough.
-    path.write_text(PENDULUM.replace("observe", "let"))
-    steps = ["--diagnose", "angular_momentum", "--until", "1"]
-    assert pkgen("run", path, *steps).returncode == 0
-    lines = PENDULUM.splitlines(keepends=True)
-    path.write_text("".join(line for line in lines if not line.startswith("observe")))
-    done = pkgen("run", path, *steps)
-    assert done.returncode == 2 and "it names no place" in done.stderr
-    path.write_text(SWING.replace("x^2/2 + y^2", "-x^2"))
-    done = pkgen("run", path, "--diagnose", "lrl", "--until", "1")
-    assert done.returncode == 2 and "not drawn to the origin" in done.stderr
-    three = TWO.replace("x2, y2, z2\n", "x2, y2, z2, x3, y3\n", 1)
-    path.write_text(three.replace("potential", "kinetic (x3'^2 + y3'^2)/2\npotential"))
-    done = pkgen("run", path, "--diagnose", "lrl", "--until", "1")
-    assert done.returncode == 2 and "or of two about each other; 'two' has 3: (x1," in done.stderr

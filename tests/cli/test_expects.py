@@ -155,14 +155,6 @@ def test_c_of_a_scene_has_no_outputs_for_what_it_expects(pkgen, swing: Path, tmp
     assert "swing_met_q_x = 0" in header and "swing_met_o_" not in header
 
 
-def test_without_a_scene_it_says_which_there_are(swing: Path) -> None:
-    done = ran("run", swing, "--until", "1")
-    assert (
-        done.stderr.splitlines()[-1]
-        == "scenes of this model, by --scene: met, all_columns, ensemble, missed"
-    )
-
-
 def test_an_angle_that_is_expected_is_a_state_as_one_that_is_recorded(pkgen, tmp_path: Path):
     model = tmp_path / "orbit.lag"
     model.write_text(
@@ -221,21 +213,3 @@ def test_an_energy_that_a_parameter_left_to_the_run_makes_constant_is_watched(
     # By h^6/72 of it a step, and the scale of an energy is that of its parts, here 3 times it.
     assert found[0] == pytest.approx(100 * 0.1**6 / 72 / 3, rel=0.05)
     assert found[1] == pytest.approx(found[0], rel=1e-6)
-
-
-def test_a_tolerance_that_a_parameter_makes_negative_is_said(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "still.lag"
-    path.write_text("""model still
-param d = 1
-coord x
-kinetic x'^2/2
-scene s
-  until 1
-  record x every 0.5
-  expect x = 0 within d
-end
-""")
-    run = ("run", path, "--scene", "s", "-o", tmp_path / "rows.csv")
-    assert pkgen(*run).returncode == 0
-    done = pkgen(*run, "--set", "d=-1")
-    assert done.returncode == 4 and "its tolerance is -1: it cannot be negative" in done.stderr

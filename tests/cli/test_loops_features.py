@@ -261,15 +261,6 @@ def test_members_that_follow_given_members_follow_them(size: int, pkgen, tmp_pat
     assert rows(done.stdout)[-1][1] == 6 + 100 * 4 + 10000 * 7, done.stderr
 
 
-def test_jumping_rates_are_written_out(pkgen, tmp_path: Path) -> None:
-    """Their switches are located, which loops do not: rk4 would chatter about 0 in silence."""
-    model = tmp_path / "jumps.lag"
-    rest = "rate u[i = 1..N] = -sign(u[i])\nstart u[i = 1..N] = sin(i)\n"
-    model.write_text(f"model jumps\nsize N = 20\nstate u[1..N]\n{rest}")
-    done = pkgen("run", model, "--until", 2, "--method", "rk4", "--step", 0.01)
-    assert done.returncode == 4 and "the motion stays on u[3] = 0" in done.stderr
-
-
 @pytest.mark.parametrize("potential", ["max(q[i] - i, 0)^2", "abs(q[i])^3", "abs(q[i])"])
 def test_forces_that_bend_or_jump_stay_loops(potential: str) -> None:
     text = "model m\nsize N = 20\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"

@@ -123,14 +123,6 @@ def test_heat_is_conducted_by_steps_as_long_as_one_likes(tmp_path: Path) -> None
     assert json.loads(done.stdout)["report"]["steps"] == 6
 
 
-def test_sums_over_pairs_are_refused(pkgen) -> None:
-    done = pkgen(
-        "run", "models/particles/n_body.lag", "--size", "N=40", "--method", "radau", "--until", 1
-    )
-    assert done.returncode == 4
-    assert "are no band: sums over pairs" in done.stderr
-
-
 LIMIT = 1 << 30  # bytes of address space: of 20,000 numbers a matrix of each with each takes 3.2e9
 
 

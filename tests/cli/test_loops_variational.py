@@ -73,13 +73,6 @@ def test_a_long_rope_keeps_its_energy_and_rods_by_rattle_alone(pkgen, tmp_path: 
     assert 0 < coarse < drift("rk2", 2e-3) / 100
 
 
-def test_a_step_that_is_too_long_says_what_to_do(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "rope.lag"
-    model.write_text(ROPE)
-    done = pkgen("run", model, "--method", "rattle", "--step", 0.3, "--until", 3)
-    assert done.returncode == 4 and "or gauss2" in done.stderr, done.stderr
-
-
 GROWING = """\
 model growing
 size N = {size}

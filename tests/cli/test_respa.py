@@ -120,26 +120,6 @@ def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
         done = ran(*command, cwd=tmp_path)
 
 
-BOUND = "constraint c: x = y\nkinetic y'^2/2\nstart y = 1\n"
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (("fast w^2*x^2/2\n", ""), "of which a part is named"),
-        (("kinetic x'^2/2", "kinetic x'^2/2*(1 + x^2)"), "separable"),
-        (("fast w^2*x^2/2", "fast x'^2"), "has a rate in it"),
-        (("coord x\n", f"coord x, y\n{BOUND}"), "there are constraints"),
-        (("param w", "coord fast\npotential fast^2\nkinetic fast'^2\nparam w"), ""),
-    ],
-)
-def test_refusals(tmp_path: Path, change: tuple[str, str], said: str) -> None:
-    path = tmp_path / "tuned.lag"
-    path.write_text(SPRING.replace(*change).split("scene")[0])
-    done = run_pkgen("run", path, "--until", 1, "--method", "respa", "--step", 0.1)
-    assert (done.returncode == 0) is (not said) and said in done.stderr
-
-
 @pytest.mark.parametrize("seed", seeds(range(3), 2))
 def test_its_limit_is_predicted(tmp_path: Path, seed: int) -> None:
     """Beside the trace of half a kick, ten short Verlet steps, half a kick, on two springs."""

@@ -97,38 +97,6 @@ def test_states_alone_have_no_energy(pkgen, tmp_path: Path) -> None:
     assert drift["name"] == "H" and 0 < drift["max"] < 1e-8
 
 
-WRONG = [
-    ("run --start area'=1", "area is a state, and its rate follows: --start area=…"),
-    ("run --start sarea=1", "did you mean 'area'?"),
-    ("run --record p_S", "no such column"),
-    ("run --scene still --start S=1", "the scene holds S"),
-]
-
-
-@pytest.mark.parametrize(("words", "said"), WRONG, ids=[words for words, _ in WRONG])
-def test_what_cannot_be(pkgen, orbit: Path, words: str, said: str) -> None:
-    command, *options = words.split()
-    done = pkgen(command, orbit, *options)
-    assert done.returncode == 2 and said in done.stderr and "Traceback" not in done.stderr
-
-
-def test_an_energy_that_there_is_not(pkgen, tmp_path: Path) -> None:
-    done = pkgen("run", written(tmp_path, LOTKA), "--record", "energy")
-    assert done.returncode == 2 and "it has: hare, lynx" in done.stderr
-    model = written(tmp_path, LOTKA + "scene s\n  until 1\n  record energy\nend\n")
-    done = pkgen("check", model)
-    assert done.returncode == 1 and "a model of states alone has no energy" in done.stderr
-
-
-def test_an_energy_of_held_coordinates(pkgen, tmp_path: Path) -> None:
-    scene = "scene s\n  hold q = sin(t)\n  until 1\n  record x, {}\nend\n"
-    text = "model m\ncoord q\nstate x\nkinetic q'^2/2\nrate x = q'\n" + scene
-    done = pkgen("check", written(tmp_path, text.format("energy")))
-    assert done.returncode == 1
-    assert "m.lag:9:13: error: there is no energy here: every coordinate is held" in done.stderr
-    assert pkgen("check", written(tmp_path, text.format("T"))).returncode == 0
-
-
 def test_a_state_beside_two_blocks_is_explained(tmp_path: Path) -> None:
     text = "model two\ncoord x, y\nstate work\nkinetic x'^2/2 + y'^2/2\npotential x^2 + y^2\n"
     model = written(tmp_path, text + "rate work = x\nstart x = 1\n")

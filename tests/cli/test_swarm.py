@@ -82,26 +82,6 @@ def test_a_miss_names_the_member_and_options_set_all(pkgen, pendulum: Path) -> N
     )
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--diagnose", "all"], "--diagnose is for one trajectory, not for a swarm"),
-        (["--ensemble", "x.csv"], "--ensemble x.csv: {path}:9:10: the scene has a swarm already"),
-        (["--threads", "4000"], "--threads 4000: 1024 at most"),
-        (["--set", "l=0"], "{path}:11:35: scene 'many': start theta': division by zero"),
-    ],
-)
-def test_what_a_swarm_cannot_be_with(pkgen, pendulum: Path, options: list[str], said: str) -> None:
-    done = pkgen("run", pendulum, "--scene", "many", *options)
-    assert done.returncode == 2 and said.format(path=pendulum) in done.stderr
-
-
-@pytest.mark.parametrize("command", ["chart", "stability"])
-def test_charts_and_maps_are_of_one_motion(pkgen, pendulum: Path, command: str) -> None:
-    done = pkgen(command, pendulum, "--scene", "many")
-    assert done.returncode == 2 and "a swarm is many motions: 'pkgen run' runs it" in done.stderr
-
-
 FUNCTIONS = """model m
 size n = 3
 param p[i = 1..5] = 10*i
