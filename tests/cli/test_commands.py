@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy
 import pytest
 
-from conftest import MODELS, ROOT, ran
+from conftest import MODELS, ROOT, case, ran
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
@@ -188,14 +188,7 @@ def test_a_constant_that_is_zero_is_judged_by_what_it_is_made_of(pkgen) -> None:
     assert scales["energy"] > 1 and 0.01 < scales["px"] < 10
 
 
-KINKED = """model bumper
-param m = 1 [kg] in (0, inf)
-param k = 30 [N/m]
-coord x [m]
-kinetic m/2*x'^2
-potential k/2*max(x, 0)^2
-start x = -0.3
-"""
+KINKED = case("bumper")
 
 
 def test_the_default_method(pkgen, tmp_path: Path) -> None:

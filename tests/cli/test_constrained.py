@@ -8,36 +8,9 @@ import re
 
 import pytest
 
-from conftest import ROOT, ran, rows, written
+from conftest import ROOT, case, ran, rows, written
 
-ROD = """\
-model rod
-param l = 1 in (0, inf)
-param g = 9.81
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential g*y
-constraint rod: x^2 + y^2 = l^2
-observe pull = -2*l*lambda_rod
-start x = l*sin(2), y = -l*cos(2)
-
-scene swing
-  until 3
-  accuracy 1e-10
-  record x, y, lambda_rod every 0.5
-  expect x^2 + y^2 = l^2 within 1e-14
-  expect x*x' + y*y' = 0 within 1e-14
-  expect drift(energy) < 1e-8
-end
-scene many
-  swarm k = 1..7
-  start x = l*sin(k/3), y = -l*cos(k/3)
-  until 2
-  method dop853 rtol 1e-9
-  record x, y every 0.5
-  expect x^2 + y^2 = l^2 within 1e-14
-end
-"""
+ROD = case("constrained_rod")
 
 
 def test_a_rod_keeps_its_length(pkgen, tmp_path):
@@ -101,18 +74,7 @@ def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_
             )
 
 
-CHAIN = """\
-model chain
-size N = 9
-param l = 1 in (0, inf)
-coord x[1..N], y[1..N]
-fixed x[0] = 0
-fixed y[0] = 0
-kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)
-potential sum(9.81*y[i], i = 1..N)
-constraint link[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
-start x[i = 1..N] = i*l*cos(0.3), y[i = 1..N] = -i*l*sin(0.3)
-"""
+CHAIN = case("constrained_chain")
 
 
 def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
@@ -137,25 +99,7 @@ def test_a_turning_point_of_all_rates_but_a_spin():
     ran("run", path, "--scene", "nutates", "--set", "turn=0")
 
 
-HELD = """\
-model held
-coord x, y, z
-kinetic (x'^2 + y'^2 + z'^2)/2
-let r2 = x^2 + y^2
-constraint rod: r2 = 1
-start x = 1, z' = 1
-
-scene turned
-  hold x = cos(t), y = sin(t)
-  until 1
-  record z every 1
-end
-scene wrong
-  hold x = 2*cos(t), y = sin(t)
-  until 1
-  record z every 1
-end
-"""
+HELD = case("held")
 
 
 def test_a_constraint_that_what_is_held_fulfils_is_gone(pkgen, tmp_path):
@@ -166,30 +110,8 @@ def test_a_constraint_that_what_is_held_fulfils_is_gone(pkgen, tmp_path):
     assert "the constraint 'rod' holds or fails whatever the motion" in done.stderr
 
 
-TIED = """\
-model tied
-coord x, z
-kinetic (x'^2 + z'^2)/2
-constraint c: x = z
-start x' = 1, z' = 1
-scene one
-  until 2
-  record x every 1
-end
-"""
-GEARED = """\
-model geared
-rotation R
-let w = omega(R)
-kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
-rolling gear: w.z = 0.3*w.x
-start omega(R) = [1, 0.5, 0.3]
-scene one
-  until 5
-  method rk4 step 0.01
-  record omega(R) every 1
-end
-"""
+TIED = case("tied")
+GEARED = case("geared")
 
 
 @pytest.mark.parametrize("text", [TIED, GEARED])
@@ -203,15 +125,7 @@ def test_what_constraints_tie_is_not_reduced(pkgen, tmp_path, text):
     assert max(abs(x) for row in theirs for x in row.values()) > 1
 
 
-AXLE = """\
-model axle
-rotation R
-let w = omega(R)
-kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
-constraint one: (R*[0, 0, 1]).x = 0
-constraint two: (R*[0, 0, 1]).y = 0
-start omega(R) = [0, 0, 1]
-"""
+AXLE = case("axle")
 RAMP = """\
 model ramp
 coord y, z

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran
+from conftest import ROOT, case, ran
 from pkgen.run import build
 from pkgen.system import toolchain
 
@@ -25,14 +25,7 @@ potential -cos(x)
 start x = 1.3
 event bottom: x falling"""
 RK4 = ("--method", "rk4", "--step", "0.01")
-DAMPED = """model damped
-param c = 0.2 in [0, inf)
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential x^2/2 + y^2 + x*y/4
-dissipation c/2*x'^2
-start x = 1, y = 0.3
-"""
+DAMPED = case("diagnose_damped")
 
 
 def diagnosed(pkgen, model: Path, what: str, *arguments: object) -> tuple[dict, dict]:

@@ -8,18 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran
+from conftest import ROOT, case, ran
 
 OSCILLATORS = ROOT / "models/coupled_oscillators.lag"
 FPUT = ROOT / "models/chains/fput.lag"
-FREE = """model chain
-size N = 4
-coord q[1..N]
-free q
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/2, i = 1..N-1)
-start q[1] = 3, q[2]' = 0.5
-"""
+FREE = case("diagnose_modes_chain")
 
 
 def modes(pkgen, tmp_path: Path, model: Path, *arguments: object) -> tuple[dict, str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran
+from conftest import ROOT, case, ran
 
 STONE = ROOT / "models/particles/thrown_stone.lag"
 
@@ -21,19 +21,7 @@ APEX_T = math.sqrt(M / (K * G)) * math.atan(V0 * math.sqrt(K / (M * G)))
 APEX_Y = M / (2 * K) * math.log(1 + K * V0**2 / (M * G))
 IMPACT = V0 / math.sqrt(1 + K * V0**2 / (M * G))
 
-PENDULUM = """\
-model pendulum
-coord theta
-kinetic theta'^2/2
-potential -cos(theta)
-start theta = 2.5
-event bottom: theta rising
-event rest: theta'
-scene swings
-  until 40
-  record theta', energy at bottom
-end
-"""
+PENDULUM = case("events_pendulum")
 
 
 def rows_of(text: str) -> tuple[list[str], list[list[float]]]:

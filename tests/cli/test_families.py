@@ -11,24 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, case
 from pkgen.scenes import lengths
 
 FPUT = ROOT / "models" / "chains" / "fput.lag"
-PARTS = """\
-model parts
-size N = 40
-param m[i = 1..N] = 1 + 0.1*i in (0, inf)
-param k = 2
-param kk[i = 1..N] = k*m[i]
-coord X
-coord q[0..N]
-fixed q[-1] = 0, q[N+1] = 0
-kinetic sum(m[i]/2*q[i]'^2, i = 1..N) + q[0]'^2/2 + X'^2/2
-potential sum((q[i+1] - q[i])^2/2, i = -1..N) + sum(kk[i]*q[i]^2/2, i = 1..N) + (q[0] - X)^2
-observe seen = q[3] + k*X
-start X = 1, q[i = 0..N] = 0.1*cos(i)
-"""
+PARTS = case("parts")
 
 
 def rows(text: str) -> tuple[list[str], list[list[float]]]:
@@ -135,23 +122,8 @@ def test_zeros_before_a_size_are_none_of_it():
     assert lengths.given(["N=00000000005", " M = 64 "]) == {"N": 5, "M": 64}
 
 
-GRAVITY = """\
-model gravity
-size N = 20
-coord x[1..N]
-kinetic sum(x[i]'^2/2, i = 1..N)
-potential sum(-1/sqrt(1 + (x[j] - x[i])^2), i = 1..N-1, j = i+1..N)
-start x[i = 1..N] = cos(i)
-"""
-ENDS = """\
-model ends
-size N = 31
-param k = 2
-coord q[1..N]
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential k/2*q[1]^2 + k/2*q[N]^2 + sum((q[i+1] - q[i])^2/2, i = 1..N-1)
-start q[i = 1..N] = sin(pi*i/(N+1))
-"""
+GRAVITY = case("gravity")
+ENDS = case("families_ends")
 
 
 def test_chains_are_run_by_dop853_and_pair_sums_by_gauss(pkgen, tmp_path: Path) -> None:
@@ -210,15 +182,7 @@ def test_explain_says_which_way_and_why(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 1 and "which cannot stay loops" in done.stderr
 
 
-GAS = """\
-model gas
-size N = 20
-param g = 1
-coord x[1..N]
-kinetic sum(x[i]'^2/2, i = 1..N)
-potential sum(g/(x[i+1] - x[i]), i = 1..N-1)
-start x[i = 1..N] = i
-"""
+GAS = case("gas")
 
 
 @pytest.mark.parametrize("method", ["dop853", "verlet --step 0.01"])

@@ -10,7 +10,7 @@ import re
 import mpmath
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
 PLANE = "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2 + 0.3*x'*y'\n"
 STEP = "model m\ncoord x\nkinetic x'^2/2\npotential {}*step(x - 1)\nstart x' = 1\n"
@@ -20,14 +20,7 @@ kinetic ((X' + cos(a)*a')^2 + (sin(a)*a')^2)/2 + X'^2/2
 potential -9.81*cos(a)
 start a = 0.5
 """
-CHAIN = """model m
-size N = 3
-coord q[1..N]
-fixed q[0] = BEND(t - 1), q[N+1] = 0
-kinetic sum((q[i] + 0.4*q[i+1])'^2/2, i = 0..N)
-potential sum((q[i+1] - q[i])^2/2, i = 0..N)
-start q[2] = 0.3
-"""
+CHAIN = case("impulses_m")
 DRIVEN = "model m\ncoord a\ninput u\nkinetic (u'^2 + 2*u'*cos(a)*a' + a'^2)/2\npotential -cos(a)\n"
 HELD = "scene s\n  {}\n  until 2\n  record {}\nend\n"
 # In each BEND(s) is max(0, s), JUMP(s) step(s).

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import pkgen as api
-from conftest import ran, run_pkgen, seeds
+from conftest import case, ran, run_pkgen, seeds
 
 UNTIL = 1.0
 
@@ -82,20 +82,7 @@ def test_orders_and_the_form(tmp_path: Path, seed: int) -> None:
     assert abs(flow.T @ form @ flow - form).max() < 1e-7 and abs(flow - np.eye(2 * n)).max() > 0.05
 
 
-SPRING = """\
-model tuned
-param w = 20
-coord x
-kinetic x'^2/2
-potential w^2*x^2/2 + x^2/2
-fast w^2*x^2/2
-start x = 1
-scene a
-  until 40
-  method respa step 0.1
-  record x every 0.1
-end
-"""
+SPRING = case("tuned")
 
 
 def test_a_kick_in_tune_grows(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from rotation_models import made
 
-from conftest import ran, seeds
+from conftest import case, ran, seeds
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.scenes import lengths
@@ -117,25 +117,7 @@ def test_one_of_a_family_is_a_free_body(pkgen, tmp_path: Path) -> None:
     assert off(*found) < 1e-11
 
 
-RING = """\
-model ring
-size N = 3
-rotation R[1..N]
-periodic R
-kinetic sum(dot(omega(R[i]), omega(R[i])), i = 1..N)
-potential -sum(dot(R[i]*[0, 0, 1], R[i+1]*[0, 0, 1]), i = 1..N)
-start R[2] = rot([1, 0, 0], 0.5)
-start omega(R[i = 1..N-1]) = [0, 0.1*i, 1]
-event tilted: R[2].x - 0.2 falling
-observe L3 = sum((R[i]*p_R[i]).z, i = 1..N)
-
-scene one
-  start omega(R[3]) = [0, 0, 2]
-  until 1
-  record R[2], omega(R[2]), p_R[3], L3 every 0.5
-  expect drift(L3) < 1e-12
-end
-"""
+RING = case("rotation_families_ring")
 
 
 def test_members_by_name(tmp_path: Path) -> None:

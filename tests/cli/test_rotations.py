@@ -6,52 +6,9 @@ import math
 
 import pytest
 
-from conftest import rows, written
+from conftest import case, rows, written
 
-THROWN = """\
-model thrown
-param I1 = 1 in (0, inf)
-param I2 = 2 in (0, inf)
-param I3 = 3 in (0, inf)
-param g = 1
-coord x
-rotation R
-coord z
-let w = omega(R)
-kinetic I1/2*w.x^2 + I2/2*w.y^2 + I3/2*w.z^2 + (x'^2 + z'^2)/2
-potential g*z
-event down: z - 0.5 falling
-start omega(R) = [0.01, 1, 0], x' = 1, z' = 2, R = rot([1, 0, 0], 0.3)
-
-scene rates
-  until 20
-  accuracy 1e-9
-  record omega(R) every 1
-end
-scene flight
-  until 2
-  accuracy 1e-9
-  record x, z every 0.5
-end
-scene attitude
-  until 20
-  accuracy 1e-9
-  record R, p_R every 1
-end
-scene many
-  swarm k = 1..9
-  start omega(R) = [0, k/5, 0.1], R = rot([0, 0, 1], k/10)
-  until 3
-  method rk4 step 0.01
-  record R, z every 1
-end
-scene landing
-  until 5
-  method rkmk4 step 0.01
-  record R, z at down
-  expect z = 0.5 within 1e-9 at down
-end
-"""
+THROWN = case("thrown")
 
 
 def test_rows_are_in_the_order_of_the_model(pkgen, tmp_path):

@@ -8,61 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran, table, written
+from conftest import case, ran, table, written
 
 # Of an orbit from its pericentre: the action of a revolution is that of T - V, whose means are a
 # half and 1 by the virial theorem, and the area is that of the ellipse.
-ORBIT = """\
-model orbit
-param e = 0.6 in [0, 1)
-coord x, y
-state S         # action
-state area
-kinetic (x'^2 + y'^2)/2
-potential -1/sqrt(x^2 + y^2)
-rate S = L
-rate area = (x*y' - y*x')/2
-start x = 1 - e, y' = sqrt((1 + e)/(1 - e))
-observe energies = T + V
-event half: S - 3*pi/2
-
-scene revolution
-  until  2*pi
-  method gauss rtol 1e-12
-  record S, S', area, x every pi
-  expect S = 3*pi within 1e-9 at 2*pi
-  expect area = pi*sqrt(1 - e^2) within 1e-9 at 2*pi
-  expect S' - L = 0 within 1e-14
-  expect time(half) > 3.1415
-  expect drift(energy) < 1e-10
-end
-
-scene still
-  hold   S = sin(t)
-  start  area = 2
-  until  1
-  method rk4 step 0.001
-  record S, S', area every 1
-end
-
-scene many
-  swarm  k = 1..3
-  start  area = k
-  until  1
-  method rk4 step 0.01
-  record area
-end
-"""
+ORBIT = case("orbit")
 # Its sums of logarithms are constant; no coordinate, so no energy.
-LOTKA = """\
-model lotka
-param a = 2/3
-state hare, lynx
-rate hare = a*hare - 4/3*hare*lynx
-rate lynx = hare*lynx - lynx
-start hare = 1, lynx = 2
-conserve H = hare - log(hare) + 4/3*lynx - a*log(lynx)
-"""
+LOTKA = case("lotka")
 
 
 @pytest.fixture
