@@ -85,14 +85,7 @@ def test_many_links_lose_no_digits(tmp_path) -> None:
     at, dice = Looped(LINKS, tmp_path).at(20), random.Random(3)
     (tmp_path / "long.c").write_text(LONG)
     run(
-        "gcc",
-        "-std=c99",
-        "-DPK_LONG_DOUBLE",
-        "long.c",
-        "links.c",
-        "-o",
-        "long",
-        "-lm",
+        *"gcc -std=c99 -DPK_LONG_DOUBLE long.c links.c -o long -lm".split(),
         cwd=tmp_path,
     )
     for _ in range(5):
