@@ -108,7 +108,7 @@ site: $(TESTS)
 	@echo 'site: open build/site/index.html'
 
 golden: $(TESTS)
-	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/cli/test_method_names.py tests/generator/test_golden.py tests/generator/test_wrong_models.py
+	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/cli/test_method_names.py tests/generator/test_golden.py tests/generator/test_wrong_models.py tests/messages
 	$(PYTHON) tools/errors_page.py
 	@git --no-pager diff --stat -- tests
 

@@ -189,6 +189,11 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
+def case(name: str) -> str:
+    """The text of a model that tests are about."""
+    return (ROOT / "tests" / "cases" / f"{name}.lag").read_text(encoding="utf-8")
+
+
 def table(text: str) -> tuple[list[str], list[list[float]]]:
     """The head and the rows of what a run has printed."""
     head, *lines = text.splitlines()

@@ -7,6 +7,7 @@ import random
 from dataclasses import replace
 from pathlib import Path
 
+from conftest import case
 from pkgen.api.prepare import Prepared
 from pkgen.cli.commands import parsed
 from pkgen.cli.run import prepared
@@ -50,17 +51,7 @@ MODELS = {
     "kinetic sum(q[i]'^2/2, i = 1..N)\npotential sum((q[i+1] - q[i])^2/2 + q[i], i = 0..N)\n"
     "force q[i = 1..N] = 3*step(-q[i] - 0.2)\nstart q[i = 1..N] = sin(i)/2\n",
 }  # fmt: skip
-BLOCKS = """model blocks
-coord a, b
-kinetic (a'^2 + b'^2/100)/2
-potential -cos(a) - cos(b)
-start a = 1.5, b = 1.5
-scene s
-  until 2
-  record a, b every 0.1
-  accuracy 1e-6
-end
-"""  # integrated in two
+BLOCKS = case("blocks")  # integrated in two
 UNTIL, ROWS, STEPS = 3.0, 37, 230
 SECONDS = ("seconds", "processor")
 

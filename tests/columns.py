@@ -6,24 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, case, run_pkgen
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 
 
 # A parameter and a start that follow others, an input, a state.
-RIG = """model rig
-param m = 2 [kg] in (0, 10]
-param k = 4*m*(1 [1/s^2]) in [0, inf)
-input F [N]
-coord x [m]
-state s
-kinetic m/2*x'^2
-potential k/2*x^2
-force x = F
-rate s = x/(1 [m*s])
-start x = m*(0.5 [m/kg])
-"""
+RIG = case("rig")
 
 
 def ran(model: Path, *words: object) -> dict[str, np.ndarray]:

@@ -6,6 +6,7 @@ import pytest
 
 from bench import kept
 from bench.kept_cases import asking, cases
+from conftest import case
 from pkgen.analysis.choose import race
 
 EVERY = {case.name: case for case in cases(quick=False)}
@@ -15,19 +16,7 @@ QUICK = (
     "random 40",
     "closed orbit 1e-07",
 )
-SCENE = """model m
-coord x
-scene a
-  until 3
-  method gauss rtol 1e-9
-  expect x = (1
-    + t) within 1e-9
-  record x every 1   # the place
-end
-scene b
-  until 2
-end
-"""
+SCENE = case("m")
 
 
 @pytest.mark.parametrize("name", QUICK)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from conftest import ROOT
+from conftest import ROOT, case
 
 DISK = """model disk
 param k = 0.01
@@ -94,22 +94,8 @@ kinetic x'^2/2
 potential -atan2(sin(x), cos(x))
 start x' = 4
 """
-BLOCK = """model block
-param mu = 0.3
-coord x
-kinetic x'^2/2
-potential x^2/2
-force x = -mu*(2*step(x') - 1)
-start x = 1
-"""
-ROD = """model rod
-param l = 1
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential 9.81*y
-constraint rod: x^2 + y^2 = l^2
-start x = l
-"""
+BLOCK = case("block")
+ROD = case("rod")
 PINCHED = """model pinched
 coord x, y, z
 kinetic (x'^2 + y'^2 + z'^2)/2

@@ -8,41 +8,9 @@ import math
 
 import pytest
 
-from conftest import ran, table, written
+from conftest import case, table, written
 
-PENDULUM = """\
-model pendulum
-param m = 1.3 [kg] in (0, inf)
-param l = 0.7 [m] in (0, inf)
-param g = 9.81 [m/s^2]
-coord theta [rad]
-let x = l*sin(theta)
-let y = -l*cos(theta)
-let r = [x, y, 0]
-kinetic m/2*(x'^2 + y'^2)
-potential m*g*y
-observe acc = theta''
-observe down = -(l*cos(theta))''
-observe place = r''
-event turns: theta'' rising
-event lowest: theta either
-start theta = 1, theta' = 0.3
-scene swings
-  until  2
-  method gauss rtol 1e-13
-  record theta, theta', theta'', x'', r'', acc every 0.1
-  expect theta'' = -g/l*sin(theta) within 1e-11
-  expect theta'' < 8 [1/s^2]
-  expect r''.y < 0 at 0
-end
-scene many
-  swarm  k = 1..20
-  start  theta = k/10
-  until  2
-  method rk4 step 0.001
-  record theta, theta'', y''
-end
-"""
+PENDULUM = case("pendulum")
 
 
 def columns(done) -> dict[str, list[float]]:
@@ -86,28 +54,7 @@ def test_members_have_accelerations_too(pkgen, tmp_path):
     assert len(set(found["y''"])) == 20
 
 
-ROD = """\
-model rod
-param m = 0.8 [kg] in (0, inf)
-param l = 1.5 [m] in (0, inf)
-param g = 9.81 [m/s^2]
-param v0 = 7 [m/s]
-coord x, y [m]
-kinetic m/2*(x'^2 + y'^2)
-potential m*g*y
-constraint rod: (x^2 + y^2 - l^2)/(2*l) = 0
-observe tension = -lambda_rod
-event slack: lambda_rod rising stop
-start y = -l, x' = v0
-scene thrown
-  until  3
-  method gauss rtol 1e-12
-  record x, y, x', y', x'', y'', lambda_rod, tension every 0.05 at slack
-  expect lambda_rod < 1e-9 [N]
-  expect y = -l*(2 - v0^2/(g*l))/3 within 1e-9 at slack
-  expect m*(x''*x + y''*y) = l*lambda_rod - m*g*y within 1e-10
-end
-"""
+ROD = case("accelerations_rod")
 
 
 def test_the_tension_of_a_rod_is_an_output_an_event_and_expected(pkgen, tmp_path):
@@ -203,17 +150,7 @@ def _turns(found: dict, k: int) -> bool:
 
 
 def test_what_a_scene_leaves_of_a_model_has_the_same_accelerations(pkgen, tmp_path):
-    top = """\
-model top
-coord phi, theta, psi
-kinetic (theta'^2 + phi'^2*sin(theta)^2)/2 + (psi' + phi'*cos(theta))^2/4
-potential 9.81*cos(theta)
-start theta = 0.6, phi' = 0.4, psi' = 18
-scene nods
-  until 1
-  record theta'', phi'' every 0.1
-end
-"""
+    top = case("top")
     path = written(tmp_path, top)
     some, all_ = (
         columns(pkgen("run", path, "--scene", "nods", *o)) for o in ((), ("--no-reduce",))
@@ -223,21 +160,7 @@ end
         assert max(map(abs, some[name])) > 1
 
 
-CHAIN = """\
-model chain
-size N = 30
-coord q[1..N]
-fixed q[0] = 0, q[N+1] = 0.1*sin(t)
-kinetic   sum(q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/2, i = 0..N)
-observe all = sum(q[i]'', i = 1..N)
-start q[i = 1..N] = sin(pi*i/(N+1))
-scene s
-  until 3
-  record q[3], q[2], q[4], q[3]'', q[31]'', all every 1
-  expect q[3]'' = q[2] - 2*q[3] + q[4] within 1e-13
-end
-"""
+CHAIN = case("chain")
 
 
 def test_members_of_families_accelerate(pkgen, tmp_path):
@@ -245,31 +168,3 @@ def test_members_of_families_accelerate(pkgen, tmp_path):
     for t, a in zip(found["t"], found["q[31]''"], strict=True):
         assert a == pytest.approx(-0.1 * math.sin(t), abs=1e-15)
     assert abs(found["q[3]''"][0]) > 1e-3 and abs(found["all"][2]) > 1e-3
-
-
-COUPLED = """\
-model links
-size N = 40
-coord a[1..N]
-kinetic   sum(sum(cos(a[i] - a[j])*a[i]'*a[j]', j = 1..N), i = 1..N)/2 + sum(a[i]'^2, i = 1..N)
-observe first = a[1]''
-"""
-
-
-def test_where_there_are_none_it_is_said(pkgen, tmp_path):
-    done = pkgen("check", written(tmp_path, COUPLED))
-    assert (
-        done.returncode == 1 and "links.lag:5:1: error: the accelerations of so many" in done.stderr
-    )
-    frame = "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2\n"
-    for line, said in (
-        ("kinetic x''^2", "5:9: error: x'' is an acceleration"),
-        ("let a = x''", "5:9: error: x'' is an acceleration"),
-        ("force x = x''", "5:11: error: x'' is an acceleration"),
-        ("observe b = x'''", "5:13: error: x''' is the rate of an acceleration"),
-        ("event e: (x'' + x)' rising", "5:10: error: (x'' + x)' is the rate of an acceleration"),
-        ("conserve d = x''", "5:1: error: 'd' is not constant"),
-    ):
-        done = pkgen("check", written(tmp_path, f"{frame}{line}\n"))
-        assert done.returncode == 1 and said in done.stderr, done.stderr
-    done = ran("check", written(tmp_path, f"{frame}conserve d = x'' + x\n"))

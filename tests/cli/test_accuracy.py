@@ -9,74 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
 # The scenes share their C: it is the model's, and of what they record.
-KEPLER = """model kepler
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -1/sqrt(x^2 + y^2)
-event side: y rising
-start x = 0.4, y' = 2
-scene loose
-  until 20
-  accuracy 1e-3
-  record x, y every 0.5
-end
-scene usual
-  until 20
-  accuracy 1e-7
-  record x, y every 0.5
-end
-scene tight
-  until 20
-  accuracy 1e-11
-  record x, y every 0.5
-end
-scene ages
-  until 100000
-  accuracy 3e-5
-  record x, y every 500
-end
-scene eras
-  until 200000
-  accuracy 1e-6
-  record x, y every 1000
-end
-scene sides
-  until 40
-  accuracy 1e-9
-  record x, y at side
-end
-scene place
-  until 20
-  accuracy 1e-7
-  record energy every 0.5
-  expect x = -0.770075578411241 within 1e-6 at 20
-  expect (x + 1)^2 - x^2 - 2*x = 1 within 1e-9
-  expect y - y = 0 within 1e-9
-  expect (x + 1)^2 - x^2 - 2*x - 1 = 0 within 1e-9
-end
-"""
+KEPLER = case("kepler")
 ECCENTRICITY = 0.6
-SWARM = """model pendulum
-coord theta
-kinetic theta'^2/2
-potential -cos(theta)
-scene swarm_
-  swarm k = 1..40
-  start theta = 3*k/40
-  until 20
-  accuracy 1e-7
-  record theta every 1
-end
-scene small
-  start theta = 1e-8
-  until 20
-  accuracy 1e-9
-  record theta every 1
-end
-"""
+SWARM = case("accuracy_pendulum")
 
 
 def run(

@@ -6,68 +6,13 @@ import math
 
 from test_accuracy import run
 
-from conftest import run_pkgen
+from conftest import case, run_pkgen
 
-LINEAR = """model damped
-coord q
-kinetic q'^2/2
-potential 1.69*q^2/2
-dissipation 0.1*q'^2/2
-observe none = (q + 1)^2 - q^2 - 2*q - 1
-start q = 1
-scene s
-  until 30
-  accuracy 1e-10
-  record q, none every 1
-end
-"""
-PAIR = """model pair
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential 2*(x^2 + (x - y)^2)
-dissipation 0.15*y'^2
-force x = 0.7
-start x = 1, y = 0.5
-scene s
-  until 30
-  accuracy 1e-14
-  record x, y every 0.5
-end
-"""
-ENDS = """model ends
-coord x
-kinetic x'^2/2
-potential -x^4
-start x = 1
-scene s
-  until 20
-  accuracy 1e-8
-  record x every 0.1
-end
-"""
-CHAOS = """model tangle
-coord a, b
-kinetic   a'^2 + b'^2/2 + cos(a - b)*a'*b'
-potential -9.81*(2*cos(a) + cos(b))
-start a = 3, b = 3.1
-scene s
-  until 60
-  accuracy 1e-8
-  record a, b every 0.1
-end
-"""
-PULSE = """model pulse
-coord x
-kinetic x'^2/2
-potential x^2/2
-force x = 3*exp(-10000*(t - 55.3)^2)
-start x = 0.1
-scene s
-  until 60
-  accuracy 1e-8
-  record x every 1
-end
-"""
+LINEAR = case("damped")
+PAIR = case("pair")
+ENDS = case("ends")
+CHAOS = case("tangle")
+PULSE = case("pulse")
 
 
 def test_a_pulse_that_steps_leap_over_is_seen_and_kept(tmp_path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from test_loops_features import both, rows
 
-from conftest import ran, seeds
+from conftest import case, ran, seeds
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "generator"))
 from carried_models import links
@@ -32,22 +32,7 @@ def test_chains_with_states_and_events_are_those_written_out(seed: int, both) ->
         assert one["times"] == pytest.approx(other["times"], abs=1e-7), text
 
 
-HANGING = """\
-model hanging
-size N = 20
-param k = 1
-param l[i = 1..N] = 1/N
-param m[i = 1..N] = 1/N in [0, inf)
-coord theta[1..N], X
-let x[0] = X
-let y[0] = 0
-let x[i = 1..N] = x[i-1] + l[i]*sin(theta[i])
-let y[i = 1..N] = y[i-1] - l[i]*cos(theta[i])
-kinetic   X'^2 + sum(m[i]/2*(x[i]'^2 + y[i]'^2), i = 1..N)
-potential k*X^2 + sum(9.81*m[i]*y[i], i = 1..N)
-observe tip = x[N]
-start theta[i = 1..N] = 0.2*i/N
-"""
+HANGING = case("hanging")
 
 
 def test_members_of_an_ensemble_are_single_runs(pkgen, tmp_path: Path) -> None:
@@ -63,11 +48,3 @@ def test_members_of_an_ensemble_are_single_runs(pkgen, tmp_path: Path) -> None:
     assert len(mine) == 3
     for one, other in zip(alone, mine, strict=True):
         assert other == pytest.approx(one, rel=1e-11, abs=1e-12)
-
-
-def test_a_joint_without_inertia_ends_the_run(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "hanging.lag"
-    model.write_text(HANGING)
-    words = ("--until", 1, "--method", "rk4", "--step", "0.01", "--set", "m[20]=0")
-    done = pkgen("run", model, *words)
-    assert done.returncode == 4 and "theta[20]" in done.stderr

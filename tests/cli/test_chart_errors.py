@@ -152,24 +152,3 @@ def test_several_starts_give_a_median_and_a_spread(pkgen, tmp_path: Path) -> Non
                 assert least <= float(alone[row["step"]]) <= most
     assert moved > 2
     assert all(row["least"] == row["most"] == "" for row in one)
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--starts", "0"], "--starts 0: from 1 to 99"),
-        (["--error", "first"], "argument --error: first: there are: final, max"),
-    ],
-)
-def test_wrong_words_are_refused(words: list[str], said: str, pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "oscillator.lag"
-    model.write_text(MODEL)
-    done = pkgen("chart", model, *words)
-    assert done.returncode == 2 and said in done.stderr
-
-
-def test_a_driven_model_has_no_drift_of_energy(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "driven.lag"
-    model.write_text(MODEL.replace("x^2/2\nstart", "x^2/2 - x*cos(t)\nstart"))
-    done = pkgen("chart", model, "--quick", "--error", "energy", "--methods", "rk4")
-    assert done.returncode == 2 and "no energy of this model is constant" in done.stderr

@@ -50,17 +50,3 @@ def test_drifts_over_decades(tmp_path: Path) -> None:
     assert len(rows) == sum(len(m["decades"]) for m in told["methods"])
     for kind, begins in (("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF")):
         assert (tmp_path / f"oscillator_long.{kind}").read_bytes().startswith(begins)
-
-
-def test_what_has_no_constant_is_refused(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "driven.lag"
-    model.write_text(MODEL.replace("x^2/2\nstart", "x^2/2 - x*cos(t)\nstart"))
-    done = pkgen("chart", model, "--long", "--methods", "rk4", "--seconds", 1)
-    assert done.returncode == 4 and "no constant of the motion" in done.stderr
-
-
-def test_a_step_is_of_long_alone(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "oscillator.lag"
-    model.write_text(MODEL)
-    done = pkgen("chart", model, "--step", "0.1")
-    assert done.returncode == 2 and "--step is of --long" in done.stderr

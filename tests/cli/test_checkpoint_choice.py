@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from checkpoint_runs import BLOCKS
 
+from conftest import case
 from pkgen.analysis import choose
 from pkgen.api.chosen import data, settled
 from pkgen.cli import checkpoints
@@ -15,17 +16,7 @@ from pkgen.cli.commands import parsed
 from pkgen.run.settings import Settings
 from pkgen.system.exits import UsageError
 
-MODEL = """model rocks
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential (x^2 + y^2)/2 + x^2*y - y^3/3
-start y = 0.1, x' = 0.3
-scene s
-  until 300
-  record x, y every 1
-  accuracy 1
-end
-"""
+MODEL = case("rocks")
 LONGER = BLOCKS.replace("until 2", "until 300").replace("every 0.1", "every 1")
 LONGER = LONGER.replace("accuracy 1e-6", "accuracy 1")
 

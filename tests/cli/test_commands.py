@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy
 import pytest
 
-from conftest import MODELS, ROOT, ran
+from conftest import MODELS, ROOT, case, ran
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
@@ -153,24 +153,6 @@ def test_units_are_shown_as_they_are_declared(pkgen, tmp_path: Path) -> None:
     assert "N*m" in done.stdout and "V*s/rad" in done.stdout and "[m]" in done.stdout
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["runn", HOOP], "there is no command 'runn'; did you mean 'run'?"),
-        (["run", HOOP, "--methd", "rk4"], "there is no option --methd; did you mean '--method'"),
-        (["run", HOOP, "--method", "gaus"], "did you mean 'gauss'"),
-        (["run", HOOP, "--set", "omga=1"], "did you mean 'Omega'"),
-        (["run", HOOP, "--start", "thta=1"], "did you mean 'theta'"),
-        (["run", HOOP, "--start", "theta=90deg"], "in square brackets: 90 [deg]"),
-        (["run", HOOP, "--scene", "slidng"], "scene"),
-        (["run", str(HOOP).replace("hoop", "hop")], "hoop.lag"),
-    ],
-)
-def test_the_nearest_word_is_named(pkgen, words: list, said: str) -> None:
-    done = pkgen(*words)
-    assert done.returncode == 2 and said in done.stderr, done.stderr
-
-
 def test_run_as_json_has_the_rows(pkgen) -> None:
     result = json.loads(pkgen("run", HOOP, "--until", "1", "--every", "0.5", "--json").stdout)
     assert [row[0] for row in result["rows"]] == [0, 0.5, 1]
@@ -197,36 +179,6 @@ def test_a_default_follows_what_is_set(pkgen) -> None:
     assert energies[1] != pytest.approx(energies[2], rel=1e-3)
 
 
-USAGE = {
-    "unknown parameter": (["--set", "g2=3"], "g2"),
-    "unknown start": (["--start", "theta3=3"], "theta3"),
-    "not a value": (["--set", "g=9,81"], "point"),
-    "wrong unit": (["--set", "g=3 [kg]"], "m/s^2"),
-    "code": (["--set", "g=__import__('os')"], "__import__"),
-    "no step": (["--method", "rk4"], "--step"),
-    "unknown method": (["--method", "rk5", "--step", "0.1"], "rk5"),
-    "negative duration": (["--until", "-1"], "until"),
-    "not finite": (["--until", "inf"], "until"),
-    "zero step": (["--method", "rk4", "--step", "0"], "step"),
-    "outside its bounds": (["--set", "m1=-1"], "m1"),
-    "not of this world": (["--rtol", "1e-40"], "--rtol 1e-40: no double"),
-    "no name": (["--set", "=1"], "give a name and a value"),
-    "whose value": (["--set", "l1=nan"], "--set l1=nan: unknown name"),
-    "unknown file type": (["-o", "rows.xls"], "rows.xls"),
-    "not a size": (["--size", "N=3.5"], "--size"),
-    "scene": (["--scene", "butterfly"], "no such scene"),
-}
-
-
-@pytest.mark.parametrize("case", USAGE)
-def test_usage_errors(pkgen, case: str) -> None:
-    arguments, mentioned = USAGE[case]
-    done = pkgen("run", DOUBLE, "--until", "1", *arguments)
-    assert done.returncode == 2, done.stderr
-    assert mentioned in done.stderr and "Traceback" not in done.stderr
-    assert done.stdout == ""
-
-
 def test_a_constant_that_is_zero_is_judged_by_what_it_is_made_of(pkgen) -> None:
     # The cart starts at rest: its momentum is 0, a sum of terms that are not.
     model = ROOT / "tests/models/written/spherical_pendulum_cart.lag"
@@ -236,14 +188,7 @@ def test_a_constant_that_is_zero_is_judged_by_what_it_is_made_of(pkgen) -> None:
     assert scales["energy"] > 1 and 0.01 < scales["px"] < 10
 
 
-KINKED = """model bumper
-param m = 1 [kg] in (0, inf)
-param k = 30 [N/m]
-coord x [m]
-kinetic m/2*x'^2
-potential k/2*max(x, 0)^2
-start x = -0.3
-"""
+KINKED = case("bumper")
 
 
 def test_the_default_method(pkgen, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, case
 from pkgen.back.facts import facts, found_by_symmetry, invariants
 from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
@@ -16,27 +16,8 @@ from pkgen.explain.explain import constants_text, proofs_record
 from pkgen.source import Source
 
 TOP = ROOT / "models/heavy_top.lag"
-FALSE = """\
-model swing
-coord a
-kinetic a'^2/2
-potential -cos(a)
-conserve fast = a'^2           # it is not
-conserve h = energy
-conserve odd = sqrt(-1 - a'^2)
-start a = 1
-"""
-HELIX = """\
-model helix
-param m = 2 [kg] in (0, inf)
-param lambda_0 = 0.5 [1/m]
-param K = 3 [N/m]
-coord r [m], phi [rad], z [m]
-kinetic m/2*(r'^2 + r^2*phi'^2 + z'^2)
-potential K*r^2*(1 + cos(phi - lambda_0*z)/3)
-observe h = energy
-start r = 1, phi' = 1
-"""
+FALSE = case("swing")
+HELIX = case("helix")
 
 
 @pytest.mark.parametrize("command", [["run"], []])

@@ -8,36 +8,9 @@ import re
 
 import pytest
 
-from conftest import ROOT, ran, rows, written
+from conftest import ROOT, case, ran, rows, written
 
-ROD = """\
-model rod
-param l = 1 in (0, inf)
-param g = 9.81
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential g*y
-constraint rod: x^2 + y^2 = l^2
-observe pull = -2*l*lambda_rod
-start x = l*sin(2), y = -l*cos(2)
-
-scene swing
-  until 3
-  accuracy 1e-10
-  record x, y, lambda_rod every 0.5
-  expect x^2 + y^2 = l^2 within 1e-14
-  expect x*x' + y*y' = 0 within 1e-14
-  expect drift(energy) < 1e-8
-end
-scene many
-  swarm k = 1..7
-  start x = l*sin(k/3), y = -l*cos(k/3)
-  until 2
-  method dop853 rtol 1e-9
-  record x, y every 0.5
-  expect x^2 + y^2 = l^2 within 1e-14
-end
-"""
+ROD = case("constrained_rod")
 
 
 def test_a_rod_keeps_its_length(pkgen, tmp_path):
@@ -78,24 +51,6 @@ def test_a_start_off_the_constraints_is_refused(pkgen, tmp_path, options, named)
     assert len(done.stdout.splitlines()) <= 2  # no rows of a motion that there is not
 
 
-def test_what_a_method_needs_is_said(pkgen, tmp_path):
-    free = written(tmp_path, "model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\n")
-    sleigh = written(
-        tmp_path,
-        "model sleigh\ncoord x, y, a\nkinetic (x'^2 + y'^2 + a'^2)/2\n"
-        "rolling blade: x'*sin(a) - y'*cos(a) = 0\nstart x' = 1, a' = 1\n",
-    )
-    for path, method, said in (
-        (sleigh, "rattle", "rolling"),
-        (sleigh, "verlet", "separable"),
-    ):
-        done = pkgen("run", path, "--method", method, "--step", "0.01", "--until", "1")
-        assert done.returncode in (2, 4) and said in done.stderr, done.stderr
-    # What is free is taken by the methods of groups and of constraints as it is.
-    for method in ("rattle", "rkmk4", "lie_midpoint"):
-        done = ran("run", free, "--method", method, "--step", "0.01", "--until", "1")
-
-
 def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_path):
     """A point on a plane that is lowered onto the top of a sphere: there both say the same."""
     path = written(
@@ -119,18 +74,7 @@ def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_
             )
 
 
-CHAIN = """\
-model chain
-size N = 9
-param l = 1 in (0, inf)
-coord x[1..N], y[1..N]
-fixed x[0] = 0
-fixed y[0] = 0
-kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)
-potential sum(9.81*y[i], i = 1..N)
-constraint link[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
-start x[i = 1..N] = i*l*cos(0.3), y[i = 1..N] = -i*l*sin(0.3)
-"""
+CHAIN = case("constrained_chain")
 
 
 def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
@@ -149,41 +93,13 @@ def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
     assert "chain_constraints" in (tmp_path / "chain.c").read_text()
 
 
-def test_a_refused_start_misses_what_a_scene_expects_of_its_events(pkgen):
-    """No row and no event: once the command met nothing of that name in its report, and broke."""
-    path = ROOT / "models" / "constrained" / "pendulum_rod.lag"
-    done = pkgen("run", path, "--scene", "over_the_top", "--start", "x=2")
-    assert done.returncode == 4, done.stderr
-    assert "the start breaks a constraint: rod by 4" in done.stderr
-    assert "expectation missed: event 'over' did not happen" in done.stderr
-    assert "expected: 0 of 3 met" in done.stderr
-
-
 def test_a_turning_point_of_all_rates_but_a_spin():
     """The row of the pivots hardly has the fast spin, and is rounded by it: no failure."""
     path = ROOT / "models" / "constrained" / "gimbals.lag"
     ran("run", path, "--scene", "nutates", "--set", "turn=0")
 
 
-HELD = """\
-model held
-coord x, y, z
-kinetic (x'^2 + y'^2 + z'^2)/2
-let r2 = x^2 + y^2
-constraint rod: r2 = 1
-start x = 1, z' = 1
-
-scene turned
-  hold x = cos(t), y = sin(t)
-  until 1
-  record z every 1
-end
-scene wrong
-  hold x = 2*cos(t), y = sin(t)
-  until 1
-  record z every 1
-end
-"""
+HELD = case("held")
 
 
 def test_a_constraint_that_what_is_held_fulfils_is_gone(pkgen, tmp_path):
@@ -194,30 +110,8 @@ def test_a_constraint_that_what_is_held_fulfils_is_gone(pkgen, tmp_path):
     assert "the constraint 'rod' holds or fails whatever the motion" in done.stderr
 
 
-TIED = """\
-model tied
-coord x, z
-kinetic (x'^2 + z'^2)/2
-constraint c: x = z
-start x' = 1, z' = 1
-scene one
-  until 2
-  record x every 1
-end
-"""
-GEARED = """\
-model geared
-rotation R
-let w = omega(R)
-kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
-rolling gear: w.z = 0.3*w.x
-start omega(R) = [1, 0.5, 0.3]
-scene one
-  until 5
-  method rk4 step 0.01
-  record omega(R) every 1
-end
-"""
+TIED = case("tied")
+GEARED = case("geared")
 
 
 @pytest.mark.parametrize("text", [TIED, GEARED])
@@ -231,15 +125,7 @@ def test_what_constraints_tie_is_not_reduced(pkgen, tmp_path, text):
     assert max(abs(x) for row in theirs for x in row.values()) > 1
 
 
-AXLE = """\
-model axle
-rotation R
-let w = omega(R)
-kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
-constraint one: (R*[0, 0, 1]).x = 0
-constraint two: (R*[0, 0, 1]).y = 0
-start omega(R) = [0, 0, 1]
-"""
+AXLE = case("axle")
 RAMP = """\
 model ramp
 coord y, z
@@ -255,14 +141,6 @@ def test_steps_from_rest_and_beside_a_spin(tmp_path, text, method):
     """Rates that rows hardly have are rounding beside the spin; coordinates at 0 have no size."""
     path = written(tmp_path, text)
     ran("run", path, "--until", "1", "--method", method, "--step", "0.01", "--every", "1")
-
-
-def test_what_is_of_free_coordinates_says_that_there_are_constraints(pkgen, tmp_path):
-    path = written(tmp_path, ROD)
-    options = ("--until", "1", "--method", "gauss4", "--step", "0.01", "--diagnose")
-    for name in ("symplectic", "modes", "least_action", "action", "lyapunov"):
-        done = pkgen("run", path, *options, name)
-        assert f"diagnose {name}: the model has constraints" in done.stderr
 
 
 CANCELLING = """\
@@ -294,13 +172,3 @@ def test_terms_that_coordinates_are_small_beside(pkgen, tmp_path, a, b, method):
         options = ("--method", method, "--step", step, "--until", "0.1", "--every", "0.1")
         y = rows(pkgen, path, *options)[-1]["y"]
         assert y == pytest.approx(-0.005 * a * a / (a * a + b * b), rel=1e-2)
-
-
-def test_a_member_says_which_constraint_its_start_breaks(pkgen, tmp_path):
-    path = written(tmp_path, ROD)
-    (tmp_path / "m.csv").write_text("x,y\n0.6,-0.8\n0.6,-0.9\n")
-    done = pkgen("run", path, "--ensemble", tmp_path / "m.csv", "--until", "1")
-    assert done.returncode == 4
-    assert "1 of 2 members failed, first member 2: the start breaks a constraint: rod by " in (
-        done.stderr
-    )

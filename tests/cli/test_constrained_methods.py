@@ -6,16 +6,9 @@ import math
 
 import pytest
 
-from conftest import rows, written
+from conftest import case, rows, written
 
-ROD = """\
-model rod
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential 9.81*y
-constraint rod: x^2 + y^2 = 1
-start x = 0.6, y = 0.8
-"""
+ROD = case("constrained_methods_rod")
 ANGLE = """\
 model angle
 coord a

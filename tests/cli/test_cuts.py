@@ -77,13 +77,3 @@ def test_no_jump_is_passed_over(load, potential: str, seed: int) -> None:
         assert potential not in JUMPS, "it passed the cut"
     energy, moving = r["energy"], r["s'"] ** 2 / 2  # which grows without bound next to an end
     assert (abs(energy - energy[0]) < 1e-5 * (1 + abs(energy[0]) + moving)).all()
-
-
-def test_the_cut_is_named(pkgen, write) -> None:
-    model = MODEL.replace("(%s)", "-atan2(y, x)").replace("c*-", "-c*")
-    for method in ("gauss", "exponential", "verlet --step 0.01", "gauss4 --step 0.1"):
-        arguments = ("--start", "s'=4", "--until", "2", "--every", "0.25", "--method")
-        done = pkgen("run", write(model), *arguments, *method.split())
-        assert done.returncode == 4
-        assert "atan2(sin(s), cos(s)) jumps by 2 pi at t = 0.720506890915" in done.stderr
-        assert "shorter" not in done.stderr

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import ROOT, ran, run_pkgen, seeds
+from conftest import ROOT, case, ran, run_pkgen, seeds
 from pkgen.api.model import DEFAULTS
 from pkgen.compiler import compile_model
 from pkgen.describe.drawing import drawing, drawn
@@ -227,16 +227,7 @@ def test_the_c_is_the_same_with_and_without_a_drawing(tmp_path: Path) -> None:
 
 
 def test_a_family_is_drawn_member_by_member_and_as_a_curve(tmp_path: Path) -> None:
-    text = """model m
-size N = 20
-coord q[1..N]
-fixed q[0] = 0, q[N+1] = 0
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/2, i = 0..N)
-start q[i = 1..N] = i/10
-draw curve [i, q[i], 0], i = 1..N
-draw rod from [i, q[i], 0] to [i + 1, q[i+1], 0], i = 1..N-1
-"""
+    text = case("describe_m")
     for size, members in ((20, 20), (2000, 500)):
         shapes = described(text, tmp_path, "--size", f"N={size}")["drawing"]["shapes"]
         assert len(shapes[0]["points"]) == members and shapes[0]["kind"] == "curve"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran
+from conftest import ROOT, case, ran
 from pkgen.run import build
 from pkgen.system import toolchain
 
@@ -25,14 +25,7 @@ potential -cos(x)
 start x = 1.3
 event bottom: x falling"""
 RK4 = ("--method", "rk4", "--step", "0.01")
-DAMPED = """model damped
-param c = 0.2 in [0, inf)
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential x^2/2 + y^2 + x*y/4
-dissipation c/2*x'^2
-start x = 1, y = 0.3
-"""
+DAMPED = case("diagnose_damped")
 
 
 def diagnosed(pkgen, model: Path, what: str, *arguments: object) -> tuple[dict, dict]:
@@ -117,25 +110,6 @@ def test_forces_that_keep_the_form(pkgen, tmp_path: Path) -> None:
     assert "forces besides those of L need not keep areas" in done.stderr
 
 
-def test_of_states_alone_no_coordinates_are_spoken_of(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "states.lag"
-    path.write_text("model m\nstate x, y\nrate x = y\nrate y = -x\nstart x = 1\n")
-    said = {
-        "symplectic": "states have no momenta",
-        "least_action": "the model has states, whose rates follow from no action",
-        "modes": "and the model has states, which",
-        "angular_momentum": "is of particles, and the model has states alone",
-        "lrl": "is of particles, and the model has states alone",
-    }
-    for name, reason in said.items():
-        done = pkgen("run", path, "--diagnose", name, "--until", "9")
-        assert done.returncode == 2 and reason in done.stderr, (name, done.stderr)
-    # A saddle of two states: an instability, in a plane where there is no chaos.
-    path.write_text("model m\nstate x, y\nrate x = x\nrate y = -y\nstart y = 1\n")
-    done = pkgen("run", path, "--diagnose", "lyapunov", "--until", "40")
-    assert done.returncode == 0 and "or two states, alone" in done.stderr
-
-
 def test_a_chain_is_unrolled_for_its_derivatives(pkgen) -> None:
     arguments = ["--until", "300", "--size", "N=17", "--method", "verlet", "--step", "0.1"]
     found, _ = diagnosed(pkgen, FPUT, "lyapunov", *arguments)
@@ -178,31 +152,6 @@ def test_the_example_in_c(pkgen, tmp_path: Path) -> None:
     exponent, error = (float(x) for x in done.stdout.split(",")[0].split("+-"))
     assert 0.01 < error < 0.1 and abs(exponent - 1.343) < 4 * error
     assert done.stdout.endswith(": chaotic\n")
-
-
-def test_refusals(pkgen, tmp_path: Path) -> None:
-    done = pkgen("run", DOUBLE, "--diagnose", "lyapunov,chaos")
-    assert done.returncode == 2 and "'chaos'" in done.stderr and "reversal" in done.stderr
-    (tmp_path / "m.csv").write_text("theta1\n1\n")
-    done = pkgen("run", DOUBLE, "--diagnose", "all", "--ensemble", tmp_path / "m.csv")
-    assert done.returncode == 2 and "--ensemble" in done.stderr
-    sparse = ["--every", "0.5", "--method", "gauss2", "--step", "0.05"]
-    done = pkgen("run", DOUBLE, "--diagnose", "spectrum,symplectic", *sparse)
-    assert done.returncode == 2 and "21 rows" in done.stderr and "--every" in done.stderr
-    brief = ["--every", "0.1", "--until", "2", *sparse[2:]]
-    done = pkgen("run", DOUBLE, "--diagnose", "all", *brief)
-    assert done.returncode == 0 and "21 rows" in done.stderr and "symplectic: of" in done.stderr
-
-
-def test_kinks_are_no_matter_for_derivatives(pkgen, tmp_path: Path) -> None:
-    # By derivatives alone this bouncing motion would be that of free particles: "regular".
-    path = tmp_path / "sheets.lag"
-    path.write_text(
-        "model sheets\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential abs(x - y) + abs(x)\n"
-        "start x = 1, y = 0.3\n"
-    )
-    done = pkgen("run", path, "--until", "3", "--diagnose", "lyapunov,symplectic")
-    assert done.returncode == 2 and done.stderr.count("the equations have kinks") == 2
 
 
 def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
@@ -272,13 +221,6 @@ def test_least_action_is_a_minimum_up_to_the_first_conjugate_point(tmp_path: Pat
     assert "no minimum: 2 independent ways to a neighbour with less; conjugate" in text
 
 
-def test_least_action_wants_a_lagrangian_alone(pkgen, tmp_path: Path) -> None:
-    model = ROOT / "models/particles/thrown_stone.lag"
-    done = pkgen("run", model, "--until", "3", "--diagnose", "least_action")
-    assert done.returncode == 2
-    assert "forces act besides those of L" in done.stderr
-
-
 def test_least_action_takes_as_many_modes_as_its_conjugate_points_ask(pkgen, tmp_path) -> None:
     """Of an eccentric orbit 24 modes show no way down yet, and there are eight."""
     rows = tmp_path / "rows.csv"
@@ -289,13 +231,6 @@ def test_least_action_takes_as_many_modes_as_its_conjugate_points_ask(pkgen, tmp
     found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["least_action"]
     assert not found["minimum"] and found["index"] == len(found["conjugate"]) == 8
     assert found["modes"] > 24
-
-
-def test_rest_at_an_instability_is_no_chaos(pkgen, tmp_path: Path) -> None:
-    """Round-off leaves Lagrange's first point, by less than 1e-8 of its place until t = 5."""
-    path = ROOT / "models/particles/restricted_three_body.lag"
-    run = ("run", path, "--scene", "L1", "--diagnose", "lyapunov", "-o", tmp_path / "rows.csv")
-    assert "an instability and no chaos" in pkgen(*run).stderr
 
 
 def test_conjugate_points_that_count_twice_are_said(pkgen, tmp_path: Path) -> None:

@@ -8,28 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
-PENDULUM = """model swing
-param grow = 0 in [0, 1]
-let l = 1 + grow*t
-coord theta
-kinetic   l^2*theta'^2/2
-potential -l*cos(theta)
-start theta = pi/2
-"""
-KEPLER = """model keplerpolar
-param mu = 1 in (0, inf)
-coord r, phi
-kinetic (r'^2 + r^2*phi'^2)/2
-potential -mu/r
-start r = 1, phi' = 0.8
-scene radius
-  until 20
-  method gauss8 step 0.05
-  record r every 0.1
-end
-"""
+PENDULUM = case("diagnose_action_swing")
+KEPLER = case("keplerpolar")
 
 
 def action(pkgen, tmp_path: Path, text: str, *arguments: object) -> tuple[dict, str]:

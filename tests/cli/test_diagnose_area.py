@@ -237,20 +237,6 @@ def test_a_loop_with_kinks(pkgen, tmp_path: Path) -> None:
     assert abs(found["rows"][-1][1] + math.pi / 4) < 0.01  # and the area is there, but for them
 
 
-def test_refusals(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "model.lag"
-    path.write_text(ring(PENDULUM, 31, 1, 1, "verlet step 0.1"))
-    done = pkgen("run", path, "--scene", "ring", "--diagnose", "area")
-    assert done.returncode == 2 and "a loop has 32 members at least" in done.stderr
-    done = pkgen("run", path, "--diagnose", "area")
-    assert done.returncode == 2 and "is of a closed loop of starts" in done.stderr
-    done = pkgen("run", path, "--scene", "ring", "--diagnose", "area,lyapunov")
-    assert done.returncode == 2 and "not for a swarm" in done.stderr and "'area'" in done.stderr
-    (tmp_path / "m.csv").write_text("theta,g\n" + "".join(f"0.{k},2\n" for k in range(10, 60)))
-    done = pkgen("run", path, "--ensemble", tmp_path / "m.csv", "--diagnose", "area")
-    assert done.returncode == 2 and "let starts alone differ" in done.stderr
-
-
 def test_of_a_large_swarm(pkgen, tmp_path: Path) -> None:
     # 1e5 members of a wide loop, near the separatrix, where it shears fast: constant to 1e-10 as
     # long as it is resolved, which is for longer than of a thousand.

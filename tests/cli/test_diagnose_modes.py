@@ -8,18 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran
+from conftest import ROOT, case, ran
 
 OSCILLATORS = ROOT / "models/coupled_oscillators.lag"
 FPUT = ROOT / "models/chains/fput.lag"
-FREE = """model chain
-size N = 4
-coord q[1..N]
-free q
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/2, i = 1..N-1)
-start q[1] = 3, q[2]' = 0.5
-"""
+FREE = case("diagnose_modes_chain")
 
 
 def modes(pkgen, tmp_path: Path, model: Path, *arguments: object) -> tuple[dict, str]:
@@ -158,32 +151,6 @@ start x = 0.1, y' = 0.5
     for _, together, beyond, slow, fast in report["diagnostics"]["modes"]["rows"]:
         assert together == pytest.approx(0.13, abs=1e-9) and abs(beyond) < 1e-9
         assert (slow, fast) == pytest.approx((0.005, 0.125), abs=1e-9)
-
-
-def test_far_away_is_no_equilibrium(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "far.lag"
-    path.write_text("model far\ncoord x\nlagrangian x'^2/2 - exp(-x)\nstart x = 1\n")
-    done = pkgen("run", path, "--until", "3", "--diagnose", "modes", "-o", tmp_path / "rows.csv")
-    assert done.returncode == 2 and "no equilibrium was found" in done.stderr
-
-
-def test_refusals(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "model.lag"
-    cases = {
-        "coord x\nkinetic x'^2/2\npotential x": "no equilibrium was found",
-        "coord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)": "without explicit time",
-        "coord x\nkinetic x'^2/2\npotential x^2/2\ndissipation x'^2": "forces besides those of L",
-        "coord x\nstate s\nkinetic x'^2/2\npotential x^2/2\nrate s = x": "model has states",
-        "state x\nrate x = -x": "model has states",
-        "coord x\nkinetic x'^2/2\npotential abs(x)": "the equations have a kink",
-        "coord x, y\nlagrangian (x'^2 + y'^2)/2 + x*y' - y*x' - x^2 - y^2": "depend on rates",
-    }
-    for text, reason in cases.items():
-        path.write_text(f"model m\n{text}\nstart x = 1\n")
-        done = pkgen("run", path, "--diagnose", "modes", "--until", "1")
-        assert done.returncode == 2 and reason in done.stderr, done.stderr
-    done = pkgen("run", ROOT / "models/heavy_top.lag", "--diagnose", "modes", "--until", "1")
-    assert done.returncode == 2 and "the coordinates themselves are singular" in done.stderr
 
 
 def test_of_what_a_scene_reduces_to(pkgen, tmp_path: Path) -> None:

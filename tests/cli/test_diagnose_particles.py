@@ -9,17 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
-KEPLER = """model kepler
-param mu = 1 in (0, inf)
-param b = 0
-coord x, y
-let r = sqrt(x^2 + y^2)
-kinetic (x'^2 + y'^2)/2
-potential -mu/r - b/r^2
-start x = 0.4, y' = 2
-"""
+KEPLER = case("diagnose_particles_kepler")
 POLAR = """model polar
 param m = 3 in (0, inf)
 coord r, phi
@@ -27,15 +19,7 @@ kinetic m/2*(r'^2 + r^2*phi'^2)
 potential -m/r
 start r = 0.4, phi' = 5
 """
-TWO = """model two
-param m1 = 1 in (0, inf)
-param m2 = 3 in (0, inf)
-coord x1, y1, z1, x2, y2, z2
-let d = sqrt((x2 - x1)^2 + (y2 - y1)^2 + (z2 - z1)^2)
-kinetic m1/2*(x1'^2 + y1'^2 + z1'^2) + m2/2*(x2'^2 + y2'^2 + z2'^2)
-potential -m1*m2/d
-start x1 = -1, x2 = 1, y2' = 0.5, z2' = 1, x1' = 0.1, y1' = 0.2
-"""
+TWO = case("two")
 SWING = (
     "model swing\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential x^2/2 + y^2\nstart x = 1, y' = 1"
 )
@@ -122,29 +106,8 @@ def test_what_is_not_conserved_is_said(pkgen, tmp_path: Path) -> None:
     assert "the model does not conserve it (there is a torque): this is how it varies" in said
 
 
-PENDULUM = """model pendulum
-param m = 2 in (0, inf)
-param l = 3 in (0, inf)
-coord theta
-kinetic m/2*l^2*theta'^2
-potential -9.81*m*l*cos(theta)
-observe x = l*sin(theta)
-observe z = -l*cos(theta)
-start theta = 2, theta' = 0.3
-"""
-DOUBLE = """model two_bobs
-param m1 = 1 in (0, inf)
-param m2 = 2 in (0, inf)
-param l1 = 3 in (0, inf)
-param l2 = 4 in (0, inf)
-coord a, b
-let x1 = l1*sin(a)
-let y1 = -l1*cos(a)
-let x2 = x1 + l2*sin(b)
-let y2 = y1 - l2*cos(b)
-lagrangian m1/2*l1^2*a'^2 + m2/2*(l1^2*a'^2 + l2^2*b'^2 + 2*l1*l2*a'*b'*cos(a - b)) - m1*y1 - m2*y2
-start a = 1, b = 2, a' = 0.5
-"""
+PENDULUM = case("diagnose_particles_pendulum")
+DOUBLE = case("two_bobs")
 FOUCAULT = """model foucault
 param Omega = 0.3
 coord x, y
@@ -220,14 +183,7 @@ def test_in_a_frame_that_turns(pkgen, tmp_path: Path) -> None:
 
 def test_a_start_at_rest_has_the_plane_in_which_it_turns(tmp_path: Path) -> None:
     path = tmp_path / "charged.lag"
-    path.write_text("""model charged
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential (x^2 + y^2)/2
-force x = y'
-force y = -x'
-start x = 1
-""")
+    path.write_text(case("charged"))
     out = tmp_path / "rows.csv"
     ran("run", path, "--until", "10", "--diagnose", "lrl", "-o", out)
     found = json.loads((tmp_path / "rows.csv.json").read_text())["report"]["diagnostics"]["lrl"]
@@ -251,34 +207,3 @@ def test_methods_that_need_derivatives_have_them(pkgen, tmp_path: Path) -> None:
     method = ["--method", "adaptive_verlet", "--step", "0.001", "--until", "1"]
     of, _ = found(pkgen, tmp_path, KEPLER, "angular_momentum", *method)
     assert of["angular_momentum"]["origin"]["drifts"][0]["max"] < 1e-13
-
-
-def test_refusals(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "model.lag"
-    path.write_text("model line\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
-    done = pkgen("run", path, "--diagnose", "angular_momentum")
-    expected = f"""pkgen: {path}:3:9: error: --diagnose angular_momentum is of particles, and of \
-this model none are seen: it names no place in a plane or in space, and a motion on a line turns \
-about nothing
-    3 | kinetic x'^2/2
-      |         ^^^^^^
-   help: name the place of each particle, by let or observe, as x = l*sin(theta) and \
-y = -l*cos(theta), so that the kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a rigid \
-body, record p_ANGLE
-"""
-    assert done.returncode == 2 and done.stderr == expected
-    # What the help says to add is enough.
-    path.write_text(PENDULUM.replace("observe", "let"))
-    steps = ["--diagnose", "angular_momentum", "--until", "1"]
-    assert pkgen("run", path, *steps).returncode == 0
-    lines = PENDULUM.splitlines(keepends=True)
-    path.write_text("".join(line for line in lines if not line.startswith("observe")))
-    done = pkgen("run", path, *steps)
-    assert done.returncode == 2 and "it names no place" in done.stderr
-    path.write_text(SWING.replace("x^2/2 + y^2", "-x^2"))
-    done = pkgen("run", path, "--diagnose", "lrl", "--until", "1")
-    assert done.returncode == 2 and "not drawn to the origin" in done.stderr
-    three = TWO.replace("x2, y2, z2\n", "x2, y2, z2, x3, y3\n", 1)
-    path.write_text(three.replace("potential", "kinetic (x3'^2 + y3'^2)/2\npotential"))
-    done = pkgen("run", path, "--diagnose", "lrl", "--until", "1")
-    assert done.returncode == 2 and "or of two about each other; 'two' has 3: (x1," in done.stderr

@@ -109,30 +109,6 @@ def test_a_member_that_fails_is_told_and_the_others_go_on(pkgen, ensemble, tmp_p
     assert report["first_failed"]["status"] == "PK_SINGULAR_COORDINATES"
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("", "members.csv: the file is empty; its first line names columns, e.g. theta1'"),
-        ("theta1\n", "members.csv: no rows below the header"),
-        ("theta1,thet2\n1,2\n", "members.csv:1: column thet2: the model has no such"),
-        ("theta1,thet2\n1,2\n", "did you mean 'theta2'?"),
-        ("theta1,theta1\n1,2\n", "members.csv:1: column theta1 stands there twice"),
-        ("theta1,\n1,2\n", "members.csv:1: a column has no name"),
-        ("theta1,m1\n1,2\n\n1\n", "members.csv:4: 1 values where the header has 2 columns"),
-        ("theta1,m1\n1,\n", "members.csv:2: column m1: a value is missing"),
-        ("theta1,m1\n1,2\n1,heavy\n", "members.csv:3: column m1: heavy:"),
-        ("theta1,m1\n1,2 [m]\n", "members.csv:2: column m1: 2 [m]:"),
-        ("theta1,m1\n1,1e999\n", "members.csv:2: column m1: 1e999 is not finite"),
-        ("theta1,m1\n1,2\n\n1,-3\n", "members.csv:4: m1 is outside its bounds"),
-        ('theta1,m1\n1,"2\n', "members.csv: not CSV"),
-    ],
-)
-def test_wrong_files_are_told_with_their_place(pkgen, ensemble, text: str, said: str) -> None:
-    done = pkgen("run", DOUBLE, "--ensemble", ensemble(text), "--method", "rk4", "--step", "0.1")
-    assert done.returncode == 2 and said in done.stderr, done.stderr
-    assert done.stdout == ""
-
-
 def test_wrong_uses_are_told(pkgen, ensemble, tmp_path: Path) -> None:
     path = ensemble("theta1\n1\n")
     done = pkgen("run", DOUBLE, "--threads", "2")

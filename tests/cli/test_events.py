@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran
+from conftest import ROOT, case, ran
 
 STONE = ROOT / "models/particles/thrown_stone.lag"
 
@@ -21,19 +21,7 @@ APEX_T = math.sqrt(M / (K * G)) * math.atan(V0 * math.sqrt(K / (M * G)))
 APEX_Y = M / (2 * K) * math.log(1 + K * V0**2 / (M * G))
 IMPACT = V0 / math.sqrt(1 + K * V0**2 / (M * G))
 
-PENDULUM = """\
-model pendulum
-coord theta
-kinetic theta'^2/2
-potential -cos(theta)
-start theta = 2.5
-event bottom: theta rising
-event rest: theta'
-scene swings
-  until 40
-  record theta', energy at bottom
-end
-"""
+PENDULUM = case("events_pendulum")
 
 
 def rows_of(text: str) -> tuple[list[str], list[list[float]]]:
@@ -59,12 +47,6 @@ def test_a_run_stops_at_its_event() -> None:
     assert v == pytest.approx(-IMPACT, rel=1e-11) and -1e-12 < y <= 0
     assert f"stopped at event ground at t = {t:.17g}" in done.stderr
     assert "event apex: once, at t = 2.60489647" in done.stderr
-
-
-def test_a_single_step_to_a_stop_says_nothing_of_how_far_an_event_leaves_zero(pkgen) -> None:
-    done = pkgen("run", STONE, "--method", "rk4", "--step", "10", "--until", "10")
-    assert "stopped at event ground" in done.stderr and "after 2 steps of 10," in done.stderr
-    assert done.returncode == 0 and "stays within" not in done.stderr
 
 
 def test_the_report_lists_them(pkgen, tmp_path: Path) -> None:
@@ -159,21 +141,6 @@ def test_a_scene_drives_an_input_and_a_chain(pkgen, tmp_path: Path) -> None:
     assert (
         rows_of(pkgen("run", path, "--scene", "pulled", "--set", "pull=0").stdout)[1][-1][1] < 0.2
     )
-
-
-USAGE = {
-    "scene": (["--scene", "mooon"], "did you mean 'moon'?"),
-    "event": (["--at", "apexx"], "--at apexx: the model has no such event; did you mean 'apex'?"),
-    "column": (["--record", "y,z"], "--record z: the model has no such column"),
-}
-
-
-@pytest.mark.parametrize("case", USAGE)
-def test_usage_errors(pkgen, tmp_path: Path, case: str) -> None:
-    (tmp_path / "members.csv").write_text("y\n1\n2\n")
-    arguments, said = USAGE[case]
-    done = pkgen("run", STONE, *arguments, cwd=tmp_path)
-    assert done.returncode == 2 and said in done.stderr and done.stdout == ""
 
 
 FALL = (math.pi / 4 + 0.5) / math.sqrt(2)  # from rest at r = 1 to 1/2 under -1/r^2; pi/sqrt(8) to 0

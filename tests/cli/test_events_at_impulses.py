@@ -6,24 +6,10 @@ from itertools import pairwise
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
 METHODS = ["gauss", "dop853", "dopri5", "radau", "rk4", "gauss4", "gsl_rk8pd"]
-BENT = """model bent
-coord x, y, z
-kinetic (1 + z^2)*x'^2/2 + (1 + y^2)*y'^2/2 + (1.5 + cos(y))*z'^2/2 + 0.2*z'*(x' - y')
-potential 1 - cos(x) + y^2 + 1 - cos(z)
-constraint c: z = 0.5*abs(0.3*y^2 - x + 0.220) + 0.2*sin(y)
-force y = 0.7*abs(0.3*y^2 - x - 0.326)
-start z = 0.11
-event e: 0.3*y^2 - x + 0.220 either
-scene s
-  swarm k = 1..24
-  START
-  until 2
-  record x every 2
-end
-"""
+BENT = case("bent")
 STARTS = (
     "start x = 0.095 + 0.002*k, y = -0.381, x' = 0.227, y' = -0.42\n"
     "  start z = 0.5*F(0.3*0.381^2 - 0.095 - 0.002*k + 0.220) - 0.2*sin(0.381)\n"

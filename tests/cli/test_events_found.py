@@ -7,26 +7,9 @@ import math
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
-MODEL = """model moving
-param w = 20
-coord x
-kinetic x'^2/2
-start x' = 1
-event e: sin(w*x) rising
-event tops: cos(t) - 0.999
-event pair: (x - 7.3)^2 - 1e-8
-
-scene members
-  swarm k = 1..3
-  start x' = k
-  until 10
-  method rk4 step 2.3
-  record x every 5
-  expect time(e) < 1
-end
-"""
+MODEL = case("moving")
 
 
 @pytest.mark.parametrize("method", ["gauss", "dop853", "rk4 --step 7", "gauss4 --step 4"])

@@ -8,65 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
 # x = cos t, exactly; the method is not, by some 1e-9.
-SWING = """model swing
-param w = 1 [1/s] in (0, inf)
-coord x [m]
-kinetic   (0.5 [kg])*x'^2
-potential (0.5 [kg])*w^2*x^2
-start x = 1
-event zero: x falling
-event far: x - (2 [m]) rising
-observe twice = 2*x
-conserve amplitude = x^2 + (x'/w)^2
-
-scene met
-  until 10
-  method dop853 rtol 1e-9
-  record x every 0.5
-  expect x = (1 [m])*cos(w*t) within 1e-7
-  expect x = cos(2.25) within 1e-7 at 2.25
-  expect x' = -sin(0.1) within 1e-7 at 0.1
-  expect x = 0 within 1e-9 at zero
-  expect x = 1 within 0 at 0
-  expect x < 1.000001
-  expect twice > -2.00001
-  expect time(zero) = pi/(2*w) within 1e-7
-  expect 2*time(zero)*w > 3.14
-  expect drift(energy) < 1e-7
-  expect drift(amplitude) < 1e-7
-  expect drift(x) > 1.99
-end
-
-scene all_columns
-  until 10
-  expect x < 2
-end
-
-scene ensemble
-  until 1
-  method dop853 rtol 1e-11
-  record twice
-  expect x^2 + (x'/w)^2 < 2.2500001
-  expect x < 1.4 at 0
-  expect drift(energy) < 1e-9
-end
-
-scene missed
-  until 10
-  method dop853 rtol 1e-9
-  record x every 0.5
-  expect x = (1 [m])*cos(w*t) within 1e-12
-  expect x = 0.5 within 0.1 at 2.25
-  expect x < -1 at zero
-  expect x > 0
-  expect x' < 3 at far
-  expect time(far) < 3
-  expect drift(energy) < 1e-18
-end
-"""
+SWING = case("expects_swing")
 
 
 @pytest.fixture
@@ -155,14 +100,6 @@ def test_c_of_a_scene_has_no_outputs_for_what_it_expects(pkgen, swing: Path, tmp
     assert "swing_met_q_x = 0" in header and "swing_met_o_" not in header
 
 
-def test_without_a_scene_it_says_which_there_are(swing: Path) -> None:
-    done = ran("run", swing, "--until", "1")
-    assert (
-        done.stderr.splitlines()[-1]
-        == "scenes of this model, by --scene: met, all_columns, ensemble, missed"
-    )
-
-
 def test_an_angle_that_is_expected_is_a_state_as_one_that_is_recorded(pkgen, tmp_path: Path):
     model = tmp_path / "orbit.lag"
     model.write_text(
@@ -182,30 +119,7 @@ def test_an_angle_that_is_expected_is_a_state_as_one_that_is_recorded(pkgen, tmp
     assert "of 4 met" in done.stderr and "is off" in done.stderr
 
 
-DRAGGED = """model dragged
-param c = 0.1 in [0, inf)
-coord q
-kinetic q'^2/2
-potential q^2/2
-force q = -c*q'
-start q = 1
-scene loose
-  set c = 0
-  until 10
-  method rk4 step 0.1
-  record q every 1
-  expect drift(energy) < 1e-4
-end
-scene many
-  swarm k = 1..3
-  set c = 0
-  start q = k
-  until 10
-  method rk4 step 0.1
-  record q every 1
-  expect drift(energy) < 1e-4
-end
-"""
+DRAGGED = case("dragged")
 
 
 @pytest.mark.parametrize("scene", ["loose", "many"])
@@ -221,21 +135,3 @@ def test_an_energy_that_a_parameter_left_to_the_run_makes_constant_is_watched(
     # By h^6/72 of it a step, and the scale of an energy is that of its parts, here 3 times it.
     assert found[0] == pytest.approx(100 * 0.1**6 / 72 / 3, rel=0.05)
     assert found[1] == pytest.approx(found[0], rel=1e-6)
-
-
-def test_a_tolerance_that_a_parameter_makes_negative_is_said(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "still.lag"
-    path.write_text("""model still
-param d = 1
-coord x
-kinetic x'^2/2
-scene s
-  until 1
-  record x every 0.5
-  expect x = 0 within d
-end
-""")
-    run = ("run", path, "--scene", "s", "-o", tmp_path / "rows.csv")
-    assert pkgen(*run).returncode == 0
-    done = pkgen(*run, "--set", "d=-1")
-    assert done.returncode == 4 and "its tolerance is -1: it cannot be negative" in done.stderr

@@ -5,17 +5,9 @@ from __future__ import annotations
 import json
 import math
 
-from conftest import ROOT
+from conftest import ROOT, case
 
-HUNG = """\
-model hung
-param k = 4
-coord x
-kinetic x'^2/2
-potential k*x^2/2 - x
-start x = 1
-event lowest: x' rising
-"""
+HUNG = case("hung")
 
 
 def test_an_exact_method_needs_no_step(pkgen, tmp_path) -> None:

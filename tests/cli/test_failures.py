@@ -46,22 +46,6 @@ def test_numerical_failure_says_when(pkgen, tmp_path: Path) -> None:
     assert all(x == x for row in json.loads(done.stdout)["rows"] for x in row)
 
 
-def test_what_is_met_of_a_run_that_failed_is_met_so_far(pkgen, tmp_path: Path) -> None:
-    scene = "scene s\nuntil 10\nrecord x every 0.1\nexpect x < 2\nend\n"
-    (tmp_path / "fall.lag").write_text(FALL + scene)
-    done = pkgen("run", tmp_path / "fall.lag", "--scene", "s")
-    assert done.returncode == 4 and done.stderr.endswith(
-        "expected: 1 of 1 met, as far as it came\n"
-    )
-    done = pkgen("run", tmp_path / "fall.lag", "--scene", "s", "--until", "1")
-    assert done.returncode == 0 and done.stderr.endswith("expected: 1 of 1 met\n")
-
-
-def test_a_size_that_the_model_has_not(pkgen) -> None:
-    done = pkgen("check", DOUBLE, "--size", "N=3")
-    assert done.returncode == 1 and "no size 'N'" in done.stderr
-
-
 def test_missing_file(pkgen, tmp_path: Path) -> None:
     for path in (tmp_path / "none.lag", tmp_path):
         done = pkgen("check", path)
@@ -152,38 +136,3 @@ def test_an_ensemble_without_end_is_refused_by_its_size(pkgen, tmp_path: Path, m
         members_file.read(str(path), compilation)
     path.write_text("theta\n" + 1000 * "1\n")
     assert len(members_file.read(str(path), compilation).lines) == 1000
-
-
-LIGHT = """model light
-param p = -1
-coord x, y, z
-kinetic x'^2/2 + p*y'^2/2 + z'^2/2{rows}
-potential x^2 + y^2{more}
-start y' = 0.1, x' = 1
-"""
-METHODS = ["rk4", "dop853", "gauss1", "gauss4", "gauss", "lobatto3", "radau5", "radau", "boris"]
-
-
-@pytest.mark.parametrize(
-    ("rows", "more", "methods"),
-    [
-        ("", " + x*y^2", ["gauss2"]),
-        ("", " + x*y^2", [*METHODS, "verlet"]),
-        ("", "", ["exponential"]),
-        ("\nconstraint c: x = z", " + x*y^2", [*METHODS, "rattle", "lie_midpoint"]),
-    ],
-    ids=["implicit", "free", "affine", "bound"],
-)
-def test_a_mass_that_is_not_positive_is_named_by_every_method(
-    rows: str, more: str, methods: list[str], pkgen, tmp_path: Path
-) -> None:
-    """Its number was taken for another kind of failure: implicit methods crashed, rows were
-    blamed."""
-    model = tmp_path / "light.lag"
-    text = LIGHT.format(rows=rows, more=more)
-    model.write_text(text.replace("x' = 1", "x' = 1, z' = 1") if rows else text)
-    for method in methods:
-        step = () if method in ("dop853", "gauss", "radau") else ("--step", 0.1)
-        done = pkgen("run", model, "--until", 1, "--method", method, *step)
-        assert done.returncode == 4, f"{method}: {done.returncode} {done.stderr}"
-        assert "pivot of coordinate y is -1 of its diagonal" in done.stderr, method

@@ -11,24 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, case
 from pkgen.scenes import lengths
 
 FPUT = ROOT / "models" / "chains" / "fput.lag"
-PARTS = """\
-model parts
-size N = 40
-param m[i = 1..N] = 1 + 0.1*i in (0, inf)
-param k = 2
-param kk[i = 1..N] = k*m[i]
-coord X
-coord q[0..N]
-fixed q[-1] = 0, q[N+1] = 0
-kinetic sum(m[i]/2*q[i]'^2, i = 1..N) + q[0]'^2/2 + X'^2/2
-potential sum((q[i+1] - q[i])^2/2, i = -1..N) + sum(kk[i]*q[i]^2/2, i = 1..N) + (q[0] - X)^2
-observe seen = q[3] + k*X
-start X = 1, q[i = 0..N] = 0.1*cos(i)
-"""
+PARTS = case("parts")
 
 
 def rows(text: str) -> tuple[list[str], list[list[float]]]:
@@ -103,15 +90,6 @@ def test_a_member_that_is_set_changes_what_follows_it(pkgen, parts: Path) -> Non
     assert energy["both"] - energy["plain"] == pytest.approx(0, abs=1e-12)
 
 
-def test_names_outside_are_refused(pkgen, parts: Path) -> None:
-    for option, name in (("--set", "m[41]=1"), ("--start", "q[-1]=1"), ("--set", "m=1")):
-        done = pkgen("run", parts, option, name)
-        assert done.returncode == 2 and name.split("=")[0] in done.stderr
-        assert "no such" in done.stderr
-    done = pkgen("run", parts, "--set", "m[3]=-1")
-    assert done.returncode == 2 and "m is outside its bounds" in done.stderr
-
-
 def test_a_million_members(pkgen, tmp_path: Path) -> None:
     out = tmp_path / "rows.csv"
     done = pkgen(
@@ -140,48 +118,12 @@ def test_a_million_members(pkgen, tmp_path: Path) -> None:
     assert 0 < about["report"]["drifts"][0]["max"] < 1e-11
 
 
-def test_rows_nobody_could_want_are_not_written(pkgen) -> None:
-    big = ("run", FPUT, "--size", "N=1000000", "--method", "verlet", "--step", "0.1")
-    done = pkgen(*big, "--until", "1000", "--every", "0.1")
-    assert done.returncode == 2 and "GB; take a longer interval" in done.stderr
-
-
 def test_zeros_before_a_size_are_none_of_it():
     assert lengths.given(["N=00000000005", " M = 64 "]) == {"N": 5, "M": 64}
 
 
-@pytest.mark.parametrize(
-    ("size", "said"),
-    [
-        ("N=0", "a size is at least 1"),
-        ("N=-1", "give a name and a whole number"),
-        ("N=1e12", "give a name and a whole number"),
-        ("N=1000000001", "the limit is 1,000,000,000"),
-        ("N=99999999999999999999", "the limit is 1,000,000,000"),
-    ],
-)
-def test_hostile_sizes_are_told(pkgen, size: str, said: str) -> None:
-    done = pkgen("run", FPUT, "--size", size)
-    assert done.returncode == 2 and f"--size {size}: {said}" in done.stderr
-
-
-GRAVITY = """\
-model gravity
-size N = 20
-coord x[1..N]
-kinetic sum(x[i]'^2/2, i = 1..N)
-potential sum(-1/sqrt(1 + (x[j] - x[i])^2), i = 1..N-1, j = i+1..N)
-start x[i = 1..N] = cos(i)
-"""
-ENDS = """\
-model ends
-size N = 31
-param k = 2
-coord q[1..N]
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential k/2*q[1]^2 + k/2*q[N]^2 + sum((q[i+1] - q[i])^2/2, i = 1..N-1)
-start q[i = 1..N] = sin(pi*i/(N+1))
-"""
+GRAVITY = case("gravity")
+ENDS = case("families_ends")
 
 
 def test_chains_are_run_by_dop853_and_pair_sums_by_gauss(pkgen, tmp_path: Path) -> None:
@@ -240,15 +182,7 @@ def test_explain_says_which_way_and_why(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 1 and "which cannot stay loops" in done.stderr
 
 
-GAS = """\
-model gas
-size N = 20
-param g = 1
-coord x[1..N]
-kinetic sum(x[i]'^2/2, i = 1..N)
-potential sum(g/(x[i+1] - x[i]), i = 1..N-1)
-start x[i = 1..N] = i
-"""
+GAS = case("gas")
 
 
 @pytest.mark.parametrize("method", ["dop853", "verlet --step 0.01"])
@@ -299,16 +233,3 @@ def test_a_member_of_a_definition_is_recorded_of_loops_too(pkgen, tmp_path: Path
         assert names == ["t", "D[3]", "q[3]", "q[0]"]
         assert all(abs(row[1]) > 1e-3 for row in table)
         assert all(row[1] == pytest.approx(row[2] - row[3], abs=1e-12) for row in table)
-
-
-def test_steps_too_long_for_a_pole_are_told_between_rows(pkgen, tmp_path: Path) -> None:
-    """Between two rows the energy of Verlet's method comes back to within .6 %."""
-    model = tmp_path / "gaps.lag"
-    model.write_text(
-        "model gaps\nsize N = 20\ncoord q[1..N]\nfixed q[0] = 0\nfixed q[N+1] = N + 1\n"
-        "kinetic sum(q[i]'^2/2, i = 1..N)\npotential sum(1/(q[i+1] - q[i]), i = 0..N)\n"
-        "start q[i = 1..N] = i + 0.3*sin(i*2)\n"
-    )
-    how = ("--until", 50, "--every", 50, "--method", "verlet", "--step", 0.22)
-    done = pkgen("run", model, *how)
-    assert done.returncode == 0 and "the energy, which the motion keeps" in done.stderr

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from conftest import ROOT, ran, seeds, written
+from conftest import ROOT, ran, seeds
 
 GIMBALS = ROOT / "models" / "constrained" / "gimbals.lag"
 
@@ -26,17 +26,3 @@ def test_steps_that_end_in_the_lock_converge(seed: int) -> None:
     given = [word for name, value in start.items() for word in ("--set", f"{name}={value}")]
     done = ran(*run, "--until", "0.02", "--every", "0.02", *given)
     assert "event lock: once" in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("angles", "start", "lock"),
-    [
-        ("tait_bryan", "rot([0, 1, 0], -90 [deg])", "cos(pitch)^2 of tait_bryan(R)"),
-        ("euler", "rot([0, 0, 1], 0.3)", "sin(theta)^2 of euler(R)"),
-    ],
-)
-def test_a_start_in_the_lock_of_angles_is_told(pkgen, tmp_path, angles, start, lock) -> None:
-    text = (ROOT / "tests" / "cases" / "bushing.lag").read_text()
-    text = text.replace("tait_bryan", angles).replace("rot([0, 1, 0], -90 [deg])", start)
-    done = pkgen("run", written(tmp_path, text), "--until", "1")
-    assert done.returncode == 4 and f"{lock} vanishes at t = 0" in done.stderr, done.stderr

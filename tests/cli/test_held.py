@@ -5,16 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from conftest import ran
+from conftest import case, ran
 
-HELD = """model held
-gravity [0, 0, -9.81]
-body b mass 2 inertia [0.1, 0.2, 0.25] at [0.1, 0.3, -0.4]
-joint j: ground to b free at O
-let p = b.point([0, 0, 0])
-let r = b.point([1, 0, 0])
-let s = b.point([0, 1, 0])
-"""
+HELD = case("held_held")
 
 
 def test_a_body_that_points_hold_at_rest(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import re
 import mpmath
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
 PLANE = "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2 + 0.3*x'*y'\n"
 STEP = "model m\ncoord x\nkinetic x'^2/2\npotential {}*step(x - 1)\nstart x' = 1\n"
@@ -20,14 +20,7 @@ kinetic ((X' + cos(a)*a')^2 + (sin(a)*a')^2)/2 + X'^2/2
 potential -9.81*cos(a)
 start a = 0.5
 """
-CHAIN = """model m
-size N = 3
-coord q[1..N]
-fixed q[0] = BEND(t - 1), q[N+1] = 0
-kinetic sum((q[i] + 0.4*q[i+1])'^2/2, i = 0..N)
-potential sum((q[i+1] - q[i])^2/2, i = 0..N)
-start q[2] = 0.3
-"""
+CHAIN = case("impulses_m")
 DRIVEN = "model m\ncoord a\ninput u\nkinetic (u'^2 + 2*u'*cos(a)*a' + a'^2)/2\npotential -cos(a)\n"
 HELD = "scene s\n  {}\n  until 2\n  record {}\nend\n"
 # In each BEND(s) is max(0, s), JUMP(s) step(s).
@@ -163,20 +156,6 @@ def test_a_pivot_that_starts_with_a_jerk(pkgen, write) -> None:
         assert "impulses         where t - 1 vanishes: the rates may jump there" in done.stdout
 
 
-CLAIMS = {
-    "rolling r: x' = step(t - 1)": "x' jumps where t - 1 vanishes",
-    "constraint r: x = max(0, t - 1)": "x' jumps where t - 1 vanishes",
-    "rolling r: x' = 0.5*step(y - 2)": "x' jumps where y - 2 vanishes",
-    "kinetic 0.5*(x' + step(t - 1))^2": "x' jumps where t - 1 vanishes",
-}
-
-
-@pytest.mark.parametrize("row", CLAIMS)
-def test_a_rate_that_jumps_is_no_constant(pkgen, write, row: str) -> None:
-    done = pkgen("check", write(f"{PLANE}{row}\nconserve A = x'\n"))
-    assert done.returncode == 1 and CLAIMS[row] in done.stderr
-
-
 def test_what_an_impulse_leaves_is_still_proved(write) -> None:
     """The momentum that it is not along, and the energy where nothing moves by itself."""
     for text in (
@@ -185,36 +164,6 @@ def test_what_an_impulse_leaves_is_still_proved(write) -> None:
         PLANE + "constraint r: x = abs(y)\nconserve A = energy\n",
     ):
         ran("check", write(text))
-
-
-REFUSED = {
-    "constraint r: x = step(t - 1)": "the constraint 'r' jumps where t - 1 vanishes",
-    "constraint r: x = y*step(y - 1)": "the constraint 'r' jumps where y - 1 vanishes",
-    "rolling r: x' = step(y - 1)*y'": "what multiplies the rates in the rolling 'r' jumps",
-    "rolling r: x' = step(t - 1)*y'": "what multiplies the rates in the rolling 'r' jumps",
-    "potential abs(x')": "L or a momentum jumps where x' vanishes",
-    "potential step(x')": "L or a momentum jumps where x' vanishes",
-    "let X = step(t - 1)\nkinetic (x' + X')^2": "the rate is taken here of what jumps where t - 1",
-    "let X = abs(t - 1)\nforce x = X''": "the rate is taken here of what jumps where",
-    "input u\npotential step(x - u)": "the rate of u is not known",
-    "state z\nrate z = x\npotential step(x - z)": "which has a state in it",
-    "potential sqrt(4*step(x - 1))": "jumps where x - 1 vanishes, in a root",
-    "rolling r: x' = y'*sqrt(step(x - 1))": "jumps where x - 1 vanishes",
-}
-
-
-@pytest.mark.parametrize("more", REFUSED)
-def test_what_no_motion_follows_is_an_error(pkgen, write, more: str) -> None:
-    done = pkgen("check", write(PLANE + more + "\n"))
-    assert done.returncode == 1 and REFUSED[more] in done.stderr
-
-
-def test_a_held_position_that_jumps_is_an_error(pkgen, write) -> None:
-    path = write(PIVOT + HELD.format("hold X = step(t - 1)", "a"))
-    done = pkgen("run", path, "--scene", "s")
-    assert (
-        done.returncode == 1 and "the rate is taken here of what jumps where t - 1" in done.stderr
-    )
 
 
 STOPPED = {

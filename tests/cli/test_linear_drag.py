@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran, run_pkgen
+from conftest import case, ran, run_pkgen
 
 FREE = "kinetic x'^2/2 + y'^2 + x'*y'/3\npotential x^2 + x^4/4 + cos(x - y)\n"
 TURNING = "kinetic ((x' - w*y)^2 + (y' + w*x)^2)/2\npotential x^2 + x^4/4 + cos(x - y)\n"
@@ -23,16 +23,7 @@ MODELS = {
     "drag of time": FREE + "force x = -w*(1 + sin(t)/2)*x'\n",
     "square drag": FREE + "force x = -w*abs(x')*x'\n",
 }
-CHAIN = """\
-model chain
-size N = 40
-param c = 0.3
-coord x[1..N]
-kinetic sum(x[i]'^2/2, i = 1..N)
-potential sum((x[i+1] - x[i])^2/2 + (x[i+1] - x[i])^4/4, i = 1..N-1)
-dissipation sum(c*i*(x[i+1]' - x[i]')^2/N, i = 1..N-1)
-start x[1] = 1, x[2]' = 0.4
-"""
+CHAIN = case("linear_drag_chain")
 SPLIT = ("drag", "drag driven", "field", "frame")
 NONE = ("square drag",)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.scenes import lengths
@@ -261,15 +261,6 @@ def test_members_that_follow_given_members_follow_them(size: int, pkgen, tmp_pat
     assert rows(done.stdout)[-1][1] == 6 + 100 * 4 + 10000 * 7, done.stderr
 
 
-def test_jumping_rates_are_written_out(pkgen, tmp_path: Path) -> None:
-    """Their switches are located, which loops do not: rk4 would chatter about 0 in silence."""
-    model = tmp_path / "jumps.lag"
-    rest = "rate u[i = 1..N] = -sign(u[i])\nstart u[i = 1..N] = sin(i)\n"
-    model.write_text(f"model jumps\nsize N = 20\nstate u[1..N]\n{rest}")
-    done = pkgen("run", model, "--until", 2, "--method", "rk4", "--step", 0.01)
-    assert done.returncode == 4 and "the motion stays on u[3] = 0" in done.stderr
-
-
 @pytest.mark.parametrize("potential", ["max(q[i] - i, 0)^2", "abs(q[i])^3", "abs(q[i])"])
 def test_forces_that_bend_or_jump_stay_loops(potential: str) -> None:
     text = "model m\nsize N = 20\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"
@@ -277,23 +268,7 @@ def test_forces_that_bend_or_jump_stay_loops(potential: str) -> None:
     assert made.looped, made.equations.unrolled
 
 
-ONE = """\
-model chain
-size N = 40
-param w[i = 1..N] = i
-param z[i = 3..3] = i/2
-param y[i = N..N] = i + w[i]
-coord q[1..N]
-fixed q[0] = 0
-kinetic sum(1.5*q[i]'^2/2, i = 1..N)
-potential sum((q[i] - q[i-1])^2/2, i = 1..N)
-start q[i = 3..3] = i + w[i] + sum(w[j]*i, j = 1..i)
-start q[i = N..N] = 2*i + w[i]
-start q[i = 5..5]' = i
-force q[i = 7..7] = i + w[i]
-observe a[i = 4..4] = i*q[i-1]
-observe b = z[3] + y[N]
-"""
+ONE = case("loops_features_chain")
 
 
 def test_an_index_of_one_member_is_that_member(both) -> None:
@@ -305,17 +280,7 @@ def test_an_index_of_one_member_is_that_member(both) -> None:
         assert one == pytest.approx(other, rel=1e-12)
 
 
-CARRIED = """\
-model driven
-size N = 6
-coord q[1..N+1]
-fixed q[0] = 0
-let a[0] = 0.2*t
-let a[i = 1..N+1] = a[i-1]*(1 + 0.1*sin(q[i])) + q[i]
-let b[0] = 0
-let b[i = 1..N+1] = sin(b[i-1]) + a[i-1]/(2 + b[i-1]^2)
-kinetic sum(3*q[i]'^2/4, i = 1..N+1) + sum((q[i]' - b[i+1]')^2/9, i = 0..N)
-"""
+CARRIED = case("driven")
 
 
 def test_what_is_carried_moves_by_another_value_s_lower_members(both) -> None:
@@ -328,16 +293,7 @@ def test_what_is_carried_moves_by_another_value_s_lower_members(both) -> None:
     assert loops[0][1] != loops[-1][1]
 
 
-RING = """\
-model ring
-size N = 6
-coord q[0..N-1], x[1..N]
-periodic q
-free x[0]
-fixed x[N+1] = 0
-kinetic sum(q[i]'^2, i = 0..N-1) + sum((x[i]' - q[i]')^2/2, i = 0..N+1)
-potential sum(x[i], i = 1..N)
-"""
+RING = case("ring")
 
 
 def test_inertia_beside_a_free_end_lies_in_the_band(both) -> None:

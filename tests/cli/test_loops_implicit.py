@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from test_loops_features import both, chain, rows  # noqa: F401 (a fixture)
 
-from conftest import ran, seeds
+from conftest import case, ran, seeds
 
 METHODS = {
     "radau": ("--rtol", "1e-10"),
@@ -29,46 +29,11 @@ METHODS = {
     "lobatto4": ("--step", "0.1"),
 }
 STIFF = {
-    "sine_gordon": """\
-model sine_gordon
-size N = 20
-param d = 0.05
-coord q[1..N]
-fixed q[0] = 0, q[N+1] = 2*pi
-kinetic sum(d*q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/(2*d), i = 0..N) + sum(d*(1 - cos(q[i])), i = 1..N)
-start q[i = 1..N] = 2*pi*i/(N+1) + 0.1*sin(i)
-""",
-    "ring": """\
-model ring
-size N = 20
-param k = 1e3
-coord x[1..N], X
-periodic x
-kinetic sum(x[i]'^2/2 + (2 + cos(x[i]))*(x[i+1]' - x[i]')^2/9, i = 1..N) + X'^2
-potential sum(k/2*(x[i+1] - x[i])^2 + (1 - cos(x[i])) + (x[i] - X)^2, i = 1..N)
-dissipation sum((x[i+1]' - x[i]')^2*2, i = 1..N)
-start x[i = 1..N] = 0.3*sin(2*pi*i/N) + 0.1/i, x[1]' = 0.5
-""",
+    "sine_gordon": case("sine_gordon"),
+    "ring": case("loops_implicit_ring"),
     # M is not dominated by its diagonal: no norm of its inverse is known from its entries.
-    "coupled": """\
-model coupled
-size N = 20
-coord q[1..N]
-fixed q[0] = 0, q[-1] = 0
-kinetic sum((2 + cos(q[i]))*(q[i]' + q[i-1]' + q[i-2]')^2/2 + q[i]'^2/8, i = 1..N)
-potential sum(100*(q[i] - q[i-1])^2, i = 1..N)
-start q[i = 1..N] = 0.2*sin(i)
-""",
-    "heat": """\
-model heat
-size N = 20
-param D = 1e3
-state u[1..N]
-fixed u[0] = 1 + sin(t)
-free u[N+1]
-rate u[i = 1..N] = D*(u[i-1] - 2*u[i] + u[i+1])*(1 + u[i]^2)
-""",
+    "coupled": case("coupled"),
+    "heat": case("heat"),
 }
 
 
@@ -121,14 +86,6 @@ def test_heat_is_conducted_by_steps_as_long_as_one_likes(tmp_path: Path) -> None
         expected -= amplitude * math.sin(250 * angle) * math.exp(-rate * 0.03)
     assert rows(out.read_text())[-1][1] == pytest.approx(expected, abs=1e-4)
     assert json.loads(done.stdout)["report"]["steps"] == 6
-
-
-def test_sums_over_pairs_are_refused(pkgen) -> None:
-    done = pkgen(
-        "run", "models/particles/n_body.lag", "--size", "N=40", "--method", "radau", "--until", 1
-    )
-    assert done.returncode == 4
-    assert "are no band: sums over pairs" in done.stderr
 
 
 LIMIT = 1 << 30  # bytes of address space: of 20,000 numbers a matrix of each with each takes 3.2e9

@@ -50,27 +50,6 @@ def test_random_models_are_those_of_members_written_out(name: str, seed: int, bo
     assert loops[0][1:] != loops[-1][1:]
 
 
-@pytest.mark.parametrize("order", ["x[1..N], y[1..N]", "y[1..N], x[1..N]"], ids=["xy", "yx"])
-@pytest.mark.parametrize(
-    ("size", "inertia"),
-    [(3, "p*y[i]'^2"), (20, "p*y[i]'^2"), (20, "y[i]'^2 - 3*p*y[i]'*x[i]'")],
-    ids=["few", "many", "coupled"],
-)
-def test_inertia_that_is_not_positive_is_named_and_no_constraint(
-    order: str, size: int, inertia: str, pkgen, tmp_path: Path
-) -> None:
-    """By its coordinate, written out (by the number of which a row was named) and as loops."""
-    model = tmp_path / "light.lag"
-    model.write_text(
-        f"model light\nsize N = {size}\nparam p = -1\ncoord {order}\n"
-        f"kinetic sum(x[i]'^2 + {inertia}, i = 1..N)\npotential sum(x[i]^2, i = 1..N)\n"
-        "input w\nconstraint tie[i = 1..N]: x[i]*(2 + w) = y[i]\n"
-    )
-    done = pkgen("run", model, "--until", 1, "--method", "rk4", "--step", 0.1)
-    assert done.returncode == 4
-    assert "the mass matrix is singular or indefinite: pivot of coordinate" in done.stderr
-
-
 @pytest.mark.parametrize("method", [("rk4", "--step", "0.02"), ("gauss2", "--step", "0.05")])
 def test_members_of_an_ensemble_of_ropes_are_single_runs(
     method: tuple[str, ...],
@@ -115,16 +94,3 @@ def test_splitting_methods_run_on_linear_constraints(method: str, inertia: str, 
     for one, other in zip(loops, written, strict=True):
         assert one == pytest.approx(other, rel=1e-12, abs=1e-12)
     assert len(loops) == 3 and loops[0][1:] != loops[2][1:]
-
-
-@pytest.mark.parametrize(
-    ("inertia", "row"),
-    [("", " + x[i]^2/9"), ("", " + t*x[i]/9"), (" + cos(X)*X'^2/9", "")],
-    ids=["curved", "turning", "heavy"],
-)
-def test_and_are_refused_on_others(inertia: str, row: str, pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "linear.lag"
-    text = LINEAR.format(inertia=inertia, row=row).replace("constraint mean", "# constraint mean")
-    model.write_text(text.replace("start", "input none\n# start"))
-    done = pkgen("run", model, "--size", "N=20", "--until", 1, "--method", "verlet", "--step", 0.1)
-    assert done.returncode == 4 and "a system that is separable" in done.stderr

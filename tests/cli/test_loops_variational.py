@@ -11,7 +11,7 @@ from loop_runs import bodies, rope
 from rotation_models import made
 from test_loops_features import both  # noqa: F401 (a fixture)
 
-from conftest import rows
+from conftest import case, rows
 
 MADE = {
     "rope": (rope, (0, 1, 2, 3, 4, 6, 9, 10)),
@@ -45,17 +45,7 @@ def test_steps_are_those_of_members_written_out(
     assert loops[0][1:] != loops[-1][1:]
 
 
-ROPE = """\
-model rope
-size N = 40
-param l = 1/N in (0, inf)
-coord x[1..N], y[1..N]
-fixed x[0] = 0, y[0] = 0
-kinetic sum(l*(x[i]'^2 + y[i]'^2)/2, i = 1..N)
-potential sum(l*9.81*y[i], i = 1..N)
-constraint rod[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
-start x[i = 1..N] = i*l*cos(1), y[i = 1..N] = -i*l*sin(1)
-"""
+ROPE = case("rope")
 
 
 def test_a_long_rope_keeps_its_energy_and_rods_by_rattle_alone(pkgen, tmp_path: Path) -> None:
@@ -71,13 +61,6 @@ def test_a_long_rope_keeps_its_energy_and_rods_by_rattle_alone(pkgen, tmp_path: 
     coarse, fine = drift("rattle", 2e-3), drift("rattle", 1e-3)
     assert 3 < coarse / fine < 5
     assert 0 < coarse < drift("rk2", 2e-3) / 100
-
-
-def test_a_step_that_is_too_long_says_what_to_do(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "rope.lag"
-    model.write_text(ROPE)
-    done = pkgen("run", model, "--method", "rattle", "--step", 0.3, "--until", 3)
-    assert done.returncode == 4 and "or gauss2" in done.stderr, done.stderr
 
 
 GROWING = """\

@@ -10,36 +10,11 @@ import numpy as np
 import pytest
 
 import pkgen
+from conftest import case
 
-PENDULUM = """model twice
-param m2 = 1 in (0, inf)
-coord a, b
-let x = sin(a)
-let y = -cos(a)
-let X = x + sin(b)
-let Y = y - cos(b)
-kinetic (x'^2 + y'^2)/2 + m2/2*(X'^2 + Y'^2)
-potential 9.81*y + m2*9.81*Y
-event low: b rising
-event twin: a*b - 0.01*t
-event flip: b - 2 rising stop
-"""
-LATTICE = """model lattice
-param e = 1 in (0, inf)
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential (x^2 + y^2)/2 + e*(x^2*y - y^3/3)
-event section: x rising
-event far: x^2 + y^2 - 0.3 stop
-"""
-BALL = """model ball
-param k = 300 in (0, inf)
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential 9.81*x + k/2*step(-x)*x^2 + y^2*step(y)
-force x = -0.05*x'
-event top: x' falling
-"""
+PENDULUM = case("twice")
+LATTICE = case("lattice")
+BALL = case("ball")
 STEPS = """model stairs
 param height = 0.8 in (0, inf)
 coord x
@@ -47,33 +22,9 @@ kinetic x'^2/2
 potential height*step(x - 1) + x^2/2
 event middle: x - 0.5
 """
-BEAD = """model bead
-param g = 9.81
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential g*y
-constraint rod: x^2 + y^2 = 1
-event bottom: x
-"""
-DRIVEN = """model driven
-param c = 0.2 in [0, inf)
-coord x
-state z
-rate z = -z + x^2
-kinetic x'^2/2
-potential -x^2/2 + x^4/4
-force x = -c*x' + 0.3*cos(t) + 0.1*z
-event through: x
-"""
-TOP = """model top
-param g = 1
-rotation R
-let axis = R*[0, 0, 1]
-kinetic ((omega(R).x^2 + omega(R).y^2)*0.1 + omega(R).z^2*0.02)/2
-potential g*axis.z
-start omega(R) = [0.5, 0, 9]
-event level: axis.z falling
-"""
+BEAD = case("bead")
+DRIVEN = case("member_lanes_driven")
+TOP = case("member_lanes_top")
 FALL = """model fall
 param k = 1 in (0, inf)
 coord x, y

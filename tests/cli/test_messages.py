@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, case
 from pkgen.__main__ import main
 from pkgen.analysis.chart import text
 from pkgen.analysis.chart.spectrum import Spectrum
@@ -16,18 +16,7 @@ from pkgen.run.diagnostics_text import lines
 from pkgen.source import Source
 
 # x runs away, y goes uniformly, z stays; `kept` is a constant of the motion, zero but for errors.
-MODEL = """model three
-coord x, y, z
-kinetic (x'^2 + y'^2 + z'^2)/2
-potential -x^2/2
-start x = 0.1, y' = 1, z = 2
-event kept: x'^2 - x^2 + 0.01
-event half: y - 5
-scene section
-  record x, y at half
-  until 20
-end
-"""
+MODEL = case("three")
 
 
 @pytest.fixture

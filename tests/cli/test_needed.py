@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran, written
+from conftest import ROOT, case, ran, written
 from pkgen import __main__ as command
 from pkgen.back.kernels import KERNELS
 from pkgen.compiler import compile_model
@@ -151,27 +151,7 @@ def test_a_scene_has_the_parameters_that_it_reads(pkgen, tmp_path):
     assert "d, rho_x, rho_y, det, half, apart, growth, pitching, steep: nothing" in text
 
 
-STONE = """\
-model stone
-param m = 2 [kg] in (0, inf)
-param h = 1 [cm]
-param d = 3*h in (0, inf)     # read by nothing but an output
-param far = 3 [m] in (0, 5 [m])      # nor is this
-param kept = 2 [m] in (0, 3 [m])
-param weight = m*(9.81 [m/s^2])       # follows m, and is read
-param last = 4 [s]
-size N = 2
-param k[i = 1..N] = i*(1 [N/m])
-coord x [m]
-kinetic   m*x'^2/2
-potential (weight + kept*(1 [N/m]))*x + k[1]*x^2/2
-observe spare = far*x'
-start x = 1
-scene falls
-  until last
-  record x every 1 [s]
-end
-"""
+STONE = case("stone")
 
 
 def test_what_is_set_and_not_read_is_noted(pkgen, tmp_path):

@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from conftest import case
+
 WITH_ERF = '''
 import math, sys
 from fractions import Fraction
@@ -43,18 +45,7 @@ from pkgen.__main__ import main
 sys.exit(main(sys.argv[1:]))
 '''
 
-MODEL = """model well
-param m = 1 [kg]
-param k = 2 [J]
-param l = 0.5 [m]
-coord x [m]
-coord y [m]
-kinetic m*(x'^2 + y'^2)/2
-potential k*erf(x/l)^2 + k*erf(-x/l)*erf(y/l)
-observe s = erf(x/l)
-conserve whole = m*(x'^2 + y'^2)/2 + k*erf(x/l)*(erf(x/l) - erf(y/l))
-start x = 0.2 [m], y = 0.1 [m], x' = 0.3 [m/s]
-"""
+MODEL = case("well")
 
 
 @pytest.fixture

@@ -147,19 +147,6 @@ def test_scenes_and_commands(folder: Path) -> None:
     assert limits["composition"]["measured"] == pytest.approx(4, rel=0.02)
 
 
-def test_refusals(folder: Path) -> None:
-    (folder / "implicit.tab").write_text("A\n1/2\nb 1\n")
-    done = run_pkgen("run", PENDULUM, "--tableau", folder / "implicit.tab", "--step", 0.1)
-    assert done.returncode == 1 and "diagonally implicit" in done.stderr and "^" in done.stderr
-    done = run_pkgen("run", PENDULUM, "--tableau", folder / "none.tab", "--step", 0.1)
-    assert done.returncode != 0 and "no such file" in done.stderr
-    done = run_pkgen("run", PENDULUM, "--composition", "1,1", "--step", 0.1)
-    assert done.returncode == 1 and "sum to 2" in done.stderr
-    pendulum = ROOT / "models/double_pendulum.lag"
-    done = run_pkgen("run", pendulum, "--composition", "1", "--step", 0.1)
-    assert done.returncode != 0 and "separable" in done.stderr
-
-
 def test_a_file_may_be_called_anything(tmp_path: Path) -> None:
     """Its name stands in C, in a text."""
     path = tmp_path / 'odd"\nint x = 1; "\\.tab'

@@ -13,18 +13,11 @@ import numpy as np
 import pytest
 
 import pkgen as api
-from conftest import ROOT
+from conftest import ROOT, case
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
-WALL = """\
-model fall
-coord x [m]
-param m = 1 [kg]
-kinetic m/2*x'^2
-potential -m*(1 [N*m^2/kg])/x
-start x = 1, x' = 0
-"""
+WALL = case("fall")
 
 
 @pytest.fixture(scope="module")

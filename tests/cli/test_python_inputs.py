@@ -10,18 +10,9 @@ import numpy
 import pytest
 
 import pkgen
+from conftest import case
 
-MODEL = """model driven
-param k = 4 in (0, inf)
-input u
-coord x
-kinetic x'^2/2
-potential k*x^2/2
-force x = u
-observe pushed = u
-event low: x + 100 falling stop
-start x = 1
-"""
+MODEL = case("python_inputs_driven")
 SAMPLED = {
     "dop853": {"rtol": 1e-11}, "gauss": {"rtol": 1e-11}, "rk4": {"step": 0.001},
     "gauss4": {"step": 0.01}, "radau": {"rtol": 1e-10}, "yoshida8": {"step": 0.005},

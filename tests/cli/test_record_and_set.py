@@ -8,44 +8,15 @@ import re
 
 import pytest
 
-from conftest import table, written
+from conftest import case, table, written
 from pkgen import __main__ as command
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import options as scene_options
 
-MODEL = """\
-model pulled
-param m = 2 [kg] in (0, inf)
-param k = 3 [N/m]
-coord x, y [m]
-input F [N]
-let r = [x, y, 0.1*x]
-let stretch = sqrt(x^2 + y^2)
-let half = stretch/2
-kinetic   m*(x'^2 + y'^2)/2
-potential k*stretch^2/2
-force x = F
-start x = 0.5, y = 0.2
-scene slow
-  set    k = 1 [N/m]
-  set    F = 0
-  until  2
-  method gauss rtol 1e-12
-  record x, F every 0.5
-end
-"""
-FAMILY = """\
-model beads
-size N = 4
-param a[i = 1..N] = i
-coord q[1..N]
-let w[i = 1..N] = q[i]^2*a[i]
-kinetic sum(q[i]'^2, i = 1..N)/2
-potential sum(q[i]^2, i = 1..N)/2
-start q[i = 1..N] = i
-"""
+MODEL = case("pulled")
+FAMILY = case("beads")
 
 
 def rows_of(done) -> tuple[str, list[list[float]]]:

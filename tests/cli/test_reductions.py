@@ -10,59 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from conftest import STRICT, ran
+from conftest import STRICT, case, ran
 
-TOP = """\
-model top
-param A = 1.1 in (0, inf)
-param C = 0.45 in (0, inf)
-param w = 9.81
-coord phi, theta, psi
-kinetic A/2*(theta'^2 + phi'^2*sin(theta)^2) + C/2*(psi' + phi'*cos(theta))^2
-potential w*cos(theta)
-conserve axial = C*(psi' + phi'*cos(theta))
-observe height = cos(theta)
-start theta = 0.7, phi' = 0.4, psi' = 11
-
-scene nods
-  set A = 1.3
-  until 2
-  record theta, theta' every 0.25
-end
-scene turns
-  until 2
-  record phi, theta, psi', p_phi, energy every 0.25
-end
-"""
-PAIR = """\
-model pair
-param fast = 400
-coord a, b
-kinetic (a'^2 + b'^2)/2
-potential -cos(a) - fast*cos(b)
-start a = 1, b = 0.4
-
-scene both
-  until 5
-  record a, b every 0.5
-end
-scene sum_of_both
-  until 5
-  record energy, total every 0.5
-end
-scene promised
-  until 5
-  accuracy 1e-8
-  record a, b every 0.5
-end
-scene led
-  hold b = a0*sin(t)
-  until 5
-  record a, b, b' every 0.5
-end
-const a0 = 0.3
-observe total = a + b
-"""
+TOP = case("reductions_top")
+PAIR = case("reductions_pair")
 EXACT = ["--rtol", "1e-13"]
 
 

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import pkgen as api
-from conftest import ran, run_pkgen, seeds
+from conftest import case, ran, run_pkgen, seeds
 
 UNTIL = 1.0
 
@@ -82,20 +82,7 @@ def test_orders_and_the_form(tmp_path: Path, seed: int) -> None:
     assert abs(flow.T @ form @ flow - form).max() < 1e-7 and abs(flow - np.eye(2 * n)).max() > 0.05
 
 
-SPRING = """\
-model tuned
-param w = 20
-coord x
-kinetic x'^2/2
-potential w^2*x^2/2 + x^2/2
-fast w^2*x^2/2
-start x = 1
-scene a
-  until 40
-  method respa step 0.1
-  record x every 0.1
-end
-"""
+SPRING = case("tuned")
 
 
 def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
@@ -120,26 +107,6 @@ def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
 def test_the_fast_part_has_its_page(write, tmp_path: Path) -> None:
     done = run_pkgen("explain", write(SPRING), "--html", tmp_path / "e.html")
     assert done.returncode == 0, done.stderr
-
-
-BOUND = "constraint c: x = y\nkinetic y'^2/2\nstart y = 1\n"
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (("fast w^2*x^2/2\n", ""), "of which a part is named"),
-        (("kinetic x'^2/2", "kinetic x'^2/2*(1 + x^2)"), "separable"),
-        (("fast w^2*x^2/2", "fast x'^2"), "has a rate in it"),
-        (("coord x\n", f"coord x, y\n{BOUND}"), "there are constraints"),
-        (("param w", "coord fast\npotential fast^2\nkinetic fast'^2\nparam w"), ""),
-    ],
-)
-def test_refusals(tmp_path: Path, change: tuple[str, str], said: str) -> None:
-    path = tmp_path / "tuned.lag"
-    path.write_text(SPRING.replace(*change).split("scene")[0])
-    done = run_pkgen("run", path, "--until", 1, "--method", "respa", "--step", 0.1)
-    assert (done.returncode == 0) is (not said) and said in done.stderr
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 2))

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from rotation_models import made
 
-from conftest import ran, seeds
+from conftest import case, ran, seeds
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.scenes import lengths
@@ -88,19 +88,6 @@ def test_a_spin_wave_of_any_size(method: str, pkgen, tmp_path: Path) -> None:
     assert done.returncode == 0 and "3 of 3 met" in done.stderr, done.stderr
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ("--start R[5].w=2", "the quaternion of R[5] is not of unit length"),
-        ("--method lie_midpoint --step 3", "families kept as loops have no other"),
-        ("--method verlet --step 0.01", "verlet needs a system that is separable"),
-    ],
-)
-def test_what_loops_refuse(words: str, says: str, pkgen) -> None:
-    done = pkgen("run", WAVE, "--until", 1, "--every", 1, "--record", "x", *words.split())
-    assert done.returncode and says in done.stderr, done.stderr
-
-
 def test_members_of_an_ensemble_are_single_runs(pkgen, tmp_path: Path) -> None:
     table = tmp_path / "members.csv"
     table.write_text("J,omega(R[3]).x\n1,0.5\n2,0.1\n")
@@ -130,25 +117,7 @@ def test_one_of_a_family_is_a_free_body(pkgen, tmp_path: Path) -> None:
     assert off(*found) < 1e-11
 
 
-RING = """\
-model ring
-size N = 3
-rotation R[1..N]
-periodic R
-kinetic sum(dot(omega(R[i]), omega(R[i])), i = 1..N)
-potential -sum(dot(R[i]*[0, 0, 1], R[i+1]*[0, 0, 1]), i = 1..N)
-start R[2] = rot([1, 0, 0], 0.5)
-start omega(R[i = 1..N-1]) = [0, 0.1*i, 1]
-event tilted: R[2].x - 0.2 falling
-observe L3 = sum((R[i]*p_R[i]).z, i = 1..N)
-
-scene one
-  start omega(R[3]) = [0, 0, 2]
-  until 1
-  record R[2], omega(R[2]), p_R[3], L3 every 0.5
-  expect drift(L3) < 1e-12
-end
-"""
+RING = case("rotation_families_ring")
 
 
 def test_members_by_name(tmp_path: Path) -> None:
@@ -165,22 +134,3 @@ def test_members_by_name(tmp_path: Path) -> None:
     done = ran("run", model, "--until", 1, *given, "--record", "R[3],omega(R[1])")
     assert done.stdout.split()[1] == "0,0.8,0,0.6,0,0,0.1,-3"
     assert "tilted" in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("line", "says"),
-    [
-        ("let w = omega(R)", "'R' is a family: it needs an index"),
-        ("let up = R[4]*[0, 0, 1]", "R[4] is outside the family: there is R[1..3]"),
-        ("force R = [0, 0, 1]", "'R' is a family: it needs an index"),
-        ("start omega(R[4]) = [0, 0, 1]", "R[4] is outside the family"),
-        ("fixed R[0] = 3", "3 is no rotation"),
-        ("fixed R[0] = R[1]", "'R' is a rotation: a fixed end cannot use it"),
-        ("fixed R[2] = rot([0, 0, 1], 1)", "R[2] is a rotation; an end lies outside 1..3"),
-    ],
-)
-def test_what_is_wrong_with_an_index(line: str, says: str, pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "ring.lag"
-    model.write_text(RING.replace("periodic R\n", "").replace("R[i+1]", "R[1]") + line + "\n")
-    done = pkgen("check", model)
-    assert done.returncode == 1 and says in done.stderr, done.stderr

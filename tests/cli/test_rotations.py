@@ -6,52 +6,9 @@ import math
 
 import pytest
 
-from conftest import rows, written
+from conftest import case, rows, written
 
-THROWN = """\
-model thrown
-param I1 = 1 in (0, inf)
-param I2 = 2 in (0, inf)
-param I3 = 3 in (0, inf)
-param g = 1
-coord x
-rotation R
-coord z
-let w = omega(R)
-kinetic I1/2*w.x^2 + I2/2*w.y^2 + I3/2*w.z^2 + (x'^2 + z'^2)/2
-potential g*z
-event down: z - 0.5 falling
-start omega(R) = [0.01, 1, 0], x' = 1, z' = 2, R = rot([1, 0, 0], 0.3)
-
-scene rates
-  until 20
-  accuracy 1e-9
-  record omega(R) every 1
-end
-scene flight
-  until 2
-  accuracy 1e-9
-  record x, z every 0.5
-end
-scene attitude
-  until 20
-  accuracy 1e-9
-  record R, p_R every 1
-end
-scene many
-  swarm k = 1..9
-  start omega(R) = [0, k/5, 0.1], R = rot([0, 0, 1], k/10)
-  until 3
-  method rk4 step 0.01
-  record R, z every 1
-end
-scene landing
-  until 5
-  method rkmk4 step 0.01
-  record R, z at down
-  expect z = 0.5 within 1e-9 at down
-end
-"""
+THROWN = case("thrown")
 
 
 def test_rows_are_in_the_order_of_the_model(pkgen, tmp_path):
@@ -118,23 +75,6 @@ def test_an_event_is_met_by_a_step_on_the_group(pkgen, tmp_path):
     assert sum(row[f"R.{c}"] ** 2 for c in "wxyz") == pytest.approx(1, abs=1e-15)
 
 
-def test_numbers_of_a_rotation_are_started_one_by_one(pkgen, tmp_path):
-    path = written(tmp_path, THROWN)
-    for left, numbers in (
-        ("R", "R.w, R.x, R.y, R.z"),
-        ("omega(R)", "omega(R).x, omega(R).y, omega(R).z"),
-    ):
-        done = pkgen("run", path, "--until", "1", "--start", f"{left}=1")
-        assert done.returncode == 2
-        assert f"--start {left}: one number an option, of {numbers}\n" in done.stderr
-
-
-def test_a_start_of_another_length_is_refused(pkgen, tmp_path):
-    done = pkgen("run", written(tmp_path, THROWN), "--until", "1", "--start", "R.w=2")
-    assert done.returncode == 4 and "the start breaks a constraint: " in done.stderr
-    assert "the quaternion of R is not of unit length" in done.stderr, done.stderr
-
-
 def test_a_momentum_of_the_body_is_constant_where_that_is_proved(pkgen, tmp_path):
     """A root in L hides what is under it from residues: no proof that it does not turn."""
     path = written(
@@ -144,14 +84,3 @@ def test_a_momentum_of_the_body_is_constant_where_that_is_proved(pkgen, tmp_path
     )
     said = pkgen("explain", path).stdout
     assert "p_R.z" in said and "p_R.x" not in said.partition("Constants")[2].partition("Kern")[0]
-
-
-def test_what_is_of_free_coordinates_says_that_there_are_rotations(pkgen, tmp_path):
-    path = written(tmp_path, THROWN)
-    options = ("--until", "1", "--method", "gauss4", "--step", "0.01", "--diagnose")
-    for name in ("symplectic", "modes", "least_action", "action"):
-        done = pkgen("run", path, *options, name)
-        assert f"diagnose {name}: the model has rotations" in done.stderr
-    for name in ("angular_momentum", "lrl"):
-        done = pkgen("run", path, "--until", "1", "--diagnose", name)
-        assert done.returncode == 2 and "R*p_R is its angular momentum" in done.stderr

@@ -8,17 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
-DISPLACED = """model displaced
-param k = 40 [N/m]
-param l0 = 1 [m]
-coord x, y [m]
-kinetic (0.5 [kg])*(x'^2+y'^2)
-potential k/2*(sqrt(x^2+(l0+y)^2)-l0)^2
-dissipation (0.5 [N*s/m])*(x'^2+y'^2)
-start y = 0.1 [m]
-"""
+DISPLACED = case("displaced")
 
 
 @pytest.mark.parametrize("method", ["gauss1", "gauss2", "gauss4", "lobatto3", "radau5", "radau9"])

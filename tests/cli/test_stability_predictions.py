@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from stability_asker import PENDULUM, asker, start
 
-from conftest import ROOT
+from conftest import ROOT, case
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure, misses, plan
 from pkgen.analysis.stability.ask import Asker, Close
@@ -24,27 +24,11 @@ start x = 0.3
 """
 
 # lambda = -c +- i sqrt(w^2 - c^2)
-DAMPED = """model damped
-param w = 1.7
-param c = 0.45
-coord x
-kinetic x'^2/2
-potential w^2/2*x^2
-dissipation c*x'^2
-start x = 0.3
-"""
+DAMPED = case("stability_predictions_damped")
 
 # Resonance N3 of the elastic pendulum, in Cartesian coordinates: the spring's length at rest is 1,
 # the swing's frequency 1, the stretch's 1.9.
-ELASTIC = """model elastic
-param ratio = 1.9
-coord x, y
-let r = sqrt(x^2 + y^2)
-let k = ratio^2
-kinetic (x'^2 + y'^2)/2
-potential y + k/2*(r - 1 + 1/k)^2
-start x = 0.01, y = -1.05
-"""
+ELASTIC = case("elastic")
 
 
 @pytest.fixture(scope="module")
@@ -137,15 +121,7 @@ def test_modes_of_a_damped_system_and_its_limit(steps) -> None:
 
 
 # A double well a micrometre wide, in SI units.
-MEMS = """model mems
-param m = 1e-12 [kg] in (0, inf)
-param k = 1 [N/m] in (0, inf)
-param d = 1e-6 [m] in (0, inf)
-coord x [m]
-kinetic m*x'^2/2
-potential -k*x^2/2 + k*x^4/(4*d^2)
-start x = 1.2e-6
-"""
+MEMS = case("mems")
 
 
 @pytest.mark.parametrize("begin", [(1.2e-6, 0.0), (0.0, 0.3), (1e-8, 0.0)])
@@ -169,14 +145,7 @@ def test_equilibria_beside_a_pole(begin: float) -> None:
     assert found[0].modes[0].frequency == pytest.approx(math.sqrt(72) / minimum, rel=1e-9)
 
 
-TURN = """model turn
-param m1 = 1e6
-param k = 1e-4
-coord a, x
-kinetic m1*a'^2/2 + x'^2/2
-potential -m1*9.81*cos(a) + k*(x-10)^2/2
-start a = 0.3, x = 9
-"""
+TURN = case("turn")
 
 
 def test_each_equation_decides_what_is_an_angle_by_its_own_size() -> None:

@@ -8,61 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran, table, written
+from conftest import case, ran, table, written
 
 # Of an orbit from its pericentre: the action of a revolution is that of T - V, whose means are a
 # half and 1 by the virial theorem, and the area is that of the ellipse.
-ORBIT = """\
-model orbit
-param e = 0.6 in [0, 1)
-coord x, y
-state S         # action
-state area
-kinetic (x'^2 + y'^2)/2
-potential -1/sqrt(x^2 + y^2)
-rate S = L
-rate area = (x*y' - y*x')/2
-start x = 1 - e, y' = sqrt((1 + e)/(1 - e))
-observe energies = T + V
-event half: S - 3*pi/2
-
-scene revolution
-  until  2*pi
-  method gauss rtol 1e-12
-  record S, S', area, x every pi
-  expect S = 3*pi within 1e-9 at 2*pi
-  expect area = pi*sqrt(1 - e^2) within 1e-9 at 2*pi
-  expect S' - L = 0 within 1e-14
-  expect time(half) > 3.1415
-  expect drift(energy) < 1e-10
-end
-
-scene still
-  hold   S = sin(t)
-  start  area = 2
-  until  1
-  method rk4 step 0.001
-  record S, S', area every 1
-end
-
-scene many
-  swarm  k = 1..3
-  start  area = k
-  until  1
-  method rk4 step 0.01
-  record area
-end
-"""
+ORBIT = case("orbit")
 # Its sums of logarithms are constant; no coordinate, so no energy.
-LOTKA = """\
-model lotka
-param a = 2/3
-state hare, lynx
-rate hare = a*hare - 4/3*hare*lynx
-rate lynx = hare*lynx - lynx
-start hare = 1, lynx = 2
-conserve H = hare - log(hare) + 4/3*lynx - a*log(lynx)
-"""
+LOTKA = case("lotka")
 
 
 @pytest.fixture
@@ -95,38 +47,6 @@ def test_states_alone_have_no_energy(pkgen, tmp_path: Path) -> None:
     assert [len(row) for row in said["rows"]] == [3, 3, 3] and said["rows"][0][2] == 1.5
     (drift,) = said["report"]["drifts"]
     assert drift["name"] == "H" and 0 < drift["max"] < 1e-8
-
-
-WRONG = [
-    ("run --start area'=1", "area is a state, and its rate follows: --start area=…"),
-    ("run --start sarea=1", "did you mean 'area'?"),
-    ("run --record p_S", "no such column"),
-    ("run --scene still --start S=1", "the scene holds S"),
-]
-
-
-@pytest.mark.parametrize(("words", "said"), WRONG, ids=[words for words, _ in WRONG])
-def test_what_cannot_be(pkgen, orbit: Path, words: str, said: str) -> None:
-    command, *options = words.split()
-    done = pkgen(command, orbit, *options)
-    assert done.returncode == 2 and said in done.stderr and "Traceback" not in done.stderr
-
-
-def test_an_energy_that_there_is_not(pkgen, tmp_path: Path) -> None:
-    done = pkgen("run", written(tmp_path, LOTKA), "--record", "energy")
-    assert done.returncode == 2 and "it has: hare, lynx" in done.stderr
-    model = written(tmp_path, LOTKA + "scene s\n  until 1\n  record energy\nend\n")
-    done = pkgen("check", model)
-    assert done.returncode == 1 and "a model of states alone has no energy" in done.stderr
-
-
-def test_an_energy_of_held_coordinates(pkgen, tmp_path: Path) -> None:
-    scene = "scene s\n  hold q = sin(t)\n  until 1\n  record x, {}\nend\n"
-    text = "model m\ncoord q\nstate x\nkinetic q'^2/2\nrate x = q'\n" + scene
-    done = pkgen("check", written(tmp_path, text.format("energy")))
-    assert done.returncode == 1
-    assert "m.lag:9:13: error: there is no energy here: every coordinate is held" in done.stderr
-    assert pkgen("check", written(tmp_path, text.format("T"))).returncode == 0
 
 
 def test_a_state_beside_two_blocks_is_explained(tmp_path: Path) -> None:
@@ -176,12 +96,7 @@ def test_the_chart_has_states(tmp_path: Path) -> None:
     done = ran(
         "chart",
         model,
-        "--until",
-        "5",
-        "--quick",
-        "--methods",
-        "rk4,gauss,radau,verlet",
-        "-o",
+        *"--until 5 --quick --methods rk4,gauss,radau,verlet -o".split(),
         tmp_path,
         "--json",
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran, table, written
+from conftest import case, ran, table, written
 
 pytestmark = pytest.mark.long
 
@@ -34,17 +34,7 @@ def test_an_accuracy_is_kept_by_a_state(tmp_path: Path, how: str) -> None:
     ran("run", written(tmp_path, DECAY.format(how)), "--scene", "cold")
 
 
-LORENZ = """\
-model lorenz
-param s = 10
-param r = 28
-param b = 8/3
-state x, y, z
-rate x = s*(y - x)
-rate y = x*(r - z) - y
-rate z = x*y - b*z
-start x = 1, y = 1, z = 1
-"""
+LORENZ = case("lorenz")
 
 
 @pytest.mark.parametrize(("method", "order"), [("euler", 1), ("rk2", 2), ("rk3", 3), ("rk4", 4)])
@@ -69,15 +59,7 @@ def test_order_on_lorenz(pkgen, tmp_path: Path, method: str, order: int) -> None
 
 # H. H. Robertson (1966), at t = 40 from the manual of CVODE, at 1e11 from E. Hairer, G. Wanner's
 # set of problems.
-ROBERTSON = """\
-model robertson
-state A, B, C
-rate A = -0.04*A + 1.0e4*B*C
-rate B = 0.04*A - 1.0e4*B*C - 3.0e7*B^2
-rate C = 3.0e7*B^2
-start A = 1
-conserve sum_of_all = A + B + C
-"""
+ROBERTSON = case("robertson")
 
 
 def test_a_stiff_reaction(pkgen, tmp_path: Path) -> None:
@@ -92,23 +74,7 @@ def test_a_stiff_reaction(pkgen, tmp_path: Path) -> None:
     assert table(done.stdout)[1][-1][1:] == pytest.approx([0.71582, 9.1855e-6, 0.28417], rel=1e-4)
 
 
-DIFFUSION = """\
-model diffusion
-size N = 9
-param D = 1 [m^2/s] in (0, inf)
-param dx = 0.1 [m]
-state c[1..N] [1/m^3]
-fixed c[0] = 0, c[N+1] = 0
-rate c[i = 1..N] = D/dx^2*(c[i+1] - 2*c[i] + c[i-1])
-start c[i = 1..N] = sin(pi*i/(N+1)) [1/m^3]
-
-scene between
-  hold   c[1] = 1, c[N]
-  until  2 [s]
-  method radau rtol 1e-9
-  record c[1], c[2], c[8], c[9] every 2 [s]
-end
-"""
+DIFFUSION = case("diffusion")
 
 
 @pytest.mark.parametrize("how", [("exponential",), ("radau", "--rtol", "1e-9")])
@@ -127,21 +93,7 @@ def test_a_chain_of_states(pkgen, tmp_path: Path, how: tuple[str, ...]) -> None:
     assert last[1:] == pytest.approx(straight, abs=1e-7)
 
 
-ROCKET = """\
-model rocket
-param u = 2000 [m/s]
-param k = 3 [kg/s]
-param g = 9.81 [m/s^2]
-coord z [m]
-state m [kg]
-kinetic m/2*z'^2
-potential m*g*z
-force z = k*(u - z')  # what leaves takes its momentum along
-rate m = -k
-start m = 100
-let closed = u*log((100 [kg])/m) - g*t
-observe off = z' - closed
-"""
+ROCKET = case("rocket")
 
 
 @pytest.mark.parametrize(

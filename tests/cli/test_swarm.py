@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 from pkgen.front.check.check import check_text
 from pkgen.front.check.scene_numbers import Values
 from pkgen.run.ensemble import Column
@@ -17,32 +17,7 @@ from pkgen.scenes import swarm
 from pkgen.source import Source
 from pkgen.system.exits import UsageError
 
-PENDULUM = """model pendulum
-param l = 1 [m] in (0, inf)
-param g = 9.81 [m/s^2]
-coord theta [rad], slide [m]
-kinetic   l^2*theta'^2/2*(1 [kg]) + slide'^2/2*(1 [kg])
-potential -g*l*cos(theta)*(1 [kg])
-start theta = 1, slide' = 0.1
-scene many
-  swarm  k = -2..70
-  set    l = 50 [cm]
-  start  theta = 3*k/71, theta' = sqrt(g/l)*k/1000
-  until  1.1
-  method rk4 step 0.01
-  record theta, energy every 0.4
-  expect theta < 3.2
-  expect energy < -4 at 0.8
-  expect drift(energy) < 1e-5
-end
-scene one
-  set    l = 50 [cm]
-  start  theta = 3*5/71, theta' = sqrt(g/l)*5/1000
-  until  1.1
-  method rk4 step 0.01
-  record theta, energy every 0.4
-end
-"""
+PENDULUM = case("swarm_pendulum")
 
 
 @pytest.fixture
@@ -82,39 +57,7 @@ def test_a_miss_names_the_member_and_options_set_all(pkgen, pendulum: Path) -> N
     )
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--diagnose", "all"], "--diagnose is for one trajectory, not for a swarm"),
-        (["--ensemble", "x.csv"], "--ensemble x.csv: {path}:9:10: the scene has a swarm already"),
-        (["--threads", "4000"], "--threads 4000: 1024 at most"),
-        (["--set", "l=0"], "{path}:11:35: scene 'many': start theta': division by zero"),
-    ],
-)
-def test_what_a_swarm_cannot_be_with(pkgen, pendulum: Path, options: list[str], said: str) -> None:
-    done = pkgen("run", pendulum, "--scene", "many", *options)
-    assert done.returncode == 2 and said.format(path=pendulum) in done.stderr
-
-
-@pytest.mark.parametrize("command", ["chart", "stability"])
-def test_charts_and_maps_are_of_one_motion(pkgen, pendulum: Path, command: str) -> None:
-    done = pkgen(command, pendulum, "--scene", "many")
-    assert done.returncode == 2 and "a swarm is many motions: 'pkgen run' runs it" in done.stderr
-
-
-FUNCTIONS = """model m
-size n = 3
-param p[i = 1..5] = 10*i
-const third = 1/3
-coord q[1..n], x
-kinetic sum(q[i]'^2/2, i = 1..n) + x'^2/2
-scene s
-  swarm k = 1..5
-  start q[i = 1..n] = i*k - p[k]/7 + third, q[2] = -(2^k)*atan2(k, 3) + norm([k, 2, k^0.5])
-  start q[1]' = sum(sin(j*k)/j, j = 1..3) + step(k - 3) + max(k, 2) - abs(1 - k), x = 4
-  start q[3]' = cross([k, 1, 0], [0, k, 1]).z + dot([k, k, 1], [1, 2, 3]) + asin(k/5)
-end
-"""
+FUNCTIONS = case("swarm_m")
 
 
 def test_the_starts_of_all_members_are_what_each_alone_has() -> None:

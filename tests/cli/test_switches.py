@@ -8,37 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
-PULSE = """model pulse
-param m = 2 in (0, inf)
-param F = 3
-param t0 = 0.3
-param t1 = 0.7123
-coord x
-kinetic m/2*x'^2
-force x = F*step(t - t0)*step(t1 - t)
-start x' = 1
-scene push
-  until 2
-  record x, x', energy every 0.37
-end
-"""
+PULSE = case("switches_pulse")
 # It falls on a spring that pushes and does not pull.
-TRAMPOLINE = """model trampoline
-param k = 40 in (0, inf)
-param g = 9.81 in (0, inf)
-coord x
-kinetic x'^2/2
-potential g*x + k/2*step(-x)*x^2
-start x = 0.5
-event bottom: x' rising
-scene bounces
-  until 20
-  accuracy 1e-10
-  record x every 0.5
-end
-"""
+TRAMPOLINE = case("trampoline")
 K, G, DROP = 40.0, 9.81, 0.5
 
 
@@ -114,14 +88,7 @@ def test_an_event_at_a_switch_is_met_once(pkgen, write) -> None:
 
 
 def test_what_stays_on_a_switch_ends_with_the_reason(pkgen, write) -> None:
-    path = write("""model block
-param mu = 0.3
-coord x
-kinetic x'^2/2
-potential x^2/2
-force x = -mu*(2*step(x') - 1)
-start x = 1
-""")
+    path = write(case("block"))
     done = pkgen("run", path, "--until", "20", "--json")
     report = json.loads(done.stdout)["report"]
     assert done.returncode == 4 and report["status"] == "PK_SLIDING"

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from test_loops_features import both
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
@@ -71,17 +71,7 @@ def test_implicit_methods_of_chains_are_those_written_out(seed: int, both) -> No
         assert one == pytest.approx(other, rel=1e-8, abs=1e-8), text
 
 
-STILL = """\
-model still
-size N = 6
-coord q[1..N], r[1..N]
-let x[0] = 0
-let x[i = 1..N] = t^2*q[i]
-kinetic sum(q[i]'^2 + r[i]'^2, i = 1..N)
-potential sum(x[i]^2 + q[i]^2, i = 1..N)
-constraint tie[i = 1..N]: r[i] = sin(q[i])
-start q[i = 1..N] = 0.1*i, r[i = 1..N] = sin(0.1*i)
-"""
+STILL = case("still")
 
 
 def test_a_chain_that_nothing_moves_at_first_runs(both) -> None:

@@ -97,30 +97,3 @@ def test_linkages_in_places_move_as_in_angles(pkgen, tmp_path, seed):
     method = draw.choice(ADAPTIVE + FIXED)
     most, span = (4, 2) if seed < 10 else (12, 4)
     _compare(pkgen, tmp_path, seed, method, most, span, draw.randint(0, 3))
-
-
-ROD = """\
-model light_rod
-param mr = 0.1 in (0, inf)
-param M = 5
-param l = 2
-param g = 9.81
-coord xr, yr, ar, xb, yb
-kinetic mr/2*(xr'^2+yr'^2) + mr*l^2/24*ar'^2 + M/2*(xb'^2+yb'^2)
-potential mr*g*yr + M*g*yb
-constraint top_x: xr - l/2*sin(ar) = 0
-constraint top_y: yr + l/2*cos(ar) = 0
-constraint bob_x: xb - xr - l/2*sin(ar) = 0
-constraint bob_y: yb - yr + l/2*cos(ar) = 0
-start ar = pi/2, xr = 1, xb = 2
-"""
-
-
-def test_a_row_that_follows_is_told_from_a_light_body(pkgen, tmp_path):
-    """The same place in a light body's coordinates, twice; and not quite."""
-    again = ROD + "param k = 1\nconstraint again: xb - l*sin(ar) = (k - 1)*yb\n"
-    model = written(tmp_path, again)
-    for k, redundant in ((1, True), (1.001, False)):
-        options = ["--set", "mr=1e-7", "--set", f"k={k}", "--until", "0.1"]
-        done = pkgen("run", model, *options)
-        assert (done.returncode == 0) == redundant, (k, done.stderr)

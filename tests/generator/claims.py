@@ -4,55 +4,21 @@ from __future__ import annotations
 
 from itertools import islice
 
+from conftest import case
 from pkgen.compiler import stages
 from pkgen.source import Source
 
-KEPLER = """\
-model kepler
-param mu = 1 in (0, inf)
-param eps = 0.1
-coord x, y, z
-let r = sqrt(x^2 + y^2 + z^2)
-kinetic (x'^2 + y'^2 + z'^2)/2
-potential -mu/r
-let Lx = y*z' - z*y'
-let Ly = z*x' - x*z'
-let Lz = x*y' - y*x'
-start x = 1, y' = 0.8, z' = 0.3
-"""
+KEPLER = case("claims_kepler")
 LENZ = """\
 conserve Ax = y'*Lz - z'*Ly - mu*x/r
 conserve Ay = z'*Lx - x'*Lz - mu*y/r
 conserve Az = x'*Ly - y'*Lx - mu*z/r
 """
-POLAR = """\
-model polar
-param mu = 1 in (0, inf)
-coord r, phi
-kinetic (r'^2 + r^2*phi'^2)/2
-potential -mu/r
-let L = r^2*phi'
-start r = 1, phi' = 0.8
-"""
-PENDULUM = """\
-model pendulum
-param g = 9.81
-coord a
-input u
-kinetic a'^2/2
-potential -g*cos(a)
-start a = 1
-"""
+POLAR = case("polar")
+PENDULUM = case("claims_pendulum")
 PAIR = "model pair\ncoord x, y\nkinetic (x'^2 + y'^2)/2\nstart x = 1, y = 1\n"
 # Two links without gravity: dense M, whose denominators must cancel.
-LINKS = """\
-model links
-param m = 1.3 in (0, inf)
-coord a, b
-let x = sin(a) + sin(b)
-let y = -cos(a) - cos(b)
-kinetic m/2*a'^2 + (x'^2 + y'^2)/2
-"""
+LINKS = case("links")
 
 
 def claims(text, sizes=None):

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import pytest
 from test_accuracy_search import ADAPTIVE, method, trial
 
+from conftest import case
 from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.choose import lines, parts, record, reference, search
 from pkgen.analysis.choose.candidates import Candidate
@@ -249,17 +250,7 @@ def test_a_part_starts_as_the_whole_does_by_its_own_numbers() -> None:
     assert [(c.kind, c.index) for c in alone.show] == [("q", 1), ("v", 2), ("v", 0)]
 
 
-MEMBERS = """\
-model chain
-size N = 20
-param k = 2
-param m[i = 1..N] = 1 + i/2 in (0, inf)
-param w[i = 3..3] = k*i
-coord x[1..N]
-kinetic sum(m[i]/2*x[i]'^2, i = 1..N)
-potential sum(k*x[i]^2/2, i = 1..N) + w[3]*x[1]
-start x[i = 1..N] = 0.1*i
-"""
+MEMBERS = case("accuracy_choice_chain")
 
 
 @pytest.mark.parametrize("size", [20, 3])

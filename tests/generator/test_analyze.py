@@ -8,6 +8,7 @@ from itertools import islice
 import pytest
 from building import links, model
 
+from conftest import case
 from pkgen.back.c.render import FACTS
 from pkgen.compiler import stages
 from pkgen.graph.graph import Kind, Symbol
@@ -210,17 +211,7 @@ def test_definite_is_proved_from_bounds():
     assert with_bounds(0).definite and not with_bounds(-1).definite
 
 
-LINKS = """\
-model links
-param m = 1 in (0, inf)
-param n = 0 in [0, inf)
-coord a, b, c
-let x = sin(a) + sin(b)
-let y = cos(a) + cos(b)
-let u = x + sin(c)
-let v = y + cos(c)
-kinetic a'^2
-"""
+LINKS = case("analyze_links")
 SECOND = "m/2*(x'^2 + y'^2)"
 
 
@@ -253,16 +244,7 @@ def test_where_the_mass_matrix_may_be_singular():
     assert found.singular == ("r",) and not found.definite
 
 
-CHAIN = """\
-model chain
-size N = 6
-param k[i = 0..N] = 1 + 0.1*i in (0, inf)
-coord q[1..N]
-fixed q[0] = 0.2, q[N+1] = 0
-kinetic sum(q[i]'^2/2 + (q[i+1]' - q[i]')^2/9, i = 1..N)
-potential sum(k[i]/2*(q[i+1] - q[i])^2, i = 0..N)
-dissipation sum(q[i]'^2/i, i = 1..N)
-"""
+CHAIN = case("analyze_chain")
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ import pytest
 import sympy as sp
 from c_harness import COMPILERS, Loaded
 
+from conftest import case
 from pkgen.back.c.lower import lower
 from pkgen.compiler import Use, compile_model
 from pkgen.middle.analyze.analyze import analyze
@@ -23,24 +24,7 @@ from pkgen.source import Source
 
 # A body that hangs off its centre on a moving support, with a potential of its attitude, a torque
 # and friction; and beside it a top.
-HUNG = """\
-model hung
-param m = 1.3 in (0, inf)
-param g = 2.385
-param c = 0.17
-coord x, y
-rotation R
-let w = omega(R)
-let r = [x, y, 0.3*x] + R*[0.4, -0.2, 0.7]
-kinetic m/2*dot(r', r') + 0.9/2*w.x^2 + 1.7/2*w.y^2 + 2.1/2*w.z^2 + 0.3*w.x*w.z + x'^2/4
-potential m*g*r.z + x^2*dot(R*[0, 1, 0], [0.3, 0.5, 1])
-dissipation c/2*dot(w, w) + c*y'*w.x
-force R = [x, 0.2*y', w.y*t]
-force x = 0.3*w.z
-observe lifted = (inverse(R)*[1, x, 2]).y
-start R = rot([1, 2, 3], 0.7)*rot([0, 1, 0], 0.4)
-start omega(R) = [1, 2, 3]
-"""
+HUNG = case("attitudes_hung")
 
 
 def turned(q: sp.Matrix) -> sp.Matrix:
@@ -283,31 +267,14 @@ def test_the_reference_of_states_is_not_needed():
 
 def test_a_state_in_the_energy_is_seen_where_the_attitude_is_gone():
     """The first of the states is a quaternion's number only while there is one."""
-    text = """\
-model leaking
-coord x
-state k
-rotation R
-kinetic x'^2/2 + dot(omega(R), omega(R))/2
-potential k*x^2
-rate k = -k
-start x = 1, k = 1, omega(R) = [1, 0, 0]
-"""
+    text = case("leaking")
     use = Use(lambda model: (model, ()), lambda _: Needs(frozenset({"x", "omega(R).x"})))
     made = compile_model(Source("model.lag", text), use=use)
     assert made.equations.attitudes and not made.equations.quaternions
     assert not made.structure.conservative
 
 
-PAIR = """\
-model pair
-coord x, y
-rotation A
-rotation B
-let a = omega(A)
-kinetic (x'^2 + y'^2)/2 + a.x^2 + a.y^2/2 + a.z^2/4 + dot(omega(B), omega(B))/2
-start omega(A) = [1, 2, 3], omega(B) = [1, 0, 0]
-"""
+PAIR = case("attitudes_pair")
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.front.check.body_families import TOO_MANY
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
@@ -156,14 +156,7 @@ def test_a_family_is_the_tree_written_one_by_one(seed):
     assert max(map(abs, found.values())) > 0.1
 
 
-TWIG = """model twig
-size N = 2
-body link[1..N] mass 1 inertia [1, 1, 1] at [0, 0, -0.5]
-joint j[1]: ground to link[1] revolute [0, 1, 0] limits [-1, 1]
-joint j[i = 2..N]: link[i-1] to link[i] revolute [0, 1, 0] at [0, 0, -1]
-gravity [0, 0, -9.81]
-start j[i = 1..N] = 0.1*i
-"""
+TWIG = case("twig")
 
 
 def test_members_on_the_command_line(pkgen, tmp_path):

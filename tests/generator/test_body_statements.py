@@ -11,7 +11,7 @@ import pytest
 from random_states import state_of
 from trees_of_bodies import FREEDOMS, KINDS, Motion, random_tree, written
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.compiler import compile_model
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
@@ -144,24 +144,7 @@ def test_the_same_by_hand(case):
     assert max(map(abs, found[0])) > 0.1
 
 
-OWN = """model own
-param mass = 2 [kg]
-param inertia = 0.1 [kg*m^2]
-param ground = 0.3 [m]
-param gravity = 9.81 [m/s^2]
-param to = 1
-param revolute = 2
-param turned = 3 [m]
-coord joint [rad]
-coord body, prismatic [m]
-let com = [body, 0, ground]
-let top = joint + to*revolute
-kinetic mass/2*(body'^2 + prismatic'^2) + inertia/2*top'^2
-potential mass*gravity*body + (mass
-  *gravity*(prismatic + turned + com.z))
-draw body rot([0, 0, 1], joint) at com box [0.1, 0.1, 0.1]
-start joint = 1
-"""
+OWN = case("own")
 
 
 def test_the_words_are_names_elsewhere():
@@ -184,32 +167,7 @@ def test_the_words_are_names_beside_bodies_too():
 
 
 def test_places_are_of_use_everywhere():
-    text = """model used
-gravity [0, 0, -9.81]
-body a mass 1 at [0, 0, -0.5]
-body b mass 1 [kg]
-joint one: ground to a revolute [0, 1, 0]
-joint two: a to b revolute [0, 1, 0] at [0, 0, -1] coord phi
-param k = 3 [N/m]
-potential k/2*dot(b.com, b.com)
-force phi = k*(1 [m])*b.point([1 [m], 0, 0]).x
-constraint pin: a.com.x + b.origin.x = 0
-event low: b.com.z falling
-observe turned = b.R*[0, 0, 1]
-observe spin = (b.R*b.omega).y
-observe pull = b.com''.z*b.mass
-draw body a box [0.1, 0.1, 1]
-draw body b at b.origin cylinder [0.1, 1]
-draw body b.R at a.com box [0.1, 0.1, 1]
-draw arrow b.omega at b.com scale 1 [m*s]
-start one = 0, phi = 0
-scene s
-  until 1 [s]
-  method gauss4 step 0.01
-  record a.com, b.omega, energy every 0.1
-  expect a.com.z < 1
-end
-"""
+    text = case("used")
     model = model_of(text)
     assert len(model.drawings) == 4 and len(model.events) == 1
     assert [name for name, _ in model.drawings[0].parts] == ["turn", "at", "sizes"]
@@ -240,22 +198,7 @@ def test_an_arm_takes_no_more_than_by_places(n, most):
     assert most // 3 < operations <= most
 
 
-RIGHT = """model m
-param l = 1 [m]
-gravity [0, 0, -9.81 [m/s^2]]
-body a mass 1 [kg] inertia [0.1, 0.1, 0.1] at [0, 0, -l/2]
-body b mass 1 [kg] inertia [0.1, 0.1, 0.1] at [0, 0, -l/2]
-joint one: ground to a revolute [0, 1, 0]
-joint two: a to b revolute [0, 1, 0] at [0, 0, -l] coord phi
-let tip = b.point([0, 0, -l])
-observe w = b.omega.y
-start one = 1, phi = 0.3
-draw body b box [0.1, 0.1, 1]
-scene s
-  until 1 [s]
-  record one, phi, tip
-end
-"""
+RIGHT = case("body_statements_m")
 MISTAKES = {  # by the line that is wrong what it says, and what is said of it
     ("body a mass", "body aa mass"): "unknown body 'a'",
     ("to a revolute", "to a revolut"): "there is no joint 'revolut'",

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from c_harness import MASS, ODD, Loaded, failed
 
-from conftest import MODELS, ran
+from conftest import MODELS, case, ran
 from pkgen.back.c import lower
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
@@ -17,17 +17,7 @@ from pkgen.middle.derive.canonical import with_hamiltonian
 from pkgen.source import ModelError, Source
 
 # Terms of first degree in the rates, explicit time, a force, friction: all that H has to carry.
-GENERAL = """model general
-param m = 2.385
-param B = 0.7
-param c = 0.31
-coord x, y, theta
-let u = (1 + 0.2*sin(x))*theta'
-lagrangian m/2*(x'^2 + y'^2) + u^2/2 + x'*y'*cos(theta)/3 + B*(x*y' - y*x')*(1 + t/7) - x^4/4 - y*x
-dissipation c/2*(x'^2 + theta'^2)
-force y = 0.4*cos(t)*x'
-start x = 0.3, y' = 0.5, theta = 0.9, theta' = -0.2
-"""
+GENERAL = case("general")
 TEXTS = [*((path.stem, path.read_text()) for path in MODELS), ("odd", ODD), ("general", GENERAL)]
 
 
@@ -181,17 +171,7 @@ def test_explain_shows_it(pkgen, tmp_path: Path) -> None:
 
 def test_c_of_a_scene_has_the_momenta_of_its_starts(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "one.lag"
-    path.write_text("""model one
-coord q
-kinetic (1 + q^2)*q'^2/2
-potential q^2/2
-scene still
-  start q = 1
-  until 1
-  method rk4 step 0.1
-  record q every 0.1
-end
-""")
+    path.write_text(case("one"))
     for options, there in ([], False), (["--canonical"], True):
         assert pkgen(path, "--scene", "still", *options, "-o", tmp_path).returncode == 0
         header = (tmp_path / "one_still.h").read_text()

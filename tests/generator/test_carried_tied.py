@@ -13,7 +13,7 @@ from c_harness import CONSTRAINT, MASS, failed
 from carried_models import tied_links
 from loop_harness import Looped, Unrolled
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.source import ModelError
 
 KERNELS = {"force": 1, "momenta": 1, "gradient": 1, "canonical": 2}
@@ -140,21 +140,7 @@ def _projects(both: Both, dice: random.Random) -> None:
             both.same(np.array(d), moved, both.error * np.linalg.cond(S))
 
 
-WITHOUT = """\
-model without
-size N = 8
-input w
-param m[i = 1..N] = 1 + 0.1*cos(i) in [0, inf)
-coord q[1..N], r[1..N], X
-let x[0] = X
-let y[0] = 0
-let x[i = 1..N] = x[i-1] + sin(q[i])
-let y[i = 1..N] = y[i-1] - cos(q[i])
-kinetic sum(m[i]/2*(x[i]'^2 + y[i]'^2) + r[i]'^2, i = 1..N) + X'^2
-constraint grip[i = 1..N]: r[i]^2/2 + x[i] = w
-constraint far: 2*y[N] + r[1] = 3*w
-constraint more: y[N] + r[1]/2 = 1.5*w
-"""
+WITHOUT = case("without")
 
 
 def test_a_link_without_mass_is_named(tmp_path: Path) -> None:

@@ -8,20 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from conftest import case
 from pkgen.front.check.check import check_text
 from pkgen.front.read import from_text
 from pkgen.source import ModelError
 from pkgen.tree import Multiply, Name, Number, Quantity, children
 
 ROOT = Path(__file__).parents[2]
-HEAD = """model test
-param m = 1 [kg]
-param l = 1 [m]
-param g = 9.81 [m/s^2]
-coord x [m]
-coord theta [rad]
-kinetic m/2*x'^2 + m/2*l^2*theta'^2
-"""
+HEAD = case("test")
 
 
 def model_of(text: str, **sizes: int):

@@ -5,61 +5,18 @@ from __future__ import annotations
 import pytest
 from test_constraints import facts
 
+from conftest import case
 from pkgen.compiler import compile_model
 from pkgen.source import ModelError, Source
 
-SPHERE = """\
-model sphere
-param m = 1.3 in (0, inf)
-coord x, y, z
-kinetic m/2*(x'^2 + y'^2 + z'^2)
-potential 2.385*m*z
-constraint rod: x^2 + y^2 + z^2 = 1
-start x = 0.6, z = -0.8, y' = 1
-conserve Lz = m*(x*y' - y*x')
-conserve h = energy
-conserve H = m/2*(x'^2 + y'^2 + z'^2) + 2.385*m*z
-"""
-BALL = """\
-model ball
-param I = 0.7 in (0, inf)
-param a = 1.5 in (0, inf)
-coord x, y, z
-rotation R
-let w = omega(R)
-let W = R*w
-kinetic (x'^2 + y'^2 + z'^2)/2 + I/2*dot(w, w)
-potential z
-rolling touch: [x', y', z'] = cross(W, [0, 0, a])
-start omega(R) = [0, 1, 0], x' = a
-conserve h = energy
-conserve spin = W.z
-conserve straight = [x', y', z']
-conserve slip = W.x*a + y'
-"""
+SPHERE = case("sphere")
+BALL = case("constraint_claims_ball")
 
 
 # A belt that moves takes work from what is on it: x' = 1 + y', lambda = -1/2, and L + t/2 does not.
-BELT = """\
-model belt
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential y
-rolling belt: x' = 1 + y'
-start x' = 1
-conserve c = energy + t/2
-"""
+BELT = case("belt")
 # Its potential is of the attitude, which is no explicit time.
-TOP = """\
-model top
-param l = 0.3
-rotation R
-let w = omega(R)
-kinetic w.x^2 + w.y^2 + w.z^2/2
-potential l*(R*[0, 0, 1]).z
-start omega(R) = [0, 1, 2]
-conserve h = 3*energy
-"""
+TOP = case("constraint_claims_top")
 
 
 def test_claims_that_hold_on_the_constraints_alone():

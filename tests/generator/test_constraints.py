@@ -11,6 +11,7 @@ import pytest
 from c_harness import COMPILERS, Loaded
 
 import pkgen
+from conftest import case
 from pkgen.compiler import compile_model
 from pkgen.explain.flat import freedom
 from pkgen.graph.evaluate import evaluate
@@ -300,17 +301,7 @@ def test_no_canonical_form():
         assert why in caught.value.diagnostics[0].message
 
 
-RAIL = """\
-model rail
-coord x, y, u, w
-kinetic (x'^2 + y'^2 + u'^2 + w'^2)/2
-potential 9.81*(y + w)
-constraint rod1: x^2 + y^2 = 1
-constraint rod2: (u - x)^2 + (w - y)^2 = 1
-constraint tip: w = -1.5
-start x = sqrt(1-0.81), y = -0.9, u = sqrt(1-0.81) + 0.8, w = -1.5
-event c: lambda_rod1 + 5 either
-"""
+RAIL = case("rail")
 
 
 @pytest.mark.parametrize("method", ["dopri5", "dop853", "gauss", "radau"])

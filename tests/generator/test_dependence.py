@@ -9,7 +9,7 @@ import re
 
 import pytest
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.equations import Attitude
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Graph, Kind, Node, Op, Symbol
@@ -18,20 +18,7 @@ from pkgen.middle.attitudes import rotated
 from pkgen.middle.dependence import without_attitudes, without_coordinates
 
 N = 4
-SATELLITE = """model satellite_wheels
-param M = 50 [kg] in (0, inf)
-param m = 1 [kg] in (0, inf)
-param A = 4 [kg*m^2] in (0, inf)
-param J = 0.01 [kg*m^2] in (0, inf)
-param K = 0.006 [kg*m^2] in (0, inf)
-param d = 0.3 [m]
-input u [N*m]
-body bus mass M inertia [A, A, A]
-body wheel mass m inertia [J, K, K]
-joint b: ground to bus free
-joint s: bus to wheel revolute [1, 0, 0] at [d, 0, 0]
-force s = u
-"""
+SATELLITE = case("satellite_wheels")
 
 
 class Drawn:

@@ -13,31 +13,14 @@ from test_attitudes import HUNG
 from test_constraint_claims import BALL
 from test_constraints import BODY, OUTPUTS, ROWS
 
+from conftest import case
 from pkgen.compiler import Compilation, compile_model
 from pkgen.source import Source
 
 # Coordinates and constraints that are called what kernels call their arguments.
-NAMED = """\
-model named
-param J = 2 in (0, inf)
-coord phi, residual, lambda_, v
-kinetic J/2*(phi'^2 + residual'^2 + lambda_'^2 + v'^2)
-constraint M: phi^2 + residual = 0
-constraint out[k = 1..2]: lambda_ + k^2*v = 0
-observe both = lambda_M + lambda_out[2]
-"""
+NAMED = case("named")
 # Short rods: what the self-test takes differences of bends within a quarter of a metre.
-CHAIN = """\
-model chain
-param l = 0.25
-param g = 9.81
-coord x[1..4], y[1..4]
-kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..4)
-potential g*sum(y[i], i = 1..4)
-constraint first: x[1]^2 + y[1]^2 = l^2
-constraint link[i = 2..4]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
-start x[i = 1..4] = i*l
-"""
+CHAIN = case("emitted_bodies_chain")
 TEXTS = {
     "chain": CHAIN,
     "hung": HUNG,
@@ -77,10 +60,7 @@ def test_header_from_cpp(made, compiler, tmp_path):
     (tmp_path / "use.cpp").write_text(f'#include "{name}.h"\nint main() {{ return 0; }}\n')
     run(
         compiler,
-        "-std=c++17",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
+        *"-std=c++17 -Wall -Wextra -Werror".split(),
         *RUNTIME,
         "-c",
         "use.cpp",

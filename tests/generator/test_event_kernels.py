@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 from c_harness import ROOT, Loaded, read_text
 
+from conftest import case
 from pkgen.compiler import check_model, compile_model
 from pkgen.explain import explain
 from pkgen.front.check import check
@@ -18,25 +19,7 @@ from pkgen.scenes import scene
 from pkgen.source import ModelError, Source
 from pkgen.system.exits import UsageError
 
-CART = """\
-model cart                     # a pendulum on a cart that is pushed
-param M = 1.7 [kg]
-param m = 0.6 [kg]
-param l = 0.9 [m]
-param g = 9.81 [m/s^2]
-input push [N]
-coord x [m], theta [rad]
-let X = x + l*sin(theta)
-let Y = -l*cos(theta)
-kinetic M/2*x'^2 + m/2*(X'^2 + Y'^2)
-potential m*g*Y
-force x = push
-observe reach = X - x
-event right: theta rising
-event high: Y' + (0.3 [m/s^2])*t falling stop  # the bob turns
-event rich: energy - T*push/(1 [N]) - 2*V
-event firm: p_theta*x'/l + p_x*reach/(1 [s])
-"""
+CART = case("event_kernels_cart")
 
 
 def sympy_events() -> tuple[list[sp.Symbol], list[sp.Expr]]:
@@ -192,18 +175,7 @@ def test_numbers_that_an_option_makes_wrong_have_their_place(clause, said):
 
 
 def test_an_input_driven_by_a_scene_is_a_definition_with_its_rate():
-    text = """model m
-const w0 = 2
-input u
-coord x
-let place = x + u
-kinetic place'^2/2
-const w = 3*w0
-scene one
-  set u = 5*sin(w*t)
-  until 1
-end
-"""
+    text = case("event_kernels_m")
     model = model_with(text)
     one = scene.chosen(model, "one")
     used = scene_model.used(model, one)
@@ -217,18 +189,7 @@ end
 
 
 def test_a_scene_sets_members_of_families():
-    text = """model m
-size N = 3
-param k[i = 1..N] = 2 + i
-param total = k[1] + k[2] + k[3]
-coord x
-kinetic k[1]*x'^2
-potential total*x^2
-scene one
-  set k[i = 2..N] = 10*i, k[1] = 7
-  until total
-end
-"""
+    text = case("event_kernels_m2")
     model = check.check_text(Source("m.lag", text))[0]
     found = scene.numbers(model, model.scenes[0], {("k", 3): 1.0})
     assert found.parameters == {("k", 1): 7.0, ("k", 2): 20.0}

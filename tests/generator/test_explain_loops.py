@@ -10,6 +10,7 @@ import pytest
 import sympy as sp
 from loop_models import MODELS
 
+from conftest import case
 from pkgen.compiler import compile_model
 from pkgen.explain.explain import explain, record
 from pkgen.front.check import check
@@ -101,17 +102,7 @@ class Shown:
 
 
 # A periodic family whose bonds begin at its third member and wrap: some rows lie beyond its end.
-PARTLY = """\
-model partly
-size N = 7
-param k = 1.3
-coord x[0..N-1]
-periodic x
-kinetic sum(x[i]'^2/2, i = 0..N-1)
-potential sum(k/2*(x[i+1] - x[i])^2*(1 + i/9), i = 2..N-1)
-observe each[i = 1..N-1] = k*i*x[i]*x[i-1]'
-observe whole = sum(x[i]^2, i = 0..N-1)
-"""
+PARTLY = case("partly")
 # Of carried values the rows are those of L as it stands.
 TEXTS = {name: text for name, (text, _) in MODELS.items() if name != "links"} | {"partly": PARTLY}
 
@@ -193,21 +184,7 @@ def test_an_index_has_a_letter_that_the_model_leaves_free():
     assert "f[q[k]] = -k*q[k]/i   for k = 1..m" in said and "m degrees of freedom" in said
 
 
-FELT = """\
-model felt
-size N = 30
-param b[i = 1..N] = i - sum(k, k = 1..N)/N
-coord q[1..N]
-state u[1..N]
-let c = sum(q[i], i = 1..N)/N
-let a[0] = 0
-let a[i = 1..N] = a[i-1] + c*q[i]
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential cos(c) + sum(b[i]*q[i]^2, i = 1..N)
-rate u[i = 1..N] = q[i] - u[i]
-force q[i = 1..N] = u[i]'
-observe last = a[N]' + q[1]''
-"""
+FELT = case("felt")
 
 
 def test_sums_and_what_outputs_have_of_each_member_are_shown():

@@ -11,6 +11,7 @@ import pytest
 from c_harness import COMPILERS, MODELS, ODD, ROOT, STRICT, TYPES, read_text, run, write
 from sincos_harness import targets
 
+from conftest import case
 from pkgen.back.c.lower import lower
 from pkgen.middle.analyze import analyze
 
@@ -99,16 +100,7 @@ def test_a_loop_with_calls_of_libm_is_not(compiler, tmp_path):
 
 
 # M is singular at q = 0, in one coordinate whatever the parameters; an input, a coupling.
-SINGULAR = """\
-model singular
-param m = 1.7 in (0, inf)
-coord r, phi
-input push
-kinetic m/2*(r'^2 + r^2*phi'^2)
-potential m*cos(phi)*r + sqrt(1 + r^2)
-force phi = push*sin(3*phi)
-start r = 0.4, phi = 1
-"""
+SINGULAR = case("singular")
 
 
 def check(

@@ -12,6 +12,7 @@ from c_harness import failed as failure
 from loop_harness import Looped, Unrolled, looped
 from loop_models import MODELS, UNROLLED
 
+from conftest import case
 from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
 
 TOLERANCE = 2e-14
@@ -122,15 +123,7 @@ STEPPED = {
     "ring_without_drag": "\n".join(
         line for line in MODELS["ring"][0].splitlines() if not line.startswith("dissipation")
     ),
-    "loosely": """model loosely
-size N = 5
-param m[i = 1..N] = 1 + 0.1*i in (0, inf)
-coord x[1..N], y[0..N+1]
-free x
-kinetic sum(m[i]*x[i]'^2/2, i = 1..N) + sum(y[i]'^2/4, i = 0..N+1)
-potential sum((x[i+1] - x[i])^4/4, i = 0..N) + sum((y[i] - x[i])^2, i = 1..N) + y[0]^2 + 3*x[N]^2
-potential sum(cos(y[i+1] - y[i]), i = 0..N)
-""",
+    "loosely": case("loosely"),
     "ends": MODELS["ends"][0],
     "shaken": """model shaken
 size N = 5

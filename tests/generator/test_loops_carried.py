@@ -15,27 +15,13 @@ from carried_models import links
 from loop_harness import Looped, Unrolled
 from loop_models import LINKS
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
 KERNELS = {"force": 1, "momenta": 1, "gradient": 1, "canonical": 2, "acceleration": 1}
 SCALARS = ("energy", "lagrangian", "kinetic", "potential")
-PENDULUM = """\
-model pendulum
-size N = 20
-param m[i = 1..N] = 1 + 0.1*cos(i) in [0, inf)
-param l[i = 1..N] = 1 + 0.05*sin(i)
-param g = 9.81
-coord theta[1..N]
-let x[0] = 0
-let y[0] = 0
-let x[i = 1..N] = x[i-1] + l[i]*sin(theta[i])
-let y[i = 1..N] = y[i-1] - l[i]*cos(theta[i])
-kinetic   sum(m[i]/2*(x[i]'^2 + y[i]'^2), i = 1..N)
-potential sum(m[i]*g*y[i], i = 1..N)
-start theta[i = 1..N] = 0.1*i
-"""
+PENDULUM = case("loops_carried_pendulum")
 
 
 @pytest.mark.parametrize("seed", seeds([14, 0, 1], 17))
@@ -99,14 +85,7 @@ def test_many_links_lose_no_digits(tmp_path) -> None:
     at, dice = Looped(LINKS, tmp_path).at(20), random.Random(3)
     (tmp_path / "long.c").write_text(LONG)
     run(
-        "gcc",
-        "-std=c99",
-        "-DPK_LONG_DOUBLE",
-        "long.c",
-        "links.c",
-        "-o",
-        "long",
-        "-lm",
+        *"gcc -std=c99 -DPK_LONG_DOUBLE long.c links.c -o long -lm".split(),
         cwd=tmp_path,
     )
     for _ in range(5):

@@ -2,20 +2,11 @@
 
 import subprocess
 
-from conftest import STRICT
+from conftest import STRICT, case
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
-ROPE = """\
-model rope
-size N = 100
-coord x[1..N], y[1..N]
-fixed x[0] = 0, y[0] = 0
-kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)
-potential sum(9.81*y[i], i = 1..N)
-constraint rod[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = 1
-start x[i = 1..N] = i
-"""
+ROPE = case("loops_shadow_rope")
 
 
 def test_rope_of_rods(tmp_path):

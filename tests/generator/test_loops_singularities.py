@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from loop_harness import Looped, looped
 
+from conftest import case
 from pkgen.front.check import check
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -114,19 +115,7 @@ def test_pivots_of_m_where_they_are_no_expression(kinetic):
 
 
 # A singularity of each kind beside the pivots of a band.
-ALL = """model all
-size N = 4
-param k = 2
-param l[i = 0..N] = 0.1*i
-coord x[1..N], a[0..N-1], s
-fixed x[0] = -1 + t/7, x[N+1] = 3
-periodic a
-kinetic sum(x[i]'^2 + x[i]'*a[i-1]'*cos(x[i])/2, i = 1..N) + sum(a[i]'^2, i = 0..N-1) + s'^2/2
-potential sum(-k/(x[i+1] - x[i] - l[i]), i = 0..N) + sum(1/sin(a[i+1] - a[i]), i = 0..N-1)
-potential log(s) + sum(1/(s - i*x[i]), i = 1..N) - 1/(x[1] - 9)
-potential sum(1/(x[j] - x[i]), i = 1..N-1, j = i+1..N)
-start x[i = 1..N] = i
-"""
+ALL = case("all")
 # M is diagonal, and of y[N] another sum than of the rest.
 UNEVEN = """model uneven
 size N = 4

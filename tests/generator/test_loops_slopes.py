@@ -13,7 +13,7 @@ from rotation_models import made
 from test_loops_bound import model as bound
 from total_models import HUB, MEAN, RATED, RATES, SWELLING
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.graph.graph import TooLarge
 from pkgen.source import ModelError
 
@@ -21,25 +21,11 @@ DENSE = ("gravity", "spin", "field")  # a sum over all members: no bands
 # Families of other lengths beside a ring; a free end beside a member of another family there.
 UNEVEN = {
     "uneven": (
-        """\
-model uneven
-size N = 5
-coord x[1..N], y[1..2*N]
-periodic x
-kinetic sum(x[i]'^2/2 + (2 + cos(x[i]))*(x[i+1]' - x[i]')^2/9, i = 1..N) + sum(y[i]'^2, i = 1..2*N)
-potential sum((x[i+1] - x[i])^4 + x[i]*y[i]^2, i = 1..N) + sum(y[i]^4 + y[i]*y[i-1], i = 2..2*N)
-""",
+        case("uneven"),
         (2, 3, 5),
     ),
     "beside": (
-        """\
-model beside
-size N = 5
-coord x[1..N], y[0..N]
-free x[0]
-kinetic sum(x[i]'^2/2, i = 1..N) + sum(y[i]'^2, i = 0..N) + sum(x[i]'*y[i]'/5, i = 0..N)
-potential sum((x[i] - y[i])^4, i = 0..N)
-""",
+        case("beside"),
         (1, 2, 5),
     ),
 }

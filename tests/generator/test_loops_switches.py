@@ -12,22 +12,11 @@ from pathlib import Path
 import pytest
 from loop_harness import Looped, looped
 
+from conftest import case
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
-HEAD = """model m
-size N = 20
-param c = 2
-param w[i = 0..N] = i/7
-coord x[1..N], y[1..N], X
-state u[1..N]
-fixed x[0] = 0.5
-free x[N+1]
-fixed y[0] = sin(t)
-kinetic sum(x[i]'^2/2 + y[i]'^2/2, i = 1..N) + X'^2/2
-potential sum((x[i+1] - x[i])^2/2, i = 0..N)
-rate u[i = 1..N] = -u[i]
-"""
+HEAD = case("loops_switches_m")
 
 
 def over(switch) -> list[str]:

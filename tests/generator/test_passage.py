@@ -12,23 +12,9 @@ import numpy
 import pytest
 
 import pkgen
-from conftest import seeds
+from conftest import case, seeds
 
-FOUR_BAR = """\
-model four_bar
-param m1 = 1
-param m2 = 1
-param J = 1
-param L = 1.2
-param r = 0.6
-param g = 2
-coord a, b, c
-kinetic m1*r^2/6*a'^2 + m2*r^2/2*b'^2 + J/2*c'^2
-potential g*(m1*r/2*sin(a) + m2*r*sin(b))
-constraint across: r*cos(a) + L*cos(c) = L + r*cos(b)
-constraint up: r*sin(a) + L*sin(c) = r*sin(b)
-start a = 0.5, b = 0.5, c = 0, a' = 4, b' = 4, c' = 0
-"""
+FOUR_BAR = case("four_bar")
 METHODS = [
     {"method": "dop853"},
     {"method": "dopri5", "rtol": 1e-6},
@@ -114,18 +100,7 @@ def test_a_branch_is_kept_or_the_run_ends(seed, crossed, four_bar):
     assert arrived >= len(METHODS) - 2
 
 
-SLIDER = """\
-model slider
-param M = 0.7
-param g = 2
-coord a, b, x
-kinetic a'^2/2 + M*x'^2/2 + b'^2/10
-potential g*sin(a)
-constraint across: x = cos(a) + cos(b)
-constraint up: sin(a) + sin(b) = 0
-start a = 0.3, b = -0.3, x = 2*cos(0.3), a' = 4, b' = -4, x' = -8*sin(0.3)
-event top: a - pi/2 rising
-"""
+SLIDER = case("slider")
 
 
 @pytest.fixture(scope="module")

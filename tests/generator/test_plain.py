@@ -35,10 +35,7 @@ class Loaded:
         for file, content in made.files.items():
             (folder / file).write_text(content, encoding="utf-8")
         flags = (
-            "-O1",
-            "-ffp-contract=off",
-            "-shared",
-            "-fPIC",
+            *"-O1 -ffp-contract=off -shared -fPIC".split(),
             f"{self.name}.c",
             "-o",
             "m.so",

@@ -8,6 +8,7 @@ from itertools import islice
 import pytest
 from claims import claims, outcomes
 
+from conftest import case
 from pkgen.compiler import check_model, stages
 from pkgen.graph.graph import ONE, Graph, Kind, Symbol
 from pkgen.graph.residues import Residues
@@ -75,16 +76,7 @@ def test_too_large_is_not_proved_and_does_not_hang():
     assert float(found.says.split("below ")[1].split()[0]) < 1e-50
 
 
-CHAIN = """\
-model chain
-size N = 9
-param m[i = 1..N] = 1 + 0.1*i in (0, inf)
-coord q[1..N]
-free q
-kinetic sum(m[i]*q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/4, i = 0..N)
-conserve P = sum(m[i]*q[i]', i = 1..N)
-"""
+CHAIN = case("proofs_large_chain")
 
 
 def test_families_kept_as_loops():

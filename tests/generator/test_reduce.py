@@ -8,6 +8,7 @@ import random
 import pytest
 import sympy
 
+from conftest import case
 from pkgen.front import parse
 from pkgen.front.check import check
 from pkgen.graph.evaluate import evaluate
@@ -23,27 +24,8 @@ from pkgen.middle.specialise import folded, held
 from pkgen.scenes.compile_plan import _without_mass
 from pkgen.source import ModelError, Source
 
-TOP = """\
-model top
-param A = 1.1
-param C = 0.45
-coord phi, theta, psi
-kinetic A/2*(theta'^2 + phi'^2*sin(theta)^2) + C/2*(psi' + phi'*cos(theta))^2
-potential 9.81*cos(theta)
-observe height = cos(theta)
-start theta = 0.7, phi' = 0.4, psi' = 11
-"""
-CART = """\
-model cart
-param m = 1.3
-param M = 2.4
-coord x, theta
-let X = x + 0.8*sin(theta)
-let Y = -0.8*cos(theta)
-kinetic M/2*x'^2 + m/2*(X'^2 + Y'^2)
-potential m*9.81*Y
-start theta = 0.7, x' = 0.3
-"""
+TOP = case("reduce_top")
+CART = case("reduce_cart")
 MAGNETIC = """\
 model magnetic
 coord x, y, s
@@ -51,26 +33,8 @@ kinetic 0.7*x'^2 + 0.6*y'^2 + 0.9*s'^2 + 0.35*x'*s'*cos(y)
 lagrangian 1.3*y*x' + 0.4*sin(s)*x' + 0.8*y*s' + 0.3*cos(t)*x' - y^2/2 - s^4
 start y = 0.3, x' = 0.5
 """
-TURNING = """\
-model turning
-coord r, phi, z
-let x = r*cos(phi + 0.3*t)
-let y = r*sin(phi + 0.3*t)
-kinetic (x'^2 + y'^2 + z'^2)/2
-potential (r - 1)^2 + z^2*r
-force z = 0.2*phi'
-start r = 1.2, phi' = 0.4
-"""
-PAIR = """\
-model pair
-param k = 2.3
-coord a, b, c
-kinetic a'^2/2 + 0.7*b'^2 + c'^2*(1 + a^2)/2
-potential -cos(a)*(1 + c^2) - k*cos(b)
-force b = 0.1*a
-observe gap = a - b
-start a = 0.4, b = 0.8
-"""
+TURNING = case("reduce_turning")
+PAIR = case("reduce_pair")
 
 
 def equations_of(text: str):
@@ -280,15 +244,7 @@ def test_what_is_held_drives_the_rest(name, motion):
 
 
 def test_ends_of_families_are_held_and_nothing_inside():
-    chain = """\
-model chain
-size N = 4
-coord q[1..N]
-free q
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/2, i = 0..N)
-start q[i = 1..N] = 0.1*i
-"""
+    chain = case("reduce_chain")
     model, scene = scene_of(chain, "hold q[1] = sin(t)\nhold q[4] = cos(t)")
     e = derive(held(model, scene)[0], ENOUGH)
     assert [q.name for q in e.coordinates] == ["q[2]", "q[3]"]

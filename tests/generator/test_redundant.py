@@ -9,7 +9,7 @@ import numpy
 import pytest
 
 import pkgen
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.source import ModelError
 
 
@@ -172,16 +172,7 @@ def test_an_option_that_tells_rows_apart_is_refused(tmp_path):
 
 def test_multipliers_that_are_not_unique_are_refused_or_of_least_norm(tmp_path):
     """A bob on three equal strings carries a third of its weight by each, and all of it by one."""
-    text = """\
-model strings
-coord x, y, z
-kinetic (x'^2 + y'^2 + z'^2)/2
-potential 9*y
-constraint a: y = 0
-constraint b: y = 0
-constraint c: y = 0
-constraint d: x = 0
-"""
+    text = case("strings")
     path = tmp_path / "strings.lag"
     path.write_text(
         text + "observe f = least_lambda_a\nobserve g = least_lambda_c\nobserve h = lambda_d\n"
@@ -201,20 +192,7 @@ constraint d: x = 0
     assert "the start breaks the constraint 'c'" in said and "'b' contradicts 'a'" in said
 
 
-TRUSS = """\
-model truss
-param s = 0.731
-coord x, y, u, w
-kinetic 1/2*(x'^2 + y'^2) + (u'^2 + w'^2)/2
-potential 9.81*y + 3*u - w
-constraint a: x^2 + y^2 = s^2
-constraint b: (x - 1.3)^2 + (y - 0.2)^2 = (s*cos(0.7) - 1.3)^2 + (s*sin(0.7) - 0.2)^2
-constraint c: 0.3*x - y = 0.3*s*cos(0.7) - s*sin(0.7)
-constraint d: (u - x)^2 + (w - y)^2 = 0.41
-constraint e: u - x = 0.5
-constraint f: w + 2*u - y - 2*x = 1.4
-start x = s*cos(0.7), y = s*sin(0.7), u = s*cos(0.7) + 0.5, w = s*sin(0.7) + 0.4
-"""
+TRUSS = case("truss")
 
 
 @pytest.mark.parametrize("method", ["gauss", "dop853", "radau", "rk4", "rattle"])

@@ -11,7 +11,7 @@ import sympy as sp
 from c_harness import STRICT, run
 
 import pkgen
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.compiler import Use, compile_model
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -19,54 +19,12 @@ from pkgen.middle.reduce.reduction import Needs
 from pkgen.source import ModelError, Source
 
 # M, V, D and a force depend on the states, their rates on momenta, the energy, t and each other.
-TANGLED = """\
-model tangled
-coord q, w
-state x, y
-kinetic (1 + x^2)/2*q'^2 + q'*w'*cos(y)/4 + w'^2
-potential q^2*x + w*y
-dissipation x^2*q'^2/3
-force w = y*x'
-rate x = q' - x + p_q/5
-rate y = sin(q) + energy/9 + t*x'
-observe early = x' + y'*q
-observe momentum = p_q
-start q = 0.3, w' = 0.2, x = 0.7
-"""
+TANGLED = case("tangled")
 # Beside the coordinate, with no part in what its momentum is.
-MAXWELL = """\
-model maxwell
-param m = 1.5 [kg] in (0, inf)
-param k = 4 [N/m]
-param eta = 0.7 [N*s/m]
-coord q [m]
-state s [m]  # what the spring is stretched by
-state S [J*s]
-kinetic m/2*q'^2
-potential (9 [N/m])*q^2/2
-force q = -k*s
-rate s = q' - k/eta*s
-rate S = L
-start q = 1
-"""
-ALONE = """\
-model alone
-param a = 0.4
-state x, y
-rate x = y
-rate y = a*(1 - x^2)*y - x
-start x = 2
-"""
+MAXWELL = case("maxwell")
+ALONE = case("alone")
 # In L, but in no momentum.
-SPRING = """\
-model spring
-coord q
-state k
-kinetic q'^2/2
-potential k*q^2/2
-rate k = q*q' - k
-start q = 1, k = 2
-"""
+SPRING = case("spring")
 
 
 def compiled(text: str, **more):

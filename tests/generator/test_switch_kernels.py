@@ -9,22 +9,14 @@ import random
 import pytest
 from c_harness import Loaded, read_text
 
+from conftest import case
 from pkgen.back.c import render
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
 from pkgen.source import Source
 
-KINKS = """model kinks
-param k = 1.3 in (0, inf)
-param c = 0.4
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential k*abs(x) + k/2*min(x, y)^2 + y^2/2*step(3*x)
-force x = -c*x'*abs(x') + max(c, sin(t)) + step(-x)
-force y = step(c - k)*y
-observe kink = abs(x) + step(y)
-"""
+KINKS = case("kinks")
 NAMES = ["x", "x - y", "x'", "c - sin(t)"]
 
 

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.compiler import check_model
 from pkgen.front.read import from_text
 from pkgen.graph.differentiate import symbols_in
@@ -15,16 +15,7 @@ from pkgen.graph.graph import BIT, Kind
 from pkgen.middle.derive.derive import derive
 from pkgen.source import ModelError
 
-HEAD = """\
-model m
-param w = 3 [rad/s]
-param l = 2 [m]
-param F = 5 [N]
-const c = 3
-coord x [m]
-coord th [rad]
-kinetic (1 [kg])*x'^2/2 + (1 [kg*m^2])*th'^2/2
-"""
+HEAD = case("units_written_m")
 WRITTEN = [
     ("x - 0.1 [m]", "x - (0.1 [m])"),
     ("x - 10 [cm]", "x - (0.1 [m])"),

@@ -2,69 +2,16 @@
 
 from __future__ import annotations
 
+from conftest import case
+
 # A potential of totals, one of them in another, products and quotients, a scalar that feels them.
-MEAN = """\
-model mean
-size N = 5
-param k = 0.7
-param m[i = 1..N] = 1 + 0.2*i in (0, inf)
-coord q[1..N], y[0..N], X
-input push
-fixed q[0] = 0.2*sin(t), y[N+1] = 0.1
-let M = sum(m[i], i = 1..N)
-let c = sum(m[i]*q[i], i = 1..N)/M
-let far = sum((q[i] - c)^2 + q[i-1]*y[i]/5, i = 1..N)
-kinetic sum(m[i]*q[i]'^2/2, i = 1..N) + sum(y[i]'^2*(2 + cos(c)), i = 0..N) + X'^2*(1 + far^2)
-potential k*sqrt(1 + far) + cos(c + X)*M + c*q[1]*X/5
-potential sum((q[i] - q[i-1])^2/2 + sin(c)*q[i]^2/9, i = 1..N) + sum((y[i+1] - y[i])^4, i = 0..N)
-potential sum(y[i], i = 0..N)*sum(q[i]^2, i = 1..N)/(1 + sum(y[i]^2, i = 0..N))
-potential log(2 + sum(cos(q[i] - q[j]), i = 1..N-1, j = i+1..N)/N^2)
-dissipation sqrt(1 + sum(m[i]*q[i]'^2, i = 1..N)) + 0.1*sum(y[i]' - X', i = 0..N)^2
-dissipation c'^2*M + sum((y[i]' - far')^2, i = 0..N)/9
-force q[i = 1..N] = push*i/N - 0.1*c'*sin(c) + sum(y[j]', j = 0..N)/N
-force X = exp(-far)*push
-observe centre = c*M + p_X
-observe quick = far' + c'^2
-observe apart[i = 1..N] = (q[i] - c)/sqrt(1 + far)
-observe work = T*V + far
-start q[i = 1..N] = sin(i), y[1] = 0.3
-"""
+MEAN = case("mean")
 
 # Inertia that a total changes, neighbours coupled: M is a band that varies.
-SWELLING = """\
-model swelling
-size N = 5
-coord q[1..N], s
-periodic q
-let r = sqrt(1 + sum(q[i]^2, i = 1..N)/N)
-kinetic sum(r*q[i]'^2 + (q[i+1]' - q[i]')^2/7 + s'*q[i]'/9, i = 1..N) + s'^2*(2 + r)
-potential sum((q[i+1] - q[i])^2/2, i = 1..N) + s^2*r - sum(q[i], i = 1..N)^2/5
-observe extent = r
-start q[i = 1..N] = 0.1*i, s' = 0.2
-"""
+SWELLING = case("swelling")
 
 # Rates of states in momenta, in forces, in other rates and in outputs, near every kind of end.
-RATED = """\
-model rated
-size N = 5
-param k = 1.2
-coord q[1..N], X
-state u[0..N], w[1..N], s
-fixed q[0] = 0.1*t, w[N+1] = 0.3*sin(t)
-free u[N+1]
-kinetic sum((2 + sin(u[i]))*q[i]'^2/2, i = 1..N) + (1 + s^2)*X'^2 + w[1]^2*X'^2
-potential sum((1 + u[i+1]^2/3 + s*u[i-1])*(q[i] - q[i-1])^2/2, i = 1..N) + X^2
-force q[i = 1..N] = -k*q[i]' + w[i]'*u[i-1]'/9 + w[i+1]'
-force X = sum(u[i]', i = 0..N)/7 + s'
-rate u[0] = s^2 - u[0]
-rate u[i = 1..N] = k*(u[i-1] - 2*u[i] + u[i+1]) - u[i]^3 + q[i]*q[i]'*s
-rate w[i = 1..N] = -w[i] + u[i]'*u[i-1]' + s'/3 + u[i+1]'
-rate s = -s*k + sum(u[i]^2*u[i]', i = 1..N)/N
-observe first = w[1]' + s'*u[N]'
-observe each[i = 1..N] = w[i+1]' - u[i+1]'
-observe all = (sum(w[i]^2, i = 1..N)*s)'
-start q[i = 1..N] = 0.2*i, u[i = 0..N] = cos(i), s = 0.4
-"""
+RATED = case("rated")
 
 # No momentum has a state in it.
 STILL = """

@@ -11,7 +11,7 @@ import pytest
 import sympy
 from sympy.simplify.fu import TR10i
 
-from conftest import ROOT
+from conftest import ROOT, case
 from pkgen.compiler import compile_model
 from pkgen.middle.analyze.sympy_bridge import plain, text
 from pkgen.source import Source
@@ -24,16 +24,7 @@ from pkgen_pages.explain.typeset import Typesetter
 from pkgen_pages.explain.written import Written
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
-HELIX = """\
-model helix
-param m = 2 [kg] in (0, inf)
-param lambda_0 = 0.5 [1/m]
-param K = 3 [N/m]
-coord r [m], phi [rad], z [m]
-kinetic m/2*(r'^2 + r^2*phi'^2 + z'^2)
-potential K*r^2*(1 + cos(phi - lambda_0*z)/3)
-observe h = energy
-"""
+HELIX = case("explain_html_helix")
 
 
 def formulas(page: str) -> list[ElementTree.Element]:
@@ -212,18 +203,7 @@ def test_the_shortest_form() -> None:
 
 
 def test_vectors_are_as_written() -> None:
-    shown = lines(
-        made("""model body
-param a = 1
-param m = 1
-rotation R
-coord x, y, z
-let w = omega(R)
-let r = -a*(inverse(R)*[0, 0, 1])
-kinetic (w.x^2 + w.y^2 + w.z^2)/2 + m/2*(x'^2 + y'^2 + z'^2)
-rolling foot: [x', y', z'] + R*cross(w, r) = [0, 0, 0]
-""")
-    )
+    shown = lines(made(case("body")))
     assert "(x˙,y˙,z˙)+R(𝐰×𝐫)=(0,0,0)" in shown and "𝐫=−a(R−1(0,0,1))" in shown
     assert "𝐰=𝛚" in shown and "mx¨=λfoot,x" in shown
     assert "ω˙y=λfoot,x(aRxzRzx−aRxxRzz)+λfoot,y(aRyzRzx−aRyxRzz)" in shown

@@ -8,22 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, case, run_pkgen
 
 TOP = ROOT / "models/heavy_top.lag"
-FALL = """model fall              # <b>"quoted" & 'so'</b><script>alert(1)</script>
-coord x [m]                     # </style><script>alert(2)</script>
-kinetic (1 [kg])*x'^2/2
-potential -(1 [J*m])/x
-start x = 1
-event near: x - (0.5 [m]) falling
-scene expected                  # <img src=x onerror=alert(3)>
-  until 1
-  record x, energy every 0.01
-  expect x < 0.9 [m]
-  expect drift(energy) < 1e-9
-end
-"""
+FALL = case("report_fall")
 
 
 class Page(HTMLParser):
