@@ -40,11 +40,11 @@ static int open_search(struct search *s, const struct pk_problem *problem)
     const size_t rows = s->rows;
     double *x = (double *)calloc(13 * n + 2 * rows + 5 * rows * n, sizeof *x);
     s->turns = (unsigned char *)calloc(2 * n, 1);
-    s->unread = s->turns + n;
     s->primes = (size_t *)calloc(n + 1, sizeof *s->primes);
     s->q = x;
     if ((is_bound(s) && (!s->A || !s->C)) || !x || !s->turns || !s->primes)
         return 0;
+    s->unread = s->turns + n;
     primes(s->primes, n + 1);
     double **const vectors[] = {&s->q,    &s->v,    &s->kept,  &s->box,  &s->middle,
                                 &s->p,    &s->pdot, &s->pivot, &s->step, &s->slope,

@@ -109,7 +109,7 @@ static int hadjust(void *context, size_t dim, unsigned int order, const double y
     for (size_t i = 0; i < dim; i++)
         worst = pk_max(worst, pk_abs(error[i]) / pk_tolerance(it, i, y[i], y[i]));
     if (worst > 1.1) {
-        it->own->longest = pk_max(it->own->longest, pk_abs(*h));
+        it->own->progress.longest = pk_max(it->own->progress.longest, pk_abs(*h));
         *h *= pk_max(0.2, 0.9 / pow(worst, 1.0 / order));
         return GSL_ODEIV_HADJ_DEC;
     }

@@ -49,26 +49,26 @@ static const struct {
 static int no_convergence(const struct pk_integrator *it, char *text, size_t size)
 {
     const char *what = pk_status_text(it->status);
-    const double h = (double)pk_abs(it->own->h), detail = (double)it->detail;
-    if (it->where == PK_BY_NEWTON)
+    const double h = (double)pk_abs(it->own->h), value = (double)it->reason.value;
+    if (it->reason.kind == PK_BY_NEWTON)
         return pk_say(it, text, size,
                       "%s: by Newton's method there is a solution up to a step of %.6g, not to "
                       "%.6g: make the step shorter%s",
-                      what, detail, h, words(it)->step);
-    if (it->where == PK_OF_RATES)
+                      what, value, h, words(it)->step);
+    if (it->reason.kind == PK_OF_RATES)
         return pk_say(it, text, size,
                       "%s: that of the rates from the momenta, after a correction of %.3g", what,
-                      detail);
+                      value);
     if (it->problem.system->families.diagonal && (it->method->traits & PK_HOLONOMIC))
         return pk_say(it, text, size,
                       "%s: the one by M, after a correction of %.3g of the rates; it converges for "
                       "short steps alone, and families kept as loops have no other: take a step "
                       "shorter than %.6g, or gauss2",
-                      what, detail, h);
+                      what, value, h);
     return pk_say(it, text, size,
                   "%s: the fixed-point one, after a correction of %.3g of the rates; it "
                   "converges for short steps alone: use Newton's%s or a step shorter than %.6g",
-                  what, detail, words(it)->newton, h);
+                  what, value, words(it)->newton, h);
 }
 
 static const char *const singularity_use[] = {
@@ -85,22 +85,22 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
     const void *params = it->problem.params;
-    if (it->where >= it->own->n_singularities)
+    if (it->reason.index >= it->own->n_singularities)
         return pk_say(it, text, size, "%s", pk_status_text(it->status));
     const struct pk_singularity *singularity =
-        &system->singularities.table[pk_system_singularity(system, params, it->where).which];
+        &system->singularities.table[pk_system_singularity(system, params, it->reason.index).which];
     char name[128];
-    pk_system_singularity_name(system, params, it->where, name, sizeof name);
+    pk_system_singularity_name(system, params, it->reason.index, name, sizeof name);
     if (singularity->kind == PK_SINGULARITY_CUT)
         return pk_say(it, text, size,
                       "%s: %s jumps by 2 pi at t = %.17g, and the Lagrangian with it, so that no "
                       "motion follows: take the angle as a coordinate, or write a force, which "
                       "does not jump there",
-                      pk_status_text(it->status), name, (double)it->detail);
+                      pk_status_text(it->status), name, (double)it->reason.time);
     const int removable = singularity->kind == PK_SINGULARITY_DIVISOR &&
-                          pk_finite(it->own->condition);
+                          it->reason.kind == PK_REASON_BOUNDED;
     return pk_say(it, text, size, "%s: %s vanishes at t = %.17g, and %s%s",
-                  pk_status_text(it->status), name, (double)it->detail,
+                  pk_status_text(it->status), name, (double)it->reason.time,
                   singularity_use[singularity->kind],
                   removable ? "; the acceleration stays finite on the way there: if the "
                               "expression has a limit, as sin(x)/x has, write it without the "
@@ -111,20 +111,22 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const char *what = pk_status_text(it->status);
-    const double t = (double)it->t;
+    const double t = (double)it->t, value = (double)it->reason.value;
+    const double time = (double)it->reason.time;
+    const size_t index = it->reason.index, kind = (size_t)it->reason.kind;
     const struct pk_system *system = it->problem.system;
     char name[128];
 
     switch (it->status) {
     case PK_BAD_ARGUMENT:
-        if (it->where == BAD_SCALE)
+        if (it->reason.kind == BAD_SCALE)
             return snprintf(text, size,
                             "%s: da/dq vanishes at the start, so it gives no step: give a largest "
                             "step%s, and a tolerance instead of a first step%s",
                             what, words(it)->max_step, words(it)->step);
-        return snprintf(
-            text, size, "%s: %s", what,
-            it->where < sizeof bad_argument / sizeof *bad_argument ? bad_argument[it->where] : "");
+        return snprintf(text, size, "%s: %s", what,
+                        kind < sizeof bad_argument / sizeof *bad_argument ? bad_argument[kind]
+                                                                          : "");
     case PK_REFUSED:
         for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
             if (pk_missing_facts(system, it->method) & fact_text[i].fact)
@@ -182,37 +184,37 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return pk_say(it, text, size,
                           "crossings of events could be missed in steps of %.6g: give at most "
                           "%.6g",
-                          (double)it->options.h, (double)it->detail);
+                          (double)it->options.h, value);
         return snprintf(text, size, "%s: %s", it->method->name, what);
     case PK_OUT_OF_BOUNDS:
-        if (it->where < system->n_parameters)
-            return snprintf(text, size, "%s: %s", what, system->parameters[it->where].what.name);
-        if (it->where > system->n_parameters)
+        if (index < system->n_parameters)
+            return snprintf(text, size, "%s: %s", what, system->parameters[index].what.name);
+        if (index > system->n_parameters)
             return snprintf(text, size, "%s: a size is too small, or memory for it is missing",
                             what);
         return snprintf(text, size, "%s: what follows from the parameters is not finite", what);
     case PK_SINGULAR_MASS:
-        pk_system_name(system, it->problem.params, it->where < it->n ? system->coordinates : NULL,
-                       it->where, name, sizeof name);
-        if (!pk_finite(it->own->condition))
+        pk_system_name(system, it->problem.params, index < it->n ? system->coordinates : NULL,
+                       index, name, sizeof name);
+        if (!pk_finite(it->reason.value))
             return pk_say(it, text, size, "%s: pivot of coordinate %s is not positive at t = %.17g",
-                          what, name, (double)it->detail);
+                          what, name, time);
         return pk_say(it, text, size,
                       "%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g", what,
-                      name, (double)it->own->condition, (double)it->detail);
+                      name, value, time);
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
         return singular(it, text, size);
     case PK_STEP_TOO_LONG:
         snprintf(name, sizeof name, "a singularity");
-        if (it->where < it->own->n_singularities)
-            pk_system_singularity_name(system, it->problem.params, it->where, name, sizeof name);
+        if (index < it->own->n_singularities)
+            pk_system_singularity_name(system, it->problem.params, index, name, sizeof name);
         return pk_say(it, text, size,
                       "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
                       "from there the motion does not: make the steps shorter%s",
-                      what, t, (double)it->detail, name, words(it)->step_or_rtol);
+                      what, t, time, name, words(it)->step_or_rtol);
     case PK_SLIDING:
-        pk_system_switch_name(system, it->problem.params, it->where, name, sizeof name);
+        pk_system_switch_name(system, it->problem.params, index, name, sizeof name);
         return pk_say(it, text, size,
                       "the motion stays on %s = 0: on either side of it the equations lead "
                       "back to it, and what follows they do not say; a smooth function in place "
@@ -229,16 +231,16 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         return pk_say(it, text, size,
                       "%s: the one that belongs to short steps is followed up to a step of %.6g, "
                       "not to %.6g: make the step shorter%s",
-                      what, (double)it->detail, (double)pk_abs(it->own->h), words(it)->step);
+                      what, value, (double)pk_abs(it->own->h), words(it)->step);
     case PK_STEP_UNDERFLOW:
-        if (it->detail < 0) /* adaptive_verlet's */
+        if (kind == PK_REASON_TIME_SCALE)
             return pk_say(it, text, size,
                           "%s cannot follow: the time scale changes too much within a step; give "
                           "a smaller tolerance%s, a largest step%s or a shorter first one",
                           it->method->name, words(it)->rtol, words(it)->max_step);
         return pk_say(it, text, size,
                       "%s: step %.3g: the motion may end there, at infinity or in a singularity",
-                      what, (double)it->detail);
+                      what, value);
     case PK_TOO_MANY_STEPS:
         return pk_say(it, text, size, "%s%s: %lu", what, words(it)->max_steps, it->count.steps);
     case PK_NO_PROGRESS:
@@ -246,9 +248,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                       "%s: the last %lu%s lead from t = %.17g to here, and at this rate %.3g more "
                       "would arrive, or double the time passed: the motion may end here in a "
                       "singularity, or be stiff (method radau)%s%s",
-                      what, it->count.steps + it->count.rejections - it->own->judged,
+                      what, it->count.steps + it->count.rejections - it->own->progress.judged,
                       pk_often_rejected(it) ? ", many of them rejected," : "",
-                      (double)it->own->judged_t, (double)it->detail,
+                      (double)it->own->progress.judged_t, value,
                       pk_often_rejected(it) ? ", or the tolerance be below what forces are good for"
                                             : "",
                       pk_often_rejected(it) ? words(it)->rtol : "");

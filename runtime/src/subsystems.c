@@ -160,7 +160,7 @@ static enum pk_status start(struct pk_subsystems *a, size_t k, const struct pk_c
     if (outside) { /* as the integrator would report it */
         part->it.problem = problem;
         part->it.method = choice->method;
-        part->it.where = pk_refused_parameter(system, outside);
+        part->it.reason.index = pk_refused_parameter(system, outside);
         return a->status = part->it.status = PK_OUT_OF_BOUNDS;
     }
     if (system->n_inputs && a->whole.input) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import random
@@ -17,6 +18,8 @@ from pathlib import Path
 import checkpoint_runs as runs
 import numpy
 import pytest
+
+from pkgen.run.library import COMPUTE
 
 GSLS_OWN = ("gsl_msadams", "gsl_msbdf", "gsl_bsimp")
 QUICK = ("damped", "turning", "switched")
@@ -180,6 +183,30 @@ def test_what_does_not_fit_is_refused(tmp_path: Path, ck: Path) -> None:
     assert "No such file" in told()
     ck.mkdir()
     assert "it is no file" in told()
+
+
+def test_inputs_that_are_computed_are_settings(tmp_path: Path, ck: Path) -> None:
+    """A run with other times of its inputs, or without them, does not go on from a checkpoint."""
+    what = runs.by(runs.of("damped", tmp_path), "rk4")
+    compute = COMPUTE(lambda context, t, stop: 0)
+
+    def inputs(*times: float, only: int = 0) -> dict[str, object]:
+        numbers = [(ctypes.c_double * 16)(*x) for x in (times, (), (1.0,))]
+        stops, seen, computed = (ctypes.cast(x, ctypes.POINTER(ctypes.c_double)) for x in numbers)
+        found = {"compute": compute, "only_stops": only, "n_stops": len(times), "stops": stops}
+        return {**found, "seen": seen, "computed": computed}
+
+    left = {"checkpoint": bytes(ck), "checkpoint_after": 30}
+    assert runs.run(what, **left, **inputs(0.0, 1.0))[0] == 75
+
+    def resumed(**more: object) -> tuple[int, str]:
+        code, _, _, said = runs.run(what, checkpoint=bytes(ck), resume=1, **more)
+        return code, said
+
+    assert "another setting: compute" in resumed()[1]
+    assert "another setting: stops" in resumed(**inputs(0.0, 1.5))[1]
+    assert "another setting: only_stops" in resumed(**inputs(0.0, 1.0, only=1))[1]
+    assert resumed(**inputs(0.0, 1.0))[0] == 0
 
 
 def test_a_false_state_is_refused_or_runs(tmp_path: Path) -> None:

@@ -3,6 +3,33 @@
  */
 #include "bound.h"
 
+static void of_family(const void *params, enum pk_range_of of, size_t k, struct pk_range *range)
+{
+    (void)params, (void)of;
+    *range = (struct pk_range){k ? 5 : 1, k ? 3 : 1, k == 1};
+}
+
+static size_t four(const void *params, int holonomic)
+{
+    (void)params, (void)holonomic;
+    return 4;
+}
+
+/* A name in too little room: its length is that of the whole, as snprintf() returns it. */
+static void names(void)
+{
+    static const struct pk_quantity of[] = {{"lambda_rod", "", ""}, {"lambda_link", "", ""}};
+    const struct pk_system system = {.families.range = of_family,
+                                     .constraints.count = four,
+                                     .constraints.n_declared = 2,
+                                     .constraints.names = of};
+    for (size_t size = 0; size < 10; size++) {
+        char text[10] = "?????????";
+        CU_ASSERT(pk_constraint_name(&system, NULL, 2, size ? text : NULL, size) == 7);
+        CU_ASSERT(!size || (strncmp(text, "link[6]", size - 1) == 0 && strlen(text) < size));
+    }
+}
+
 /* Of the rod: the pull 2 lambda r is what keeps it, 2 lambda = g y - v^2. */
 static void multipliers(void)
 {
@@ -284,6 +311,7 @@ static void between(void)
 void add_constraint_told(void)
 {
     CU_pSuite suite = CU_add_suite("constraint, told", NULL, NULL);
+    CU_add_test(suite, "names of rows in little room", names);
     CU_add_test(suite, "multipliers", multipliers);
     CU_add_test(suite, "residuals", residuals);
     CU_add_test(suite, "refusals of constraints", refusals);

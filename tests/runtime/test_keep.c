@@ -101,11 +101,11 @@ static void failure(void)
     size_t size;
     begin(&a, &kepler_system, method, room);
     steps(&plain, &a, 3);
-    a.it.status = PK_NOT_FINITE, a.it.where = 3, a.it.detail = 0.5;
+    a.it.status = PK_NOT_FINITE, a.it.reason.index = 3, a.it.reason.value = 0.5;
     CU_ASSERT(written(&a.it, &size) == PK_DONE);
     begin(&b, &kepler_system, method, room + REALS);
     CU_ASSERT(read_from(&b.it, size) == PK_DONE);
-    CU_ASSERT(b.it.status == PK_NOT_FINITE && b.it.where == 3 && b.it.detail == 0.5);
+    CU_ASSERT(b.it.status == PK_NOT_FINITE && b.it.reason.index == 3 && b.it.reason.value == 0.5);
     a.it.event = 1 + kepler_system.events.n; /* no event of this system's */
     CU_ASSERT(written(&a.it, &size) == PK_DONE);
     begin(&b, &kepler_system, method, room + REALS);

@@ -196,7 +196,8 @@ static void condition_of_mass(void)
         f.q0[0] = f.params.limit + 1; /* M = -1 */
         CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_MASS);
-        CU_ASSERT(f.it.where == 0 && f.it.own->condition < -0.999 && f.it.own->condition > -1.001);
+        CU_ASSERT(f.it.reason.index == 0 && f.it.reason.value < -0.999 &&
+                  f.it.reason.value > -1.001);
         pk_integrator_free(&f.it);
     }
 }

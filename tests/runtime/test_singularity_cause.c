@@ -70,7 +70,7 @@ static void a_step_too_long(void)
         f.params.limit = 0;
         CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_step(&f.it, 16) == PK_SINGULAR_TIME);
-        CU_ASSERT(fabs(f.it.detail + f.q0[0] / f.v0[0]) < 1e-9);
+        CU_ASSERT(fabs(f.it.reason.time + f.q0[0] / f.v0[0]) < 1e-9);
     }
 }
 
@@ -118,7 +118,7 @@ static void at_the_arc_s_end(void)
             f.options.rtol = f.options.atol = tol;
             CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
             CU_ASSERT(pk_integrator_to(&f.it, 10) == PK_SINGULAR_TIME);
-            CU_ASSERT(fabs(f.it.detail - 1.3005755) < 1e-4);
+            CU_ASSERT(fabs(f.it.reason.time - 1.3005755) < 1e-4);
             pk_integrator_free(&f.it);
         }
 }

@@ -163,7 +163,7 @@ static void the_one_that_rests(void)
         r.v[i] = 1 + 0.1 * (double)((i + 7) % 20);
     begin(&r, 20, "dop853", 1e-12);
     CU_ASSERT(pk_events_to(&r.events, &r.it, 10) == PK_SLIDING);
-    CU_ASSERT(fabs(r.it.t - 2) < 1e-10 && r.it.where == 13);
+    CU_ASSERT(fabs(r.it.t - 2) < 1e-10 && r.it.reason.index == 13);
     pk_integrator_reason(&r.it, text, sizeof text);
     CU_ASSERT(strstr(text, "stays on x[14] = 0") != NULL);
     CU_ASSERT(pk_system_switch_name(&r.system, &r.params, 20, text, sizeof text) == 1);

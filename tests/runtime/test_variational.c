@@ -59,7 +59,7 @@ static void ambiguous(void)
         CU_ASSERT(status == PK_NO_CONVERGENCE || status == PK_AMBIGUOUS_STEP);
         CU_ASSERT(bound_says(&f, ": make the step shorter"));
         CU_ASSERT(f.it.t == 0 && memcmp(f.it.q, f.q0, f.it.n * sizeof *f.q0) == 0);
-        const double longest = f.it.detail;
+        const double longest = f.it.reason.value;
         printf("\n    %s by %s: up to %.4g, not %g", rows[i].system->name, rows[i].method, longest,
                rows[i].h);
         CU_ASSERT(longest > 0.01 && longest < rows[i].h);

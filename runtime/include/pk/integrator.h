@@ -92,6 +92,16 @@ struct pk_passed_over {
     pk_real t;
 };
 
+/* Why a call failed, in numbers: pk_integrator_reason() writes them in words. `kind` tells reasons
+ * of one status apart; `index` is that of a coordinate, parameter, constraint row, switch or
+ * singularity, `other` of a second one; `value` is a residual, a correction, a step size or a pivot
+ * relative to its diagonal entry; `time` is when. Those without meaning are 0. */
+struct pk_reason {
+    int kind;
+    size_t index, other;
+    pk_real value, time;
+};
+
 struct pk_integrator_private;
 
 /* To be read, not written. q, v and p point into the block; p is NULL unless the method stores
@@ -103,10 +113,9 @@ struct pk_integrator {
     pk_real last_t; /* start of the last step made; it ended at t */
     struct pk_counters count;
     struct pk_passed_over passed_over;
-    enum pk_status status; /* of the last call; pk_integrator_reason() describes it by */
-    size_t where;          /* the index of a coordinate, state, parameter or row, */
-    pk_real detail;        /* a number, such as a time or residual, */
-    size_t event;          /* and 1 + the index of an event, 0: none; see pk/events.h */
+    enum pk_status status;   /* of the last call, */
+    struct pk_reason reason; /* why, if it failed, */
+    size_t event;            /* and 1 + the index of an event, 0: none; see pk/events.h */
     struct pk_problem problem;
     const struct pk_method *method;
     struct pk_options options;
@@ -143,9 +152,9 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
  * step. pk_integrator_is_at() returns whether it->t is t to rounding. */
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
-/* Makes at most `steps` steps (0: no limit) towards `limit`, with the result of that many calls of
- * pk_integrator_step(), but faster. A system with families.advance and no singularities makes all
- * steps on the grid in one pass over memory, uncompensated; if the state after them is not finite,
+/* Makes at most `steps` steps (0: no limit) towards `limit`, like that many calls of
+ * pk_integrator_step(), but faster, and with the same bits. A system with families.advance and no singularities makes all
+ * steps on the grid in one pass over memory, uncompensated, so that last bits differ; if the state after them is not finite,
  * fewer are made, so that the failing step is found. */
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);
 /* Makes steps until t == t_end exactly, forward or backward. */

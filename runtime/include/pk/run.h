@@ -154,7 +154,8 @@ struct pk_run_settings {
 
 struct pk_run_settings pk_run_defaults(void);
 
-/* Copies the settings. Returns NULL only if memory is short. */
+/* Copies the settings, with their lists and texts; `seen`, `computed` and `context` stay the
+ * caller's. Returns NULL only if memory is short. */
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings);
 /* Runs to the end. Rows up to the last valid time are kept, whatever the result. */
 enum pk_run_code pk_run_go(struct pk_run *run);

@@ -69,7 +69,7 @@ struct control {
 };
 
 /* A hash of each setting: a checkpoint is only resumed by a run with the same settings. */
-enum { MARKS = 34 };
+enum { MARKS = 37 };
 struct mark {
     const char *name;
     uint64_t of;
@@ -77,7 +77,7 @@ struct mark {
 
 /* Settings as the run uses them. */
 struct settings {
-    struct pk_run_settings asked; /* its lists of parts, members and reductions are copies */
+    struct pk_run_settings asked; /* its lists and texts are copies */
     struct pk_run *run;
     const struct pk_system *system;
     const struct pk_part *parts;

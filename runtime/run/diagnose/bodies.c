@@ -1,5 +1,5 @@
 /* Particles of a run; see bodies.h. The kernel of the event `pericentre` only gets the parameters,
- * so the static `watched` holds the particles that it reads.
+ * so `watched` holds the particles that it reads, those of the run of this thread.
  */
 #include "bodies.h"
 
@@ -17,7 +17,7 @@ pk_real bodies_approach(const struct bodies *b)
     return r[0] * v[0] + r[1] * v[1] + r[2] * v[2];
 }
 
-static struct bodies *watched; /* particles of the event `pericentre` */
+static _Thread_local struct bodies *watched; /* particles of the event `pericentre` */
 
 static void approach(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *out)

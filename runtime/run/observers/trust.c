@@ -67,7 +67,7 @@ static void judge(struct pk_run *run, pk_real t, FILE *file)
     }
     if (status <= PK_SINGULAR_MASS && status != PK_TOO_MANY_STEPS && status != PK_NO_MEMORY) {
         const int singular = status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES;
-        run->ends = singular ? it.detail : it.t;
+        run->ends = singular ? it.reason.time : it.t;
         run->beyond = run->ends < run->it.t;
         fprintf(file, "; by %s at %.0e it ends at t = %.9g%s", JUDGE, (double)JUDGE_TOL,
                 (double)run->ends, run->beyond ? ", so what follows is of the steps alone" : "");
@@ -120,10 +120,10 @@ void trust_reason(const struct pk_run *run, char *text, size_t size)
     pk_integrator_reason(it, text, size);
     /* The singularity ends these steps; the motion itself goes on. */
     if (run->goes_on && (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
-        pk_system_singularity_name(it->problem.system, it->problem.params, it->where, name,
+        pk_system_singularity_name(it->problem.system, it->problem.params, it->reason.index, name,
                                    sizeof name);
         snprintf(text, size, "the steps come to %s = 0 at t = %.17g; last valid time %.17g", name,
-                 (double)it->detail, (double)it->t);
+                 (double)it->reason.time, (double)it->t);
     }
     if (!run->beyond)
         return;

@@ -72,6 +72,7 @@ void settings_mark(struct settings *s)
 {
     const struct pk_run_settings *x = &s->asked;
     const size_t values = x->members * x->n_member_columns;
+    const int computed = x->compute != NULL;
     const struct mark all[MARKS] = {
         {"method", text(FIRST, x->method)},
         ONE(until),
@@ -94,6 +95,9 @@ void settings_mark(struct settings *s)
         LIST(sizes),
         LIST(parameters),
         LIST(inputs),
+        {"compute", mark(FIRST, &computed, sizeof computed)},
+        ONE(only_stops),
+        LIST(stops),
         LIST(q),
         LIST(v),
         LIST(hidden),

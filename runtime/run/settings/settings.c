@@ -25,12 +25,45 @@ static void *copy(struct settings *s, const void *from, size_t count, size_t siz
     return to;
 }
 
+static const char *text(struct settings *s, const char *from)
+{
+    return from ? copy(s, from, strlen(from) + 1, 1) : NULL;
+}
+
+/* Replaces the caller's lists and texts by copies. */
+static const char *lists(struct settings *s)
+{
+    struct pk_run_settings *x = &s->asked;
+#define COPY(list, count) x->list = x->list ? copy(s, x->list, count, sizeof *x->list) : NULL
+    COPY(sizes, x->n_sizes);
+    COPY(parameters, x->n_parameters);
+    COPY(inputs, x->n_inputs);
+    COPY(q, x->n_q);
+    COPY(v, x->n_v);
+    COPY(columns, x->n_columns);
+    COPY(hidden, x->n_hidden);
+    COPY(expected, x->n_expected);
+    COPY(drifts, x->n_drifts);
+    COPY(member_columns, x->n_member_columns);
+    COPY(member_values, x->members * x->n_member_columns);
+    COPY(reduced, x->n_reduced);
+    COPY(stops, x->n_stops);
+    x->method = text(s, x->method);
+    x->member_name = text(s, x->member_name ? x->member_name : "member");
+    x->checkpoint = text(s, x->checkpoint);
+    x->checkpoint_note = text(s, x->checkpoint_note);
+    struct pk_run_part *parts = x->n_parts ? copy(s, x->parts, x->n_parts, sizeof *parts) : NULL;
+    for (size_t k = 0; k < x->n_parts; k++)
+        parts[k].method = text(s, parts[k].method);
+    x->parts = parts;
+    return NULL;
+}
+
 static const char *steps(struct settings *s)
 {
     const struct pk_run_settings *x = &s->asked;
     if (x->n_parts && x->n_parts != s->n_parts)
         return "there is no such part, or no such method of one";
-    s->asked.parts = x->n_parts ? copy(s, x->parts, s->n_parts, sizeof *x->parts) : NULL;
     for (size_t k = 0; x->parts && k < s->n_parts; k++)
         if (x->parts[k].method && !run_method_find(s->run->model, x->parts[k].method))
             return "there is no such part, or no such method of one";
@@ -197,7 +230,7 @@ static const char *columns(struct settings *s)
     const struct pk_run_settings *x = &s->asked;
     size_t all = 0;
     s->n_show = x->n_columns;
-    s->show = copy(s, x->columns, s->n_show, sizeof *s->show);
+    s->show = s->n_show ? copy(s, x->columns, s->n_show, sizeof *s->show) : NULL;
     for (size_t i = 0; i < s->n_show; i++)
         if (!is_column(s, s->show[i]))
             return "there is no such column or event";
@@ -246,22 +279,16 @@ static const char *expectations(struct settings *s)
 
 static const char *members(struct settings *s)
 {
-    struct pk_run_settings *x = &s->asked;
-    const char *name = x->member_name ? x->member_name : "member";
-    x->member_name = copy(s, name, strlen(name) + 1, 1);
-    x->member_columns = copy(s, x->member_columns, x->n_member_columns, sizeof *x->member_columns);
+    const struct pk_run_settings *x = &s->asked;
     for (size_t i = 0; i < x->n_member_columns; i++)
         if (!strchr("piqv", x->member_columns[i].kind) || !is_column(s, x->member_columns[i]))
             return "members have no such column";
-    x->member_values =
-        copy(s, x->member_values, x->members * x->n_member_columns, sizeof *x->member_values);
     return NULL;
 }
 
 static const char *reductions(struct settings *s)
 {
-    struct pk_run_settings *x = &s->asked;
-    x->reduced = copy(s, x->reduced, x->n_reduced, sizeof *x->reduced);
+    const struct pk_run_settings *x = &s->asked;
     for (size_t i = 0; i < x->n_reduced; i++) {
         const char what = x->reduced[i].what;
         const size_t count = what == 'n' || what == 't' ? x->watch ? s->system->events.n : 0
@@ -301,7 +328,8 @@ enum pk_run_code settings_take(struct pk_run *run)
 {
     const struct pk_run_model *model = run->model;
     static const char *(*const each[])(struct settings *s) = {
-        steps, sizes, parameters, prepare, start, columns, expectations, members, reductions};
+        lists,   steps,        sizes,   parameters, prepare, start,
+        columns, expectations, members, reductions};
     struct settings *s = &run->settings;
     const struct pk_system *system = model->system;
     const char *wrong = NULL, *method = s->asked.method ? s->asked.method : "";

@@ -11,7 +11,7 @@ enum pk_run_code settings_take(struct pk_run *run);
  * settings->params or a copy of it. Returns 0 if there is no such parameter. */
 int settings_assign(struct settings *s, void *params, const struct pk_run_value *more,
                     size_t n_more);
-/* Sets settings->marks; reads the caller's lists, so it is called while they exist. */
+/* Sets settings->marks. */
 void settings_mark(struct settings *s);
 /* Writes the parameters as they are in memory; settings_tell() writes them with the start. */
 void json_parameters_known(struct json *j, const struct pk_system *system, const void *params);

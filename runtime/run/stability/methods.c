@@ -70,7 +70,7 @@ static void described(struct json *j, const struct pk_method *m)
 
 const char *pk_stability_methods(const struct pk_run_model *model, int own)
 {
-    static char *text;
+    static _Thread_local char *text;
     size_t size;
     free(text);
     text = NULL;

@@ -120,7 +120,10 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++)
         if (!(norm_error(&w, v, r) <= PK_WRITTEN))
-            return pk_fail_with(it, PK_OFF_CONSTRAINTS, 2 * w.c + r, norm_error(&w, v, r));
+            return pk_fail_with(it, PK_OFF_CONSTRAINTS,
+                                (struct pk_reason){.kind = PK_REASON_QUATERNION,
+                                                   .index = r,
+                                                   .value = norm_error(&w, v, r)});
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
@@ -131,7 +134,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     pk_project_terms(&w, q, v);
     pk_project_slopes(&w, q, v, w.J, w.c, w.mu);
     if (!pk_all_finite(w.mu, w.c)) /* J is not finite */
-        return pk_fail_with(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
+        return pk_fail_with(it, PK_OFF_CONSTRAINTS, (struct pk_reason){.value = (pk_real)NAN});
     size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0);
     const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1);
     size_t depends = w.whole ? nothing(&w, q, v, w.d) : 0;
@@ -142,13 +145,16 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (w.inertia)
         return pk_eval_failed(it, it->t, q, v, w.inertia);
     if (row < w.h)
-        return pk_fail_with(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
+        return pk_fail_with(
+            it, PK_OFF_CONSTRAINTS,
+            (struct pk_reason){.kind = PK_REASON_ROW, .index = row, .value = w.phi[row]});
     row = off;
     if (row < w.c)
-        return pk_fail_with(it, PK_OFF_CONSTRAINTS, w.c + row, w.rate[row]);
-    it->where = depends - 1;
+        return pk_fail_with(
+            it, PK_OFF_CONSTRAINTS,
+            (struct pk_reason){.kind = PK_REASON_ROW_RATE, .index = row, .value = w.rate[row]});
     if (depends)
-        return PK_NO_PROJECTION;
+        return pk_fail_with(it, PK_NO_PROJECTION, (struct pk_reason){.index = depends - 1});
     PK_TRY(pk_project(it, it->t, q, v, NULL, NULL, &moved));
     return pk_project_redundant(it, it->t, q, v, PK_OFF_CONSTRAINTS);
 }
@@ -167,7 +173,7 @@ int pk_constraint_name(const struct pk_system *system, const void *params, size_
 {
     const struct pk_part_constraints *c = &system->constraints;
     struct pk_range range = {0, 1, 0};
-    size_t k = 0, length;
+    size_t k = 0;
     if (!c->count)
         return named(c->names, c->n, row, text, size);
     for (; k < c->n_declared; k++) {
@@ -176,11 +182,11 @@ int pk_constraint_name(const struct pk_system *system, const void *params, size_
             break;
         row -= range.count;
     }
-    named(c->names, c->n_declared, k, text, size);
-    length = strlen(text);
-    return range.is_family ? (int)length + snprintf(text + length, size - length, "[%td]",
-                                                    range.lo + (ptrdiff_t)row)
-                           : (int)length;
+    const int length = named(c->names, c->n_declared, k, text, size);
+    const size_t at = (size_t)length < size ? (size_t)length : size;
+    return length + (range.is_family ? snprintf(at < size ? text + at : NULL, size - at, "[%td]",
+                                                range.lo + (ptrdiff_t)row)
+                                     : 0);
 }
 
 /* Writes the rows that the dependent row depends on: "a, b". */
@@ -218,40 +224,44 @@ static int inertia_hides(const struct pk_integrator *it, size_t row)
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t c = pk_system_rows(system, it->problem.params, 0), row = it->where % (c ? c : 1);
+    const struct pk_reason *reason = &it->reason;
+    const size_t c = pk_system_rows(system, it->problem.params, 0);
+    const size_t row = reason->index % (c ? c : 1); /* a restored one may be any number */
     const char *what = pk_status_text(it->status);
     const char *alone = system->constraints.count
                             ? "; families kept as loops take no rows that follow from others"
                             : "";
+    const double value = (double)reason->value;
     char name[128], others[256], more[512] = "";
-    const size_t turned = pk_system_rotations(system, it->problem.params);
-    const size_t behind = it->where - (2 * c + turned);
-    const size_t r = system->constraints.n_redundant;
-    if (it->where >= 2 * c + turned && behind < 2 * r) {
-        const struct pk_quantity *names = system->constraints.redundant_names;
-        named(names, r, behind % r, name, sizeof name);
+    switch (reason->kind) {
+    case PK_REASON_REDUNDANT:
+    case PK_REASON_REDUNDANT_RATE:
+        named(system->constraints.redundant_names, system->constraints.n_redundant, reason->index,
+              name, sizeof name);
         return pk_say(it, text, size,
                       "%s: %s follows from the others where the model starts, not "
                       "here: %sit is broken by %.3g",
-                      what, name, behind < r ? "" : "as rates go, ", (double)it->detail);
-    }
-    const size_t whole = 2 * (c + r) + turned;
-    if (it->where > whole && it->where <= whole + c) {
-        pk_constraint_name(system, it->problem.params, it->where - whole - 1, name, sizeof name);
+                      what, name, reason->kind == PK_REASON_REDUNDANT ? "" : "as rates go, ",
+                      value);
+    case PK_REASON_BRANCH:
+        pk_constraint_name(system, it->problem.params, row, name, sizeof name);
         return pk_say(it, text, size,
                       "%s: at t = %.9g %s ends or depends on others, and behind it the branch of "
                       "the motion cannot be told",
-                      what, (double)it->detail, name);
-    }
-    if (it->where >= 2 * c + turned)
+                      what, (double)reason->time, name);
+    case PK_REASON_NO_ROW:
         return pk_say(it, text, size, "%s", what);
-    if (it->where >= 2 * c) {
-        const struct pk_turning at =
-            pk_system_turning(system, it->problem.params, it->where - 2 * c);
-        pk_system_name(system, it->problem.params, system->rates, at.rate, name, sizeof name);
+    case PK_REASON_QUATERNION:
+        if (reason->index >= pk_system_rotations(system, it->problem.params))
+            return pk_say(it, text, size, "%s", what);
+        pk_system_name(system, it->problem.params, system->rates,
+                       pk_system_turning(system, it->problem.params, reason->index).rate, name,
+                       sizeof name);
         const char *of = strncmp(name, "omega(", 6) == 0 ? name + 6 : name;
         return snprintf(text, size, "%s: the quaternion of %.*s is not of unit length, by %.3g",
-                        what, (int)strcspn(of, ")."), of, (double)it->detail);
+                        what, (int)strcspn(of, ")."), of, value);
+    default:
+        break;
     }
     pk_constraint_name(system, it->problem.params, row, name, sizeof name);
     of_others(it, others, sizeof others);
@@ -265,7 +275,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                      *others ? others : "nothing that moves", alone);
         }
         return snprintf(text, size, "%s: %s%s by %.3g%s", what, name,
-                        it->where >= c ? ", as rates go," : "", (double)it->detail, more);
+                        reason->kind == PK_REASON_ROW_RATE ? ", as rates go," : "", value, more);
     }
     if (*others && inertia_hides(it, row))
         return pk_say(it, text, size,
@@ -276,5 +286,5 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
         return pk_say(it, text, size, "%s: %s depends on %s%s", what, name, others, alone);
     if (pk_project_parts(&it->problem, it->n, it->own->project).depends[0] > 0)
         return pk_say(it, text, size, "%s: nothing that moves enters %s", what, name);
-    return pk_say(it, text, size, "%s: %s is left broken by %.3g", what, name, (double)it->detail);
+    return pk_say(it, text, size, "%s: %s is left broken by %.3g", what, name, value);
 }

@@ -54,10 +54,10 @@ void pk_singular_crossing_unseen(struct pk_integrator *it, struct pk_projection 
 {
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     is->unseen = !(is->unseen > 0);
-    if (is->unseen > 0 && !it->own->near)
+    if (is->unseen > 0 && !it->own->passing.near)
         return;
     if (pk_project_factor(w, w->c, q, v))
-        it->own->seen = PK_SEEN_LOW | PK_SEEN_DIPS;
+        it->own->passing.seen = PK_SEEN_LOW | PK_SEEN_DIPS;
     else
         pk_project_seen(it, w);
 }
@@ -87,7 +87,7 @@ pk_real pk_singular_crossing_sigma(struct pk_integrator *it, pk_real t, const pk
 
 int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
 {
-    if (!it->own || !it->own->crossing || !(it->own->near || it->own->crossed))
+    if (!it->own || !it->own->crossing || !(it->own->passing.near || it->own->passing.crossed))
         return 0;
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     const pk_real row = is->row;
@@ -134,16 +134,16 @@ void pk_singular_crossing_forget(struct pk_integrator *it)
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
     memset(is, 0, sizeof *is);
     is->sigma = 1;
-    it->own->crossed = it->own->seen = it->own->near = 0;
+    it->own->passing.crossed = it->own->passing.seen = it->own->passing.near = 0;
     if (it->status >= 0)
         look(it);
-    it->own->near = is->sigma < PK_FAR;
+    it->own->passing.near = is->sigma < PK_FAR;
 }
 
 void pk_singular_crossing_note(struct pk_integrator *it)
 {
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    const int seen = it->own->seen;
+    const int seen = it->own->passing.seen;
     if (is->passing > 0)
         return;
     if (seen & PK_SEEN_LOW) {
@@ -152,7 +152,7 @@ void pk_singular_crossing_note(struct pk_integrator *it)
         is->falls = 0;
         is->sigma = seen & PK_SEEN_DIPS ? 2 * PK_NEAR : 1;
     }
-    it->own->near = is->sigma < PK_FAR;
+    it->own->passing.near = is->sigma < PK_FAR;
 }
 
 int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit)
@@ -184,19 +184,21 @@ pk_real pk_singular_crossing_limit(const struct pk_integrator *it, pk_real limit
     return half / (limit - it->t) > 0 && half / (limit - it->t) < 1 ? it->t + half : limit;
 }
 
-size_t pk_singular_crossing_told(const struct pk_integrator *it)
+enum pk_status pk_singular_crossing_fail(struct pk_integrator *it, pk_real t)
 {
-    const struct pk_part_constraints *c = &it->problem.system->constraints;
     const size_t rows = pk_system_rows(it->problem.system, it->problem.params, 0);
-    return 2 * (rows + c->n_redundant) +
-           pk_system_rotations(it->problem.system, it->problem.params) + 1 +
-           pk_index(pk_singular_crossing_parts(it).is->row, rows + 1);
+    const size_t row = pk_index(pk_singular_crossing_parts(it).is->row, rows + 1);
+    return pk_fail_with(it, PK_NO_PROJECTION,
+                        (struct pk_reason){.kind = row < rows ? PK_REASON_BRANCH : PK_REASON_NO_ROW,
+                                           .index = row,
+                                           .time = t});
 }
 
 enum pk_status pk_singular_crossing_judge(struct pk_integrator *it)
 {
     const struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    if (it->method->traits & PK_ADAPTIVE || !(is->sigma < PK_FAR || it->own->seen & PK_SEEN_DIPS))
+    if (it->method->traits & PK_ADAPTIVE ||
+        !(is->sigma < PK_FAR || it->own->passing.seen & PK_SEEN_DIPS))
         return PK_DONE;
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     const pk_real *q = it->own->next, *v = pk_next(it, PK_V);
@@ -207,7 +209,5 @@ enum pk_status pk_singular_crossing_judge(struct pk_integrator *it)
         off = pk_max(off, root * pk_abs(q[k] - it->q[k] - h / 2 * (v[k] + it->v[k])));
         way = pk_max(way, root * pk_abs(h) * pk_max(pk_abs(v[k]), pk_abs(it->v[k])));
     }
-    return off < TURN * way
-               ? PK_DONE
-               : pk_fail_with(it, PK_NO_PROJECTION, pk_singular_crossing_told(it), it->t + h / 2);
+    return off < TURN * way ? PK_DONE : pk_singular_crossing_fail(it, it->t + h / 2);
 }

@@ -41,7 +41,7 @@ int pk_project_dependent(struct pk_integrator *it)
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
         if (w.sines[row] < PK_DEPENDENT) {
-            it->where = row;
+            it->reason = (struct pk_reason){.index = row};
             if (w.whole)
                 pk_project_explain(&w, w.c, row);
             return 1;
@@ -159,7 +159,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
 {
     const pk_real *residual = of_rates ? w->rate : w->phi;
     const pk_real *terms = of_rates ? w->rate_size : w->phi_size;
-    const size_t rows = of_rates ? w->c : w->h, where = of_rates ? w->c : 0;
+    const size_t rows = of_rates ? w->c : w->h;
     pk_real before = 0;
     for (int count = 0;; count++) {
         size_t which;
@@ -178,7 +178,11 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
         else if (!done)
             pk_project_solve(w, rows, residual);
         if (done || singular || (!count && off(it, w, ratio, q, of_rates ? v : q, of_rates)))
-            return pk_fail_with(it, PK_NO_PROJECTION, where + which, residual[which]);
+            return pk_fail_with(
+                it, PK_NO_PROJECTION,
+                (struct pk_reason){.kind = of_rates ? PK_REASON_ROW_RATE : PK_REASON_ROW,
+                                   .index = which,
+                                   .value = residual[which]});
         if (of_rates) {
             pk_project_seen(it, w);
             subtract(v, w->d, low_v, w->m);
@@ -213,7 +217,7 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
     pk_project_terms(&w, q, v);
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 0, moved));
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 1, moved));
-    if (!it->own->seen)
+    if (!it->own->passing.seen)
         pk_singular_crossing_unseen(it, &w, q, v);
     return PK_DONE;
 }

@@ -54,14 +54,20 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
         return PK_DONE;
     const size_t h = system->constraints.n_redundant_holonomic;
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    const size_t first = 2 * w.c + system->n_rotations;
     system->constraints.redundant(w.params, t, q, v, pk_eval_input(it, t), w.off, w.off_size,
                                   w.off_rows);
     pk_project_slopes(&w, q, v, w.off_rows, w.r, w.off_slopes);
     size_t row = pk_project_broken(&w, w.off, w.off_size, w.off_slopes, h, q, 0);
     if (row < h)
-        return pk_fail_with(it, status, first + row, w.off[row]);
+        return pk_fail_with(
+            it, status,
+            (struct pk_reason){.kind = PK_REASON_REDUNDANT, .index = row, .value = w.off[row]});
     row =
         broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1, pk_project_rest(it, &w, q));
-    return row < w.r ? pk_fail_with(it, status, first + w.r + row, w.off[h + row]) : PK_DONE;
+    if (row == w.r)
+        return PK_DONE;
+    return pk_fail_with(it, status,
+                        (struct pk_reason){.kind = PK_REASON_REDUNDANT_RATE,
+                                           .index = row,
+                                           .value = w.off[h + row]});
 }

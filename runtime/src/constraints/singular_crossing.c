@@ -205,7 +205,7 @@ enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
             return PK_NO_CONVERGENCE;
         x.is->error = x.is->tried = x.is->length = 0;
         if (!sure)
-            return pk_fail_with(it, PK_NO_PROJECTION, pk_singular_crossing_told(it), x.is->at);
+            return pk_singular_crossing_fail(it, x.is->at);
     }
     it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     along(it, &x, (t - x.is->t) / x.is->h, q, v);
@@ -215,10 +215,10 @@ enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
         const enum pk_status status = put(it, &x, t, q, v, &off);
         it->own->next_t = t;
         if (status < 0 || !(off < SURE))
-            return pk_fail_with(it, PK_NO_PROJECTION, pk_singular_crossing_told(it), x.is->at);
+            return pk_singular_crossing_fail(it, x.is->at);
         PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
     }
-    it->own->crossed = 1;
+    it->own->passing.crossed = 1;
     if (it->p)
         pk_eval_canonical(it, t, q, v, pk_next(it, PK_P), it->own->project + n);
     return PK_DONE;

@@ -37,7 +37,7 @@ static inline struct pk_singular_crossing *pk_singular_crossing_of(const struct 
 /* Returns sigma at (t, q, v); 1 if M is singular. */
 pk_real pk_singular_crossing_sigma(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
-/* Returns it->where for an undetermined branch: after all other indices, plus the row. */
-size_t pk_singular_crossing_told(const struct pk_integrator *it);
+/* Fails because the branch behind the singular position, at time t, is undetermined. */
+enum pk_status pk_singular_crossing_fail(struct pk_integrator *it, pk_real t);
 
 #endif

@@ -15,11 +15,11 @@ void pk_ahead_all(struct pk_integrator *it)
     pk_ahead_take(it, PK_LOW_Q, PK_PARTS - PK_LOW_Q);
     pk_commit_step(it);
     it->own->h = a->h;
-    it->own->off_grid = 0;
+    it->own->grid.off = 0;
     it->last_t = it->t;
     it->t = it->own->next_t = a->end;
-    it->own->passed += pk_abs(it->t - it->last_t);
-    it->own->grid += (pk_real)a->many;
+    it->own->progress.passed += pk_abs(it->t - it->last_t);
+    it->own->grid.count += (pk_real)a->many;
     it->count.steps += a->many;
     it->count.evaluations += a->many * a->cost;
     a->many = 0;

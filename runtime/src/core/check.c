@@ -26,11 +26,12 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
         return PK_DONE;
     memcpy(scratch, it->problem.params, system->params_size);
     const int outside = system->prepare(scratch);
-    it->where = pk_refused_parameter(system, outside);
     if (outside)
-        return PK_OUT_OF_BOUNDS;
-    it->where = BAD_PARAMS;
-    return memcmp(scratch, it->problem.params, system->params_size) ? PK_BAD_ARGUMENT : PK_DONE;
+        return pk_fail_with(it, PK_OUT_OF_BOUNDS,
+                            (struct pk_reason){.index = pk_refused_parameter(system, outside)});
+    return memcmp(scratch, it->problem.params, system->params_size)
+               ? pk_fail(it, PK_BAD_ARGUMENT, BAD_PARAMS)
+               : PK_DONE;
 }
 
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method)
@@ -99,21 +100,19 @@ enum pk_status pk_check_options(struct pk_integrator *it)
 {
     const struct pk_options *o = &it->options;
     const int adaptive = (it->method->traits & PK_ADAPTIVE) != 0;
-    it->where = BAD_STEP;
     if (!pk_finite(o->h) || o->h < 0 || (!adaptive && !(o->h > 0)))
-        return PK_BAD_ARGUMENT;
+        return pk_fail(it, PK_BAD_ARGUMENT, BAD_STEP);
     if (!(o->h_min >= 0) || !(o->h_max >= 0) || (o->h_max > 0 && !(o->h_min <= o->h_max)))
-        return PK_BAD_ARGUMENT;
-    it->where = BAD_TOLERANCE;
+        return pk_fail(it, PK_BAD_ARGUMENT, BAD_STEP);
     const int relative = o->atol >= PK_ATOL_OF_MOTION && o->atol <= PK_ATOL_OF_MOTION;
     const pk_real atol = relative ? 0 : o->atol;
     if (adaptive &&
         (!(o->rtol >= 0) || !(atol >= 0) || !(o->rtol + atol > 0) || !pk_finite(o->rtol + atol)))
-        return PK_BAD_ARGUMENT;
-    it->where = BAD_ITERATION; /* a correction of 1 is no convergence at all */
+        return pk_fail(it, PK_BAD_ARGUMENT, BAD_TOLERANCE);
+    /* A correction of 1 is no convergence at all. */
     if (!(o->newton_tol >= 0 && o->newton_tol < 1) || o->max_iterations < 0 ||
         o->max_iterations == INT_MAX ||
         (o->iteration != PK_NEWTON && o->iteration != PK_FIXED_POINT))
-        return PK_BAD_ARGUMENT;
+        return pk_fail(it, PK_BAD_ARGUMENT, BAD_ITERATION);
     return PK_DONE;
 }

@@ -283,7 +283,7 @@ void pk_project_seen(struct pk_integrator *it, struct pk_projection *w)
     pk_project_rank(w);
     for (size_t i = 0; i < w->c; i++)
         seen |= (w->sines[i] < low ? PK_SEEN_LOW : 0) | (w->sines[i] < far ? PK_SEEN_DIPS : 0);
-    it->own->seen = seen;
+    it->own->passing.seen = seen;
 }
 
 void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
@@ -304,14 +304,14 @@ void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    w.t = it->detail;
+    w.t = it->reason.time;
     w.u = it->own->u;
     if (!pk_project_inertia(&w, q, v)) {
         pk_project_rows(&w, q, v);
         const size_t row = pk_project_factor(&w, w.c, q, v);
-        it->where = row ? row - 1 : it->where;
+        it->reason.index = row ? row - 1 : it->reason.index;
         if (!row && w.whole) /* only the acceleration found it */
-            pk_project_explain(&w, w.c, it->where);
+            pk_project_explain(&w, w.c, it->reason.index);
     }
     return PK_NO_PROJECTION;
 }

@@ -58,8 +58,8 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
 /* Returns the pivot of coordinate `last` of M = L D L^T relative to its diagonal entry, with the
  * other coordinates eliminated first: 1 if they do not share its inertia, 0 if M is singular along
  * it. Or the ratio of an earlier pivot that is rounding. NaN: M is unknown or too large. */
-static pk_real condition(const struct pk_integrator *it, pk_real t, const pk_real *q,
-                         const pk_real *v, size_t last)
+static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_real *q,
+                           const pk_real *v, size_t last)
 {
     enum { MOST = 16 };
     pk_real M[MOST * MOST], ratio = (pk_real)NAN;
@@ -97,11 +97,10 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
     /* A diverged state makes M NaN: then that is the cause to report. */
     if (!pk_all_finite(q, it->n_q) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
-    it->where = (size_t)PK_FAILURE_AT(failed);
-    it->detail = t;
+    it->reason = (struct pk_reason){.index = (size_t)PK_FAILURE_AT(failed), .time = t};
     if (PK_FAILURE(failed) == PK_FAILURE_CONSTRAINT)
         return pk_project_singular(it, q, v);
-    it->own->condition = condition(it, t, q, v, it->where);
+    it->reason.value = pivot_ratio(it, t, q, v, it->reason.index);
     return PK_SINGULAR_MASS;
 }
 
@@ -162,18 +161,16 @@ enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
     const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
     pk_real *q = pk_next(it, PK_Q), *a = pk_next(it, PK_A);
-    if (it->own->trouble == PK_DONE || !(pk_abs(it->own->trouble_t - it->t) <= near)) {
-        it->own->trouble_t = it->t + (pk_real)it->own->direction * near;
+    if (it->own->trouble.status == PK_DONE ||
+        !(pk_abs(it->own->trouble.reason.time - it->t) <= near)) {
+        it->own->trouble.reason.time = it->t + (pk_real)it->own->direction * near;
         for (size_t i = 0; i < it->n_q; i++)
             q[i] = it->q[i] + (pk_real)it->own->direction * near * it->v[i];
-        if (pk_eval_acceleration(it, it->own->trouble_t, q, it->v, a) != PK_SINGULAR_MASS) {
-            it->detail = h;
-            return PK_STEP_UNDERFLOW;
+        if (pk_eval_acceleration(it, it->own->trouble.reason.time, q, it->v, a) !=
+            PK_SINGULAR_MASS) {
+            return pk_fail_with(it, PK_STEP_UNDERFLOW, (struct pk_reason){.value = h});
         }
-        pk_trouble(it, PK_SINGULAR_MASS, it->own->trouble_t);
+        pk_trouble(it, PK_SINGULAR_MASS, it->own->trouble.reason.time);
     }
-    it->where = it->own->trouble_where;
-    it->own->condition = it->own->trouble_condition;
-    it->detail = it->own->trouble_t;
-    return it->own->trouble;
+    return pk_fail_with(it, it->own->trouble.status, it->own->trouble.reason);
 }

@@ -16,7 +16,7 @@
 #define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
 #define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
 
-/* it->where for PK_BAD_ARGUMENT. */
+/* Kinds of reasons. Of PK_BAD_ARGUMENT: */
 enum {
     BAD_POINTER = 1,
     BAD_SYSTEM,
@@ -30,11 +30,37 @@ enum {
     BAD_SCALE
 };
 
-/* Sets and returns a status, with what it is about. */
-static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status status, size_t where)
+/* Of PK_NO_CONVERGENCE, with `value`: the last correction of a fixed-point iteration; the longest
+ * step for which Newton's method converged; the last correction of rates from momenta. */
+enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
+/* Of PK_OFF_CONSTRAINTS and PK_NO_PROJECTION: which number of the constraints `index` is. */
+enum {
+    PK_REASON_ROW,      /* a row, by its phi */
+    PK_REASON_ROW_RATE, /* a row, by its J v + j0 */
+    PK_REASON_QUATERNION,
+    PK_REASON_REDUNDANT, /* a redundant row, by phi or J v + j0 */
+    PK_REASON_REDUNDANT_RATE,
+    PK_REASON_BRANCH, /* at `time` the row is singular and the branch behind it undetermined */
+    PK_REASON_NO_ROW  /* the same, the row unknown */
+};
+/* Of PK_STEP_UNDERFLOW: the time scale of adaptive_verlet changes too fast. */
+enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
+/* Of PK_SINGULAR_TIME: the acceleration does not grow on the way. */
+enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
+
+/* Sets and returns a status, with the kind of its reason. */
+static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status status, int kind)
 {
-    it->where = where;
+    it->reason = (struct pk_reason){.kind = kind};
     return it->status = status;
+}
+
+/* Sets the reason and returns the status; it->status is left to the caller. */
+static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_status status,
+                                          struct pk_reason reason)
+{
+    it->reason = reason;
+    return status;
 }
 
 /* Exchanges state and next: the new state becomes current, the old one stays available. */
@@ -47,15 +73,6 @@ static inline void pk_commit_step(struct pk_integrator *it)
     it->v = pk_state(it, PK_V);
     if (it->p)
         it->p = pk_state(it, PK_P);
-}
-
-/* The same with a number, but it->status is left to the caller. */
-static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_status status,
-                                          size_t where, pk_real detail)
-{
-    it->where = where;
-    it->detail = detail;
-    return status;
 }
 
 /* Returns n_q. */
@@ -78,11 +95,6 @@ static inline int pk_ready(const struct pk_integrator *it) { return it->own && i
 int pk_say(const struct pk_integrator *it, char *text, size_t size, const char *format, ...)
     PK_FORMAT(4, 5);
 
-/* it->where for PK_NO_CONVERGENCE, and it->detail: the last correction of a fixed-point iteration;
- * the longest step for which Newton's method converged; the last correction of rates from
- * momenta. */
-enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
-
 /* Lays out parts of memory one after the other. Returns the number of pk_real; base NULL: only
  * that. */
 struct pk_slot {
@@ -97,7 +109,7 @@ size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
 /* Checks before the first step; scratch has pk_params_reals() numbers. */
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
-/* Returns it->where for a failure of prepare(): the parameter; n_parameters if it is no single one,
+/* Returns the index for a failure of prepare(): the parameter; n_parameters if it is no single one,
  * n_parameters + 1 if it is a size. */
 size_t pk_refused_parameter(const struct pk_system *system, int outside);
 enum pk_status pk_check_options(struct pk_integrator *it);

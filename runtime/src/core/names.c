@@ -66,11 +66,12 @@ static int placed(const char *from, const struct pk_place *place, char *text, si
     size_t at = 0;
     if (size)
         *text = 0;
-    while (*from && at < size) {
+    while (*from) {
         ptrdiff_t index = 0;
         const char *end = place ? index_of(from, place, &index) : NULL;
-        at += (size_t)(end ? snprintf(text + at, size - at, "[%td]", index)
-                           : snprintf(text + at, size - at, "%c", *from));
+        char *const to = at < size ? text + at : NULL;
+        const size_t room = at < size ? size - at : 0;
+        at += (size_t)(end ? snprintf(to, room, "[%td]", index) : snprintf(to, room, "%c", *from));
         from = end ? end : from + 1;
     }
     return (int)at;

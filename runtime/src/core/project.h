@@ -79,7 +79,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
 /* Sigma below which rounding of positions, about PK_EPS / sigma^2 in rates, exceeds the error of
  * steps: rates are not projected there, and solutions with J M^-1 J^T are lost. */
 #define PK_SINGULAR (PK_C(10.0) * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
-/* The closeness to a singular position at the end of a step, in it->own->seen. it->own->near is set
+/* The closeness to a singular position at the end of a step, in it->own->passing.seen. it->own->passing.near is set
  * if the start of the step is near one, or unknown. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
 void pk_project_seen(struct pk_integrator *it, struct pk_projection *w);
@@ -89,16 +89,14 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
 
 /* Projects q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved:
  * whether anything changed. Uses the memory it->own->project. PK_NOT_FINITE, the failure of a
- * singular M, or PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; with
- * PK_OFF_CONSTRAINTS, at a start, also 2 c + a rotation. */
+ * singular M, or PK_NO_PROJECTION: see the kinds of reasons in internal.h. */
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved);
 /* Projects the step in it->own->next, before it becomes the state. */
 enum pk_status pk_project_step(struct pk_integrator *it);
-/* Returns the status of an acceleration that found dependent rows, with it->where the row, at time
- * it->detail. */
+/* Returns the status of an acceleration that found dependent rows, at the time of it->reason. */
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v);
-/* After an underflow: whether constraint rows are nearly dependent here; then it->where is the
+/* After an underflow: whether constraint rows are nearly dependent here; then the reason has the
  * row. */
 int pk_project_dependent(struct pk_integrator *it);
 /* Checks the state at a start: refused if it violates constraints, or if these are dependent;
@@ -115,8 +113,7 @@ size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
 pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
                         const pk_real *q);
 /* Checks that redundant rows hold: at the start to the digits with which it is written, later to
- * rounding. PK_OFF_CONSTRAINTS or PK_NO_PROJECTION; it->where follows those of other rows and
- * rotations. */
+ * rounding. PK_OFF_CONSTRAINTS or PK_NO_PROJECTION. */
 enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, enum pk_status broken);
 /* Passage through positions where rows are dependent for an instant: memory size; at a start; after

@@ -48,16 +48,15 @@ static struct between between(const struct pk_integrator *it)
 static void look_at_ends(struct pk_integrator *it)
 {
     const struct between b = between(it);
-    const size_t where = it->where;
-    const pk_real detail = it->detail, h = it->own->next_t - it->t;
+    const struct pk_reason reason = it->reason;
+    const pk_real h = it->own->next_t - it->t;
     const pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     if (it->n == it->n_q || (pk_eval_acceleration(it, it->t, it->q, it->v, b.a0) >= 0 &&
                              pk_eval_acceleration(it, it->own->next_t, q, v, b.a1) >= 0))
         return;
     for (size_t i = 0; i < it->n; i++)
         b.a0[i] = b.a1[i] = (v[i] - it->v[i]) / h;
-    it->where = where;
-    it->detail = detail;
+    it->reason = reason;
 }
 
 void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, struct pk_knot to,
@@ -150,7 +149,7 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
             }
             total += w.varies;
         }
-        it->own->varied = pk_max(it->own->varied, total);
+        it->own->short_force.varied = pk_max(it->own->short_force.varied, total);
         u = end;
         from = to;
         /* Windows come from halving, so a window of twice the width may follow an even one. */
@@ -162,8 +161,9 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 
 pk_real pk_short_force_limit(const struct pk_integrator *it, pk_real limit)
 {
-    const int restrained = it->own->reach > 0 && it->own->reach < pk_abs(limit - it->t);
-    return restrained ? it->t + (pk_real)it->own->direction * it->own->reach : limit;
+    const int restrained = it->own->short_force.reach > 0 &&
+                           it->own->short_force.reach < pk_abs(limit - it->t);
+    return restrained ? it->t + (pk_real)it->own->direction * it->own->short_force.reach : limit;
 }
 
 int pk_short_force_reject(struct pk_integrator *it)
@@ -171,29 +171,29 @@ int pk_short_force_reject(struct pk_integrator *it)
     if (!it->own->marks)
         return 0;
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
-    if (fixed && it->own->unlooked > 0)
+    if (fixed && it->own->short_force.unlooked > 0)
         return 0;
     const size_t m = it->problem.system->marks.n;
     const pk_real h = pk_abs(it->own->next_t - it->t);
     pk_real *begin = it->own->marks, *end = begin + m, *middle = end + m, first = 1, rise = 0;
     size_t which = 0;
-    if (!it->own->marked)
+    if (!it->own->short_force.known)
         values(it, 0, begin);
-    it->own->marked = 1;
+    it->own->short_force.known = 1;
     values(it, 1, end);
-    it->own->range = it->own->varied = 0;
+    it->own->short_force.range = it->own->short_force.varied = 0;
     for (size_t k = 0; k < m; k++)
-        it->own->range = pk_max(it->own->range, pk_abs(end[k] - begin[k]));
-    if (it->own->range <= MOST / 4 &&
-        h <= 3 * it->own->calm) /* nearly always, without short forces */
+        it->own->short_force.range = pk_max(it->own->short_force.range, pk_abs(end[k] - begin[k]));
+    if (it->own->short_force.range <= MOST / 4 &&
+        h <= 3 * it->own->short_force.calm) /* nearly always, without short forces */
         return 0;
     look_at_ends(it);
     values(it, warped(PK_C(0.5)), middle);
     for (size_t k = 0; k < m; k++) {
         const struct window w = window(begin[k], middle[k], end[k]);
-        it->own->range = pk_max(it->own->range, w.range);
+        it->own->short_force.range = pk_max(it->own->short_force.range, w.range);
         if (w.range <= MOST / 2) {
-            it->own->varied = pk_max(it->own->varied, w.varies);
+            it->own->short_force.varied = pk_max(it->own->short_force.varied, w.varies);
             continue;
         }
         pk_real active = 0;
@@ -204,12 +204,12 @@ int pk_short_force_reject(struct pk_integrator *it)
     if (!(first < 1))
         return 0;
     if (!fixed && first * h > 64 * PK_EPS * pk_abs(it->t)) {
-        it->own->reach = first * h;
-        it->own->rise = rise * h;
+        it->own->short_force.reach = first * h;
+        it->own->short_force.rise = rise * h;
         it->count.rejections++;
         return 1;
     }
-    it->own->varied = MOST;
+    it->own->short_force.varied = MOST;
     if (it->passed_over.count++ == 0) {
         it->passed_over.which = which;
         it->passed_over.t = it->t + (pk_real)it->own->direction * first * h;
@@ -223,21 +223,25 @@ void pk_short_force_accept(struct pk_integrator *it)
         return;
     const size_t m = it->problem.system->marks.n;
     const pk_real h = pk_abs(it->own->next_t - it->t);
-    if (it->own->unlooked > 0) {
-        it->own->unlooked--;
-        it->own->marked = 0;
+    if (it->own->short_force.unlooked > 0) {
+        it->own->short_force.unlooked--;
+        it->own->short_force.known = 0;
         return;
     }
-    it->own->unlooked = it->own->range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
-    it->own->calm = it->own->range <= MOST / 4 ? h
-                                               : 0; /* so long a step had no short forces in it */
+    it->own->short_force.unlooked =
+        it->own->short_force.range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
+    it->own->short_force.calm = it->own->short_force.range <= MOST / 4
+                                    ? h
+                                    : 0; /* so long a step had no short forces in it */
     memcpy(it->own->marks, it->own->marks + m, m * sizeof *it->own->marks);
-    if (!(it->own->reach > 0))
+    if (!(it->own->short_force.reach > 0))
         return;
-    if (h < it->own->reach * (1 - PK_C(1e-6)) || it->own->varied < MOST / 8)
-        it->own->reach = 0; /* limited by its error, or nothing varies any more */
+    if (h < it->own->short_force.reach * (1 - PK_C(1e-6)) || it->own->short_force.varied < MOST / 8)
+        it->own->short_force.reach = 0; /* limited by its error, or nothing varies any more */
     else
-        it->own->reach = it->own->rise > 0 ? it->own->rise
-                                           : h * pk_min(GROW, PK_C(0.9) * MOST / it->own->varied);
-    it->own->rise = 0;
+        it->own->short_force.reach =
+            it->own->short_force.rise > 0
+                ? it->own->short_force.rise
+                : h * pk_min(GROW, PK_C(0.9) * MOST / it->own->short_force.varied);
+    it->own->short_force.rise = 0;
 }

@@ -180,12 +180,9 @@ struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_
                                                    pk_real depth)
 {
     const struct pk_counters count = it->count;
-    const size_t where = it->where;
-    const pk_real detail = it->detail, condition = it->own->condition;
+    const struct pk_reason reason = it->reason;
     const struct pk_singularity_search found = search(it, t_end, depth);
     it->count = count;
-    it->where = where;
-    it->detail = detail;
-    it->own->condition = condition;
+    it->reason = reason;
     return found;
 }

@@ -71,7 +71,7 @@ static int plan(const struct pk_lanes *a, struct pk_integrator *it, pk_real limi
 {
     const struct pk_splitting *splitting = pk_splitting_table(a->method);
     const int direction = (limit > it->t) - (limit < it->t);
-    if (!pk_ready(it) || !direction || direction != it->own->direction || it->own->near)
+    if (!pk_ready(it) || !direction || direction != it->own->direction || it->own->passing.near)
         return 0;
     if (!(a->method->traits & PK_ADAPTIVE)) {
         *x = pk_step_planned(it, limit);
@@ -261,7 +261,7 @@ static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned 
                 continue;
             const struct pk_integrator_private *own = lanes[l].it->own;
             b->h[l] = (pk_real)own->direction * lanes[l].it->options.h;
-            b->end[l] = own->anchor + (own->grid + (pk_real)ahead->many + 1) * b->h[l];
+            b->end[l] = own->grid.anchor + (own->grid.count + (pk_real)ahead->many + 1) * b->h[l];
         }
         b->have_a = splitting ? pk_splitting_ends(pk_splitting_table(a->method))
                               : !(going & ~known);

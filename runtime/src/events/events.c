@@ -230,7 +230,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
     const pk_real h = pk_abs(it->t - e->from);
     int found = 0, at_rest = -1;
-    if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->passed - h))
+    if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->progress.passed - h))
         return 0;
     /* After a switch its function begins with rounding of 0. */
     if (e->at_switch || h <= PK_C(64.0) * PK_EPS * pk_abs(e->from))
@@ -247,8 +247,8 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
 /* Undoes the last step, and the scale that it has set. */
 static enum pk_status take_back(struct pk_events *e, struct pk_integrator *it)
 {
-    it->own->passed -= pk_abs(it->t - e->from);
-    it->own->longest = 0;
+    it->own->progress.passed -= pk_abs(it->t - e->from);
+    it->own->progress.longest = 0;
     it->count.steps--;
     it->count.rejections++;
     pk_scale_forget(it);
@@ -259,7 +259,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
 {
     it->event = 0;
     if (it->method->resolved && it->options.h > it->method->resolved(it)) {
-        it->detail = it->method->resolved(it);
+        it->reason = (struct pk_reason){.value = it->method->resolved(it)};
         return it->status = PK_REFUSED;
     }
     e->from = it->t;
@@ -306,15 +306,14 @@ static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk
 static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 {
     const enum pk_status ended = it->status;
-    const pk_real detail = it->detail;
-    const size_t where = it->where;
-    if (!pk_finite(detail) || !((pk_real)it->own->direction * (detail - e->from) > 0) ||
+    const struct pk_reason reason = it->reason;
+    if (!pk_finite(reason.time) || !((pk_real)it->own->direction * (reason.time - e->from) > 0) ||
         pk_integrator_reset(it, e->from, e->q0, e->v0) < 0) {
         it->own->ready = 0;
         return it->status = ended;
     }
     for (int count = 0; count < HALVINGS; count++) {
-        const enum pk_status status = one_step(e, it, it->t + (detail - it->t) / 2);
+        const enum pk_status status = one_step(e, it, it->t + (reason.time - it->t) / 2);
         if (status == PK_STOPPED_EVENT)
             return status;
         if (status != PK_DONE)
@@ -322,8 +321,7 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
     }
     it->own->ready = 0;
     it->event = 0;
-    it->where = where;
-    it->detail = detail;
+    it->reason = reason;
     return it->status = ended;
 }
 

@@ -91,12 +91,10 @@ static int is_worthless(struct pk_events *e, struct pk_integrator *it)
 /* Computes a sample by the method itself. Returns 0 if that step fails. */
 static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
-    const size_t where = it->where;
-    const pk_real detail = it->detail;
+    const struct pk_reason reason = it->reason;
     if (pk_events_reach(e, it, t) >= 0)
         return 1;
-    it->where = where;
-    it->detail = detail;
+    it->reason = reason;
     it->status = PK_DONE;
     return 0;
 }

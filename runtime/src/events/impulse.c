@@ -11,7 +11,8 @@
 #define SAME (PK_C(64.0) * PK_EPS) /* relative change below which nothing has jumped */
 #define AGREE PK_C(1e-8)           /* relative difference of rates below which two orders agree */
 
-/* it->detail of PK_NO_IMPULSE; it->where is the switch, it->own->condition the row. */
+/* Kinds of reasons of PK_NO_IMPULSE; the index is that of the switch, the other one of a row or of a
+ * second switch. */
 enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
 /* Puts switch k on the other side, and the switches whose arguments contain it. */
@@ -29,12 +30,10 @@ static void turn(struct corner *x, size_t k, pk_real side)
     }
 }
 
-static enum pk_status refuse(struct corner *x, size_t k, int why, size_t row)
+static enum pk_status refuse(struct corner *x, size_t k, int why, size_t other)
 {
-    x->it->where = k;
-    x->it->detail = (pk_real)why;
-    x->it->own->condition = (pk_real)row;
-    return PK_NO_IMPULSE;
+    return pk_fail_with(x->it, PK_NO_IMPULSE,
+                        (struct pk_reason){.kind = why, .index = k, .other = other});
 }
 
 /* Sets *found to the bits of enum pk_impulse that have jumped, at the state before the impulse. */
@@ -152,19 +151,22 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
     return status;
 }
 
+static const char *switch_name(const struct pk_system *system, size_t k)
+{
+    return k < system->switches.n ? system->switches.names[k].name : "x";
+}
+
 int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
-    const char *name = it->where < system->switches.n ? system->switches.names[it->where].name
-                                                      : "x";
-    const size_t rows = pk_system_rows(system, it->problem.params, 0) + system->switches.n;
-    const size_t row = rows ? pk_index(it->own->condition, rows) : 0;
+    const struct pk_reason *reason = &it->reason;
+    const char *name = switch_name(system, reason->index);
+    const size_t kind = (size_t)reason->kind;
     char other[128] = "";
-    if (it->detail <= (pk_real)ROLLING)
-        pk_constraint_name(system, it->problem.params, row, other, sizeof other);
-    else if (it->detail >= (pk_real)ORDER && it->detail <= (pk_real)ORDER)
-        snprintf(other, sizeof other, "%s",
-                 row < system->switches.n ? system->switches.names[row].name : "x");
+    if (kind <= ROLLING)
+        pk_constraint_name(system, it->problem.params, reason->other, other, sizeof other);
+    else if (kind == ORDER)
+        snprintf(other, sizeof other, "%s", switch_name(system, reason->other));
     static const char *const why[] = {
         [POSITION] = "the constraint %s jumps where %s vanishes: no motion follows it",
         [ROLLING] = "what multiplies the rates in %s jumps where %s vanishes: what follows depends "
@@ -176,5 +178,6 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
         [ORDER] = "%s and %s vanish at once, and what follows depends on which does first",
         [NEITHER] = "%.0sno rates are found with which the motion leaves %s = 0",
     };
-    return pk_say(it, text, size, why[pk_index(it->detail, sizeof why / sizeof *why)], other, name);
+    return kind <= NEITHER ? pk_say(it, text, size, why[kind], other, name)
+                           : pk_say(it, text, size, "%s", pk_status_text(it->status));
 }

@@ -59,8 +59,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         return PK_DONE;
     for (size_t round = 0; changed; round++) {
         if (round > e->n_switches + 1) {
-            it->where = 0;
-            return it->status = PK_SLIDING;
+            return pk_fail(it, PK_SLIDING, 0);
         }
         changed = 0;
         pk_switches_values(e, it, it->t, it->q, it->v, x);
@@ -117,14 +116,11 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
     e->brief = e->at_switch && brief ? e->brief + 1 : 0;
     e->at_switch = 1;
     enum pk_status status = hits ? pk_impulse(e, it, hit, to, hits) : PK_DONE;
-    const size_t where = it->where;
-    const pk_real detail = it->detail, condition = it->own->condition;
+    const struct pk_reason reason = it->reason;
     if (status >= 0 && e->brief < MOST_BRIEF)
         return PK_DONE;
     pk_integrator_reset(it, e->t, e->q, e->v);
     it->own->ready = 0;
-    it->where = status < 0 ? where : which;
-    it->detail = detail;
-    it->own->condition = condition;
+    it->reason = status < 0 ? reason : (struct pk_reason){.index = which};
     return it->status = status < 0 ? status : PK_SLIDING;
 }

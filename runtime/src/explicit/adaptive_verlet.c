@@ -103,8 +103,7 @@ static enum pk_status begin(struct pk_integrator *it, const struct work *w)
     pk_real omega;
     PK_TRY(frequency(it, w, it->q, it->v, &omega));
     if (!(omega > 0) && (o->h > 0 || !(o->h_max > 0))) {
-        it->where = BAD_SCALE;
-        return PK_BAD_ARGUMENT;
+        return pk_fail(it, PK_BAD_ARGUMENT, BAD_SCALE);
     }
     const pk_real tolerance = o->rtol > 0 ? o->rtol : o->atol;
     w->kept->eps = o->h > 0 ? o->h * omega : PK_F(sqrt)(24 * tolerance);
@@ -161,8 +160,7 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     PK_TRY(frequency(it, w, it->own->next, w->base + it->n_q, &omega));
     const pk_real next = 2 * raised(w, omega) - kept->rho;
     if (!(next > kept->rho / 4 && next < 4 * kept->rho)) {
-        it->detail = -1; /* no length: see pk_integrator_reason() */
-        return PK_STEP_UNDERFLOW;
+        return pk_fail(it, PK_STEP_UNDERFLOW, PK_REASON_TIME_SCALE);
     }
     kept->rho_next = next;
     kept->length = half / kept->rho + half / next;

@@ -234,7 +234,7 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
     pk_gauss_set_step(it, w, h);
     w->kept->contraction = PK_INFINITY;
     if (status == PK_AMBIGUOUS_STEP)
-        it->detail = pk_abs(at * h);
+        it->reason = (struct pk_reason){.value = pk_abs(at * h)};
     return status;
 }
 
@@ -242,8 +242,10 @@ static enum pk_status follow_from_start(struct pk_integrator *it, struct pk_gaus
 {
     pk_gauss_derivatives(it, w, it->t, it->q, it->v, w->start_J);
     const enum pk_status status = follow(it, w);
-    it->where = status == PK_AMBIGUOUS_STEP ? PK_BY_NEWTON : it->where;
-    return status == PK_AMBIGUOUS_STEP ? PK_NO_CONVERGENCE : status;
+    if (status != PK_AMBIGUOUS_STEP)
+        return status;
+    it->reason.kind = PK_BY_NEWTON;
+    return PK_NO_CONVERGENCE;
 }
 
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w)
@@ -285,7 +287,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n;
     if (it->options.iteration == PK_FIXED_POINT) {
-        it->where = PK_BY_FIXED_POINT;
+        it->reason.kind = PK_BY_FIXED_POINT;
         if (!pk_gauss_iterate(it, w, PK_BY_MASS))
             return PK_NO_CONVERGENCE;
         /* If it contracted all the way, this is the solution nearest the guess. */

@@ -157,7 +157,7 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
 pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M);
 
 /* Certifies that V is on the branch of short steps. If not, replaces V by the solution on that
- * branch, or returns PK_AMBIGUOUS_STEP with the longest step that has one in it->detail. */
+ * branch, or returns PK_AMBIGUOUS_STEP with the longest step that has one in the reason. */
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w);
 
 #endif

@@ -194,7 +194,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (count == 0)
             pk_gauss_set_scale(it, w);
         sizes(it, w, &size, &shared);
-        it->detail = size;
+        it->reason.value = size;
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return 0;
         const pk_real rate = count ? size / before : PK_C(1.0);

@@ -120,7 +120,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         pk_gauss_correct(it, w, PK_SIMPLIFIED);
         it->count.iterations++;
         const pk_real now = correction(it, w, r), asked_for = it->options.newton_tol;
-        it->detail = now;
+        it->reason = (struct pk_reason){.value = now};
         if (!pk_finite(now))
             return PK_NOT_FINITE;
         if (asked_for > 0) {
@@ -165,8 +165,7 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
-    if (status >= 0 &&
-        !pk_finite(w->kept->contraction)) /* the branch was followed, V may differ */
+    if (status >= 0 && !pk_finite(w->kept->contraction)) /* the branch was followed, V may differ */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }
@@ -208,8 +207,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status,
-                       it->own->next_t); /* the others mean a step too long */
+            pk_trouble(it, status, it->own->next_t); /* the others mean a step too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
         pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
     }

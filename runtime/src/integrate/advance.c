@@ -1,6 +1,7 @@
 /* Makes many fixed steps at once: for a splitting method in one call of the system's own fused
- * code, or one by one without the checks of pk_integrator_step(). The bits are the same. Fused
- * steps work on a copy: if they end in a state that is not finite, half as many are tried, so that
+ * code, or one by one without the checks of pk_integrator_step(). Steps one by one have the bits of
+ * that function; sums of fused steps are not compensated, so their last bits differ. Fused steps
+ * work on a copy: if they end in a state that is not finite, half as many are tried, so that
  * bisection finds the first step that fails.
  */
 #include <string.h>
@@ -40,9 +41,9 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     pk_commit_step(it);
     it->own->flags = 0; /* the acceleration of this state is not known */
     it->own->h = h;
-    it->last_t = it->own->anchor + (it->own->grid + (pk_real)steps - 1) * h;
-    it->own->grid += (pk_real)steps;
-    it->t = it->own->next_t = it->own->anchor + it->own->grid * h;
+    it->last_t = it->own->grid.anchor + (it->own->grid.count + (pk_real)steps - 1) * h;
+    it->own->grid.count += (pk_real)steps;
+    it->t = it->own->next_t = it->own->grid.anchor + it->own->grid.count * h;
     it->count.steps += steps;
     /* The last kick of a step and the first one of the next share an evaluation. */
     const pk_real *last = table->kick + table->stages;
@@ -68,11 +69,11 @@ static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned lon
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
         steps = it->options.max_steps - it->count.steps;
     unsigned long made = 0;
-    it->own->trouble = PK_DONE;
+    it->own->trouble.status = PK_DONE;
     for (; made < steps; made++) {
         it->own->h = h;
-        it->own->next_t = it->own->anchor + (it->own->grid + PK_C(1.0)) * h;
-        it->own->off_grid = 0;
+        it->own->next_t = it->own->grid.anchor + (it->own->grid.count + PK_C(1.0)) * h;
+        it->own->grid.off = 0;
         if (it->own->step(it, limit) < 0 ||
             !pk_all_finite(it->own->next, pk_state_offset(it->n_q, it->n, PK_LOW_Q))) {
             it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);

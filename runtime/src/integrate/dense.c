@@ -8,7 +8,7 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
     if (!pk_ready(it))
         return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
-    if (!it->method->dense || !(it->own->crossed || it->own->flags & PK_HAVE_STEP) ||
+    if (!it->method->dense || !(it->own->passing.crossed || it->own->flags & PK_HAVE_STEP) ||
         !(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     int moved;
@@ -17,7 +17,7 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
         memcpy(v, it->v, it->n * sizeof *v);
         return it->status = PK_DONE;
     }
-    if (it->own->crossed) {
+    if (it->own->passing.crossed) {
         pk_singular_crossing_at(it, t, q, v);
         return it->status = PK_DONE;
     }

@@ -16,7 +16,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 {
     const pk_real sign = (pk_real)it->own->direction;
     const pk_real h = sign * it->options.h;
-    const pk_real target = it->own->anchor + (it->own->grid + PK_C(1.0)) * h;
+    const pk_real target = it->own->grid.anchor + (it->own->grid.count + PK_C(1.0)) * h;
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     if (pk_abs(target - limit) <= close) /* the same point, rounded differently */
         return (struct pk_planned){h, limit, 0};
@@ -39,8 +39,8 @@ unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsig
 
 int pk_often_rejected(const struct pk_integrator *it)
 {
-    const unsigned long tried = it->count.steps + it->count.rejections - it->own->judged;
-    return 4 * (it->count.rejections - it->own->judged_rejections) > tried;
+    const unsigned long tried = it->count.steps + it->count.rejections - it->own->progress.judged;
+    return 4 * (it->count.rejections - it->own->progress.judged_rejections) > tried;
 }
 
 /* Whether time hardly advances; judged each time that the number of steps has doubled, so that only
@@ -49,24 +49,24 @@ int pk_often_rejected(const struct pk_integrator *it)
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
     const unsigned long tried = it->count.steps + it->count.rejections;
-    if (tried < FIRST_LOOK || tried / 2 < it->own->judged)
+    if (tried < FIRST_LOOK || tried / 2 < it->own->progress.judged)
         return 0;
     const unsigned long given = it->options.max_steps;
-    const pk_real rate = (it->own->passed - it->own->judged_passed) /
-                         (pk_real)(tried - it->own->judged);
-    const int shrunk = !given && pk_often_rejected(it) && rate < SHRUNK * it->own->longest;
+    const pk_real rate = (it->own->progress.passed - it->own->progress.judged_passed) /
+                         (pk_real)(tried - it->own->progress.judged);
+    const int shrunk = !given && pk_often_rejected(it) && rate < SHRUNK * it->own->progress.longest;
     const pk_real most = given    ? (pk_real)given
                          : shrunk ? MOST_SHRUNK / (pk_real)it->n
                                   : MOST_AHEAD;
-    const pk_real ahead = shrunk ? pk_abs(left) : pk_min(it->own->passed, pk_abs(left));
+    const pk_real ahead = shrunk ? pk_abs(left) : pk_min(it->own->progress.passed, pk_abs(left));
     if (ahead > most * rate && (shrunk || tried >= LATER_LOOK)) {
-        it->detail = rate > 0 ? ahead / rate : PK_INFINITY;
+        it->reason = (struct pk_reason){.value = rate > 0 ? ahead / rate : PK_INFINITY};
         return 1;
     }
-    it->own->judged = tried;
-    it->own->judged_rejections = it->count.rejections;
-    it->own->judged_t = it->t;
-    it->own->judged_passed = it->own->passed;
+    it->own->progress.judged = tried;
+    it->own->progress.judged_rejections = it->count.rejections;
+    it->own->progress.judged_t = it->t;
+    it->own->progress.judged_passed = it->own->progress.passed;
     return 0;
 }
 
@@ -80,12 +80,10 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
-    it->own->trouble = PK_DONE; /* only trial steps set it */
+    it->own->trouble.status = PK_DONE; /* only trial steps set it */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
-        pk_abs(limit - it->t) > it->options.h) {
-        it->detail = it->options.h;
-        return PK_STEP_UNDERFLOW;
-    }
+        pk_abs(limit - it->t) > it->options.h)
+        return pk_fail_with(it, PK_STEP_UNDERFLOW, (struct pk_reason){.value = it->options.h});
     return PK_DONE;
 }
 
@@ -95,16 +93,16 @@ enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed
     const int direction = limit > it->t ? 1 : -1;
     if (direction != it->own->direction) {
         it->own->direction = direction;
-        it->own->anchor = it->t;
-        it->own->grid = 0;
+        it->own->grid.anchor = it->t;
+        it->own->grid.count = 0;
         it->own->h = 0;
     }
-    it->own->off_grid = 0;
+    it->own->grid.off = 0;
     if (fixed) {
         const struct pk_planned x = pk_step_planned(it, limit);
         it->own->h = x.h;
         it->own->next_t = x.end;
-        it->own->off_grid = x.off_grid;
+        it->own->grid.off = x.off_grid;
     }
     return PK_DONE;
 }
@@ -113,13 +111,13 @@ void pk_step_advance_time(struct pk_integrator *it, int fixed)
 {
     it->last_t = it->t;
     it->t = it->own->next_t;
-    it->own->passed += pk_abs(it->t - it->last_t);
+    it->own->progress.passed += pk_abs(it->t - it->last_t);
     it->count.steps++;
-    if (it->own->off_grid) {
-        it->own->anchor = it->t;
-        it->own->grid = 0;
+    if (it->own->grid.off) {
+        it->own->grid.anchor = it->t;
+        it->own->grid.count = 0;
     } else if (fixed) {
-        it->own->grid += PK_C(1.0);
+        it->own->grid.count += PK_C(1.0);
     }
 }
 
@@ -132,8 +130,9 @@ pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real l
 {
     const int direction = t > it->t ? 1 : -1;
     const int begins = direction != it->own->direction; /* a grid of its own */
-    const pk_real anchor = begins ? it->t : it->own->anchor, h = (pk_real)direction * it->options.h;
+    const pk_real anchor = begins ? it->t : it->own->grid.anchor,
+                  h = (pk_real)direction * it->options.h;
     const pk_real count = PK_F(floor)((t - anchor) / h + PK_C(0.5));
     const struct pk_integrator then = {.t = anchor + count * h};
-    return count > (begins ? 0 : it->own->grid) && pk_integrator_is_at(&then, t) ? t : limit;
+    return count > (begins ? 0 : it->own->grid.count) && pk_integrator_is_at(&then, t) ? t : limit;
 }

@@ -105,7 +105,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         (pk_rolls(system) && (method->traits & PK_HOLONOMIC)))
         return pk_fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
-        return it->status = PK_BAD_ARGUMENT;
+        return it->status;
     if (block_size < pk_integrator_size(problem, method))
         return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
 
@@ -157,10 +157,10 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
     it->own->direction = 0;
-    it->own->trouble = PK_DONE;
+    it->own->trouble.status = PK_DONE;
     it->event = 0;
-    it->own->marked = it->own->unlooked = 0;
-    it->own->reach = it->own->calm = 0;
+    it->own->short_force.known = it->own->short_force.unlooked = 0;
+    it->own->short_force.reach = it->own->short_force.calm = 0;
     it->own->flags = 0;
     it->own->h = 0;
     it->status = pk_project_start(it);
@@ -206,8 +206,7 @@ static int are_numbers(const struct pk_integrator *it)
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
     enum { CUTS = 12 };
-    size_t where = 0;
-    pk_real detail = 0;
+    struct pk_reason reason = {0};
     const pk_real while_at_rest = (limit - it->t) * FROM_REST;
     int raised = 0;
     for (int cuts = 0;; cuts++) {
@@ -232,13 +231,12 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && it->own->project && !are_numbers(it))
             status = PK_NOT_FINITE;
         if (status == PK_STEP_UNDERFLOW && cuts)
-            return pk_fail_with(it, PK_NO_PROJECTION, where, detail);
+            return pk_fail_with(it, PK_NO_PROJECTION, reason);
         if (status == PK_STEP_UNDERFLOW && it->own->project && pk_project_dependent(it))
             return PK_NO_PROJECTION;
         if (status != PK_NO_PROJECTION || !pk_repeats(it) || cuts == CUTS)
             return status;
-        where = it->where;
-        detail = it->detail;
+        reason = it->reason;
         it->own->h = (it->own->next_t - it->t) / 4;
         it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
         it->count.rejections++;
@@ -274,16 +272,16 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         if (status < 0)
             return stop(it, status);
     }
-    const int near = it->own->near, due = near && pk_singular_crossing_due(it, limit);
-    it->own->seen = 0;
+    const int near = it->own->passing.near, due = near && pk_singular_crossing_due(it, limit);
+    it->own->passing.seen = 0;
     status = due ? pk_singular_crossing_step(it) : PK_NO_CONVERGENCE;
     const int passes = status != PK_NO_CONVERGENCE;
-    it->own->crossed = it->own->crossed && passes;
+    it->own->passing.crossed = it->own->passing.crossed && passes;
     if (!passes)
         status = advance(it, near ? pk_singular_crossing_limit(it, limit) : limit);
     if (status >= 0 && pk_waits(it))
         return it->status = PK_DONE;
-    if (status >= 0 && !passes && (near || it->own->seen > PK_SEEN))
+    if (status >= 0 && !passes && (near || it->own->passing.seen > PK_SEEN))
         status = pk_singular_crossing_judge(it);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
     if (status < 0)
@@ -293,7 +291,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     pk_commit_step(it);
     pk_step_advance_time(it, fixed);
     pk_scale_step(it);
-    if (it->own->crossing && (near || it->own->seen != PK_SEEN))
+    if (it->own->crossing && (near || it->own->passing.seen != PK_SEEN))
         pk_singular_crossing_note(it);
     return it->status = status;
 }
@@ -317,7 +315,7 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
-    if (it->own->crossed) { /* no reset: rows may depend on each other there */
+    if (it->own->passing.crossed) { /* no reset: rows may depend on each other there */
         pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
         pk_singular_crossing_at(it, t, q, v);
         side->t = t;
@@ -333,9 +331,7 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
         pk_integrator_set_step(side, pk_abs(t - it->last_t));
     if (side->status >= 0 && pk_integrator_to(side, t) >= 0)
         return PK_DONE;
-    it->where = side->where;
-    it->detail = side->detail;
-    it->own->condition = side->own->condition;
+    it->reason = side->reason;
     return it->status = side->status;
 }
 

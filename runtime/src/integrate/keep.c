@@ -10,21 +10,7 @@
 /* Copies addresses, which are valid in this process alone. */
 static void addresses(struct pk_integrator_private *to, const struct pk_integrator_private *from)
 {
-    to->step = from->step;
-    to->state = from->state;
-    to->next = from->next;
-    to->u = from->u;
-    to->work = from->work;
-    to->atol = from->atol;
-    to->singularities = from->singularities;
-    to->n_singularities = from->n_singularities;
-    to->lane = from->lane;
-    to->project = from->project;
-    to->crossing = from->crossing;
-    to->params = from->params;
-    to->marks = from->marks;
-    to->extra = from->extra;
-    to->ahead = from->ahead;
+    memcpy(to, from, offsetof(struct pk_integrator_private, slopes));
 }
 
 static unsigned long long name(const char *text)
@@ -44,14 +30,15 @@ static int sound(const struct pk_integrator *it, const struct pk_integrator_priv
     const struct pk_integrator_private *own = it->own;
     const struct pk_system *system = it->problem.system;
     const int bound = own->crossing != NULL, marks = own->marks != NULL;
-    if (!is_flag(kept->off_grid) || !is_flag(kept->ready) || !is_flag(kept->made) || !kept->ready ||
+    if (!is_flag(kept->grid.off) || !is_flag(kept->ready) || !is_flag(kept->made) || !kept->ready ||
         kept->direction < -1 || kept->direction > 1)
         return 0;
-    if ((kept->crossed || kept->near || kept->seen) && !bound)
+    if ((kept->passing.crossed || kept->passing.near || kept->passing.seen) && !bound)
         return 0;
-    if (!is_flag(kept->marked) || kept->unlooked < 0 || (kept->marked && !marks))
+    if (!is_flag(kept->short_force.known) || kept->short_force.unlooked < 0 ||
+        (kept->short_force.known && !marks))
         return 0;
-    if (kept->trouble > PK_DONE || kept->trouble <= PK_STATUS_LAST)
+    if (kept->trouble.status > PK_DONE || kept->trouble.status <= PK_STATUS_LAST)
         return 0;
     if (!pk_finite(it->t) || !pk_finite(it->last_t) || !pk_finite(kept->h) ||
         !(it->options.h >= 0) || !pk_finite(it->options.h))
@@ -85,8 +72,7 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     pk_keep(k, &it->count, sizeof it->count);
     pk_keep(k, &it->passed_over, sizeof it->passed_over);
     pk_keep(k, &it->status, sizeof it->status);
-    pk_keep(k, &it->where, sizeof it->where);
-    pk_keep(k, &it->detail, sizeof it->detail);
+    pk_keep(k, &it->reason, sizeof it->reason);
     pk_keep(k, &it->event, sizeof it->event);
     pk_keep(k, &it->options.h, sizeof it->options.h);
     const enum pk_status status = it->method->keep ? it->method->keep(it, k) : PK_DONE;

@@ -161,7 +161,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         if (count == 0)
             raise_scale(w);
         const pk_real size = corrected(w, 0), rate = count ? size / before : 1;
-        it->detail = size;
+        it->reason.value = size;
         if (!pk_finite(size))
             return 0;
         if (count && size > FAR)
@@ -216,8 +216,9 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
         part /= 4;
         if (part < SHORTEST) {
             w->h = h;
-            return pk_fail_with(it, converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE, PK_BY_NEWTON,
-                                pk_abs(it->own->h) * made);
+            return pk_fail_with(
+                it, converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE,
+                (struct pk_reason){.kind = PK_BY_NEWTON, .value = pk_abs(it->own->h) * made});
         }
     }
     return PK_DONE;
@@ -250,6 +251,6 @@ enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variatio
         return PK_DONE;
     if (w->whole && it->options.iteration != PK_FIXED_POINT)
         return follow(it, w);
-    it->where = PK_BY_FIXED_POINT;
+    it->reason.kind = PK_BY_FIXED_POINT;
     return PK_NO_CONVERGENCE;
 }

@@ -78,7 +78,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
             }
         }
         if (y->count >= most || (y->count >= 3 && rate > PK_C(0.7))) {
-            it->detail = PK_F(sqrt)(y->change2 / (y->size2 + PK_TINY));
+            it->reason.kind = 0;
+            it->reason.value = PK_F(sqrt)(y->change2 / (y->size2 + PK_TINY));
             return PK_NO_CONVERGENCE;
         }
     }

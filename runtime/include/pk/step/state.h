@@ -14,49 +14,78 @@
 #define PK_HAVE_FMA
 #endif
 
+/* Fixed steps: t = anchor + count * h, never a running sum. */
+struct pk_grid {
+    pk_real anchor, count;
+    int off; /* the current step is shorter and ends the grid */
+};
+
+/* How far the steps have come; for the checks of progress in src/integrate/grid.c. */
+struct pk_progress {
+    pk_real passed;                  /* sum of the lengths of all steps since init */
+    pk_real judged_passed, judged_t; /* at the last check: passed, t, trials, rejections */
+    unsigned long judged, judged_rejections;
+    pk_real longest; /* longest rejected step */
+};
+
+/* When rounding was last measured: count.rejections and the step size; src/core/rounding.c. */
+struct pk_rounding {
+    unsigned long rejections;
+    pk_real step;
+};
+
+/* Flags of src/constraints/singular_crossing.c: the last step crossed a singular position, the state
+ * is near one, and PK_SEEN... of the end of the step. */
+struct pk_passing {
+    int crossed, near, seen;
+};
+
+/* The limits of src/core/short_force_limiter.c. */
+struct pk_short_force {
+    int known, unlooked;   /* values at the start are known; fixed steps that stay unexamined */
+    pk_real reach, rise;   /* limit of the next step, 0: none; of the one after it */
+    pk_real calm;          /* length of the last step in which marks hardly varied */
+    pk_real range, varied; /* variation of marks in the trial step; the part of it that matters */
+};
+
+/* The last trial step that broke down: the cause to report if step sizes then underflow just before
+ * reason.time. PK_DONE: none. */
+struct pk_trouble {
+    enum pk_status status;
+    struct pk_reason reason;
+};
+
 /* The private part of an integrator, it->own, for methods and the runtime alone. */
 struct pk_integrator_private {
+    /* Addresses, which a saved integrator (pk/keep.h) does not have; all before `slopes`. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* of method or system */
-    pk_real *state, *next; /* each with the parts of pk/step/numbers.h */
-    pk_real *u, *work;     /* u: inputs at one time, then those of each lane */
-    pk_real *atol; /* absolute tolerances of q, then v; NULL: fixed steps; src/core/scale.c */
-    unsigned long rounded;  /* count.rejections when rounding was last measured */
-    pk_real looked;         /* step size at that time */
-    pk_real *singularities; /* NULL: the system has none; see src/core/singularity.c */
-    size_t n_singularities; /* number of their values; for a family one for each member */
-    int slopes;             /* flags of singularity.c: which slopes are known here */
+    pk_real *state, *next;  /* each with the parts of pk/step/numbers.h */
+    pk_real *u, *work;      /* u: inputs at one time, then those of each lane */
+    pk_real *atol;          /* absolute tolerances of q, then v; NULL: fixed steps; core/scale.c */
     pk_real *lane;          /* one state and its acceleration, for a system without lane kernels */
-    pk_real passed;         /* sum of the lengths of all steps since init */
-    pk_real judged_passed;  /* at the last check of progress: passed, t, trials, rejections */
-    pk_real judged_t;
-    unsigned long judged, judged_rejections;
-    pk_real longest;      /* longest rejected step */
-    pk_real next_t;       /* end of the current step */
-    pk_real h;            /* signed step size, of the last step or the next */
-    pk_real anchor, grid; /* fixed steps: t = anchor + grid * h, never a running sum */
-    pk_real error;        /* adaptive: of the last accepted step, relative to the tolerance */
-    int off_grid;         /* fixed steps: the current one is shorter and ends the grid */
-    int ready;            /* a start was accepted; otherwise no step is made */
-    int made;             /* tables that a method makes once, for any start, are made */
-    int direction;        /* +1, -1, 0 before the first step */
-    int flags;            /* PK_HAVE_A and so on */
-    pk_real condition;    /* for a singular M: the least pivot relative to its diagonal entry */
-    pk_real *project;     /* rotations and constraints: src/constraints/project.c; NULL: none */
-    pk_real *crossing;    /* src/constraints/singular_crossing.c; NULL: there are no constraints */
-    int crossed, near,
-        seen;        /* flags of constraints/singular_crossing.c: last step crossed; near one */
-    pk_real *params; /* memory for a copy of the params */
-    pk_real *marks; /* their values at the start, ...: src/core/short_force_limiter.c; NULL: none */
-    int marked, unlooked;   /* values at the start are known; fixed steps that stay unexamined */
-    pk_real reach, rise;    /* limit of the next step for marks, 0: none; of the one after it */
-    pk_real calm;           /* length of the last step in which marks hardly varied */
-    pk_real range, varied;  /* variation of marks in the trial step; the part of it that matters */
-    enum pk_status trouble; /* status, time, where and condition of the last trial step that */
-    pk_real trouble_t;      /* broke down: the cause to report if step sizes then underflow */
-    size_t trouble_where;   /* just before it */
-    pk_real trouble_condition;
+    pk_real *singularities; /* NULL: the system has none; see src/core/singularity.c */
+    pk_real *project;       /* rotations and constraints: src/constraints/project.c; NULL: none */
+    pk_real *crossing; /* src/constraints/singular_crossing.c; NULL: there are no constraints */
+    pk_real *marks;    /* their values at the start, ...: short_force_limiter.c; NULL: none */
+    pk_real *params;   /* memory for a copy of the params */
     struct pk_ahead *ahead; /* NULL: no steps are made ahead */
     void *extra;            /* memory of a foreign library */
+    size_t n_singularities; /* number of their values; for a family one for each member */
+
+    int slopes;     /* flags of singularity.c: which slopes are known here */
+    int ready;      /* a start was accepted; otherwise no step is made */
+    int made;       /* tables that a method makes once, for any start, are made */
+    int direction;  /* +1, -1, 0 before the first step */
+    int flags;      /* PK_HAVE_A and so on */
+    pk_real next_t; /* end of the current step */
+    pk_real h;      /* signed step size, of the last step or the next */
+    pk_real error;  /* adaptive: of the last accepted step, relative to the tolerance */
+    struct pk_grid grid;
+    struct pk_progress progress;
+    struct pk_rounding rounding;
+    struct pk_passing passing;
+    struct pk_short_force short_force;
+    struct pk_trouble trouble;
 };
 
 /* it->own->flags */
@@ -135,7 +164,7 @@ static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x,
 {
     x->planned = planned;
     x->rejected = 1;
-    it->own->longest = pk_max(it->own->longest, pk_abs(x->h));
+    it->own->progress.longest = pk_max(it->own->progress.longest, pk_abs(x->h));
     it->count.rejections++;
     it->own->h = x->sign * planned;
 }
@@ -163,10 +192,9 @@ static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_tri
 /* Records that a trial step up to t broke down. */
 static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
 {
-    it->own->trouble = status;
-    it->own->trouble_t = t;
-    it->own->trouble_where = it->where;
-    it->own->trouble_condition = it->own->condition;
+    it->own->trouble.status = status;
+    it->own->trouble.reason = it->reason;
+    it->own->trouble.reason.time = t;
 }
 
 PK_BEGIN
@@ -183,7 +211,7 @@ void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, 
                  pk_real *u);
 const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
                                 const pk_real *v);
-/* Returns the status of an acceleration that returned `failed`; sets it->where and it->detail. */
+/* Returns the status of an acceleration that returned `failed`; sets it->reason. */
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed);
 /* Calls system->lanes(), or acceleration() for each lane if the system has none. */

@@ -1,0 +1,68 @@
+"""The layer of runs (pk/run.h) in process: runs in threads, and settings that a caller changes."""
+
+from __future__ import annotations
+
+import array
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import checkpoint_runs as runs
+import pytest
+
+from pkgen.cli.run import prepared
+from pkgen.run import library
+from pkgen.run.ensemble import Column, Ensemble
+
+KEPLER = """model kepler
+param mu = 1
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential -mu/sqrt(x^2 + y^2)
+start x = 0.4, y' = 2
+"""
+
+
+@pytest.fixture(scope="module")
+def what(tmp_path_factory: pytest.TempPathFactory):
+    path = tmp_path_factory.mktemp("layer") / "kepler.lag"
+    path.write_text(KEPLER)
+    words = ("--until", "40", "--every", "4", "--method", "dop853", "--diagnose", "lrl")
+    return prepared(runs.options(path, *words))
+
+
+def test_runs_in_threads_have_their_own_particles(what) -> None:
+    def found(k: int) -> dict:
+        settings = replace(what.settings, start_q=((0, 0.4 + 0.05 * (k % 8)),))
+        return library.load(what.library).run(settings).report["diagnostics"]["lrl"]
+
+    alone = [found(k) for k in range(8)]
+    assert len({one["pericentres"] for one in alone}) > 1
+    with ThreadPoolExecutor(8) as pool:
+        assert [*pool.map(found, range(64))] == alone * 8
+
+
+def test_threads_read_the_list_of_methods(what) -> None:
+    of = library.load(what.library)
+    alone = of.methods()
+    with ThreadPoolExecutor(8) as pool:
+        assert all(one == alone for one in pool.map(lambda _: of.methods(), range(64)))
+
+
+def test_a_run_has_copies_of_its_settings(what, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = replace(what.settings, diagnose=(), parameters=((0, 1.5),))
+    members = Ensemble("", (Column("", "q", 0, ""),), range(1, 4), array.array("d", (0.3, 0.4, 0.5)))
+    whole = library.load(what.library).run(settings, None, members).rows()
+    given = []
+
+    def idle(of, asked, poll, _):
+        given.append(asked)
+        return run(of, asked, poll, True)
+
+    run = library.Run
+    monkeypatch.setattr(library, "Run", idle)
+    late = library.load(what.library).run(settings, None, members)
+    given[0].parameters[0].value = 9.0
+    given[0].member_values[0] = 9.0
+    assert late._c.pk_run_go(late._run) == 0
+    assert (late.rows() == whole).all() and len(whole) > 20
