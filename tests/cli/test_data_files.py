@@ -9,7 +9,6 @@ import pytest
 
 from conftest import seeds
 from pkgen.__main__ import main
-from pkgen.cli.commands import commands
 
 MODEL = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
 PLAN = "until = 1\nmembers = 4\nstep = 0.1\nmethod = 'rk4'\n[random]\na = '0 .. 1'\n"
@@ -71,12 +70,10 @@ def _valid(folder: Path) -> dict[str, str]:
     parquet.write_table(table({"a": [0.0, 0.5], "a'": [1.0, 2.0]}), folder / "members.parquet")
     (folder / "plan.toml").write_text(PLAN)
     (folder / "mine.tab").write_text("0 |\n1/2 | 1/2\n-----\n | 0 1\n")
-    swept = {"plan.toml": "sweep m.lag -q -o e --plan plan.toml", "d/plan.json": "sweep --status d"}
-    if "sweep" in commands():
-        assert main(["sweep", "m.lag", "--plan", "plan.toml", "-o", "d"]) == 0
-    else:
-        swept = {}
-    return swept | {
+    assert main(["sweep", "m.lag", "--plan", "plan.toml", "-o", "d"]) == 0
+    return {
+        "plan.toml": "sweep m.lag -q -o e --plan plan.toml",
+        "d/plan.json": "sweep --status d",
         "rows.npy": "plot rows.npy -o a.svg",
         "rows.csv": "plot rows.csv -o a.svg",
         "members.csv": "run m.lag --until 1 --ensemble members.csv",
@@ -95,6 +92,7 @@ def _mutated(dice: random.Random, data: bytes) -> bytes:
     return data
 
 
+@OF_SWEEP
 @pytest.mark.parametrize("seed", seeds([1, 0, 2], 37))
 def test_no_mutation_of_a_file_is_an_internal_error(seed, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)

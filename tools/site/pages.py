@@ -40,7 +40,7 @@ FOLDERS = {
 }
 # In this order; a page that is in none goes to the last.
 SECTIONS = {
-    "Tutorial": ("tutorial", "guide", "cheatsheet", "web", "plot", "film"),
+    "Tutorial": ("tutorial", "guide", "cheatsheet", "web", "plot", "pages", "film"),
     "Reference": (
         "language",
         "commands",
@@ -52,6 +52,7 @@ SECTIONS = {
         "control",
         "reductions",
         "accuracy",
+        "peers",
         "enclose",
         "stability",
         "charts",
