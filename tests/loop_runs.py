@@ -1,5 +1,6 @@
 """Random models whose runs as loops are compared with runs of their members written out: chains of
-rods, rings, wheels that roll, bodies on joints. Each start is on its constraints."""
+rods, rings, wheels that roll, bodies on joints, states of members.
+Each start is on its constraints."""
 
 from __future__ import annotations
 
@@ -106,3 +107,60 @@ def bodies(dice: random.Random, size: int = 5) -> str:
     if kind == "free":
         text += "start x[i = 1..N]' = 0.3, z[i = 1..N]' = 1\n"
     return text + "observe first = lambda_joint_x[1]\nobserve tip = (R[N]*[1, 0, 0]).z\n"
+
+
+ENDS = (
+    "fixed {f}[0] = {g}\nfixed {f}[N+1] = {g}\n",
+    "free {f}[0]\nfixed {f}[N+1] = {g}\n",
+    "free {f}[0]\nfree {f}[N+1]\n",
+    "periodic {f}\n",
+)
+OF_TIME = ("0", "0.3", "sin(t)", "cos(2*t)/3")
+
+
+def states(dice: random.Random, coordinates: bool = True, size: int = 23) -> str:
+    """Displacements q, states u of each member, a state s of all: ends of every kind, inertia that
+    couples neighbours and varies, states in V, D and forces, rates of whatever is near."""
+
+    def number() -> str:
+        return f"{dice.uniform(0.2, 1.5):.3f}"
+
+    def of(*choices: str) -> str:
+        return dice.choice(choices)
+
+    text = (
+        f"model chain\nsize N = {size}\nparam k = {number()}\nparam w[i = 1..N] = 1 + k/(i + 1)\n"
+    )
+    text += "coord q[1..N]\ncoord X\n" if coordinates else ""
+    text += "state u[1..N]\nstate s\n"
+    for family in ("q", "u") if coordinates else ("u",):
+        text += dice.choice(ENDS).format(f=family, g=of(*OF_TIME))
+    near = "q[i]" if coordinates else "u[i]"
+    if coordinates:
+        banded = of(
+            "", "", " + sum((2 + cos(q[i]))*(q[i+1]' - q[i]')^2/9, i = 1..N-1)", " + q[2]'*X'/3"
+        )
+        text += f"kinetic sum(w[i]*q[i]'^2/2, i = 1..N) + X'^2{banded}\n"
+        stiff = of("1", "k", "(1 + u[i]^2/3)", "(1 + s^2/5)")
+        text += f"potential sum({stiff}*(q[i] - q[i-1])^2/2, i = 1..N) + sum(q[i]^4/4, i = 1..N)"
+        text += of("", " + (X - q[3])^2/2", " + X^2*u[2]") + "\n"
+        if dice.random() < 0.5:
+            text += f"dissipation sum({of(number(), 'u[i]^2')}*q[i]'^2/20, i = 1..N)\n"
+        if dice.random() < 0.5:
+            pull = of("s", "u[i]", "sin(t)", f"sum(sin({near} - q[j]), j = {of('1..N', '1..i')})/N")
+            text += f"force q[i = {of('1..N', '2..N-1', '3..3')}] = {pull}*w[i]/4\n"
+    mixed = ("s", "k*w[i]", f"sin({near})", "exp(-u[i]^2)*cos(t)", *(["q[i]'"] * coordinates))
+    over = of("1..N", "i+1..N", "2..N-1")
+    all_ = of("", f" + k*sum(w[j]*sin(u[j] - u[i]) + {near}*u[j], j = {over})/N")
+    spread = of("1", "w[i]") + "*(u[i-1] - 2*u[i] + u[i+1])"
+    first = of("", f"rate u[1] = -u[1] + {of('s', 'sin(t)')}\n")
+    begin = 2 if first else 1
+    text += first + f"rate u[i = {begin}..N] = {spread} - u[i]^3 + {of(*mixed)}{all_}\n"
+    felt = ("sin(t)", "u[2]", "sum(w[i]*u[i]^2, i = 1..N)/N", *(["X", "q[1]"] * coordinates))
+    text += f"rate s = -s*{number()} + {of(*felt)}\n"
+    text += "start u[i = 1..N] = cos(i)\nstart s = 0.4\n"
+    text += "start q[i = 1..N] = 0.3*sin(2*i)\nstart q[2]' = 0.5\n" if coordinates else ""
+    text += "observe total = sum(u[i]^2, i = 1..N) + s*t\n"
+    return (
+        text + f"event near: {of('u[3] - s', 'sum(u[i], i = 1..N) - 1', 'u[N]*s - 0.1')} either\n"
+    )

@@ -3,8 +3,8 @@
     python tools/mutants.py [NAME…]    all of them, or some; prints a table
 
 The first line of a patch says the fault. Its second line names the tests that have to fail:
-arguments of pytest. A mutant is killed if one fails, and survives otherwise. The tests have to
-pass without it, so the copy is also tried as it is.
+arguments of pytest. A mutant is killed if a quick one fails, which has to pass without it, and
+survives otherwise.
 """
 
 from __future__ import annotations
@@ -41,23 +41,25 @@ def outcome(python: Path, words: list[str]) -> tuple[int, str]:
     env = os.environ | {"PYTHONPATH": "", "CFLAGS": "-O1"}
     done = subprocess.run(command, cwd=TREE, env=env, capture_output=True, text=True)
     failed = [line for line in done.stdout.splitlines() if line.startswith("FAILED ")]
-    return done.returncode, failed[0].split()[1] if failed else ""
+    named = failed[0].removeprefix("FAILED ").rpartition(" (")[0] if failed else ""
+    return done.returncode, named
 
 
 def tried(python: Path, patch: Path) -> str:
     _, words = head(patch)
-    code, where = outcome(python, words)
-    if code != PASSED:
-        return f"its tests fail without it: {where or f'pytest ends with {code}'}"
     if not patched(TREE, patch):
         return "it does not apply"
     try:
         code, where = outcome(python, words)
     finally:
         patched(TREE, patch, "--reverse")
-    if code in (FAILED, PASSED):
-        return f"killed by {where}" if code == FAILED else "SURVIVED"
-    return f"pytest ends with {code}"
+    if code == PASSED:
+        return "SURVIVED"
+    if code != FAILED or not where:
+        return f"pytest ends with {code}"
+    if outcome(python, [where])[0] != PASSED:
+        return f"{where} fails without it too"
+    return f"killed by {where}"
 
 
 def main() -> int:

@@ -144,7 +144,7 @@ def test_c_on_standard_output_compiles_as_it_is(tmp_path: Path) -> None:
     done = run_pkgen(HOOP, "-o", "-", cwd=tmp_path)
     assert done.returncode == 0 and list(tmp_path.iterdir()) == []
     command = [
-        *"gcc -std=c99 -Wall -Werror -x c -c - -o".split(),
+        *["gcc", "-std=c99", "-Wall", "-Werror", "-x", "c", "-c", "-", "-o"],
         tmp_path / "hoop.o",
     ]
     subprocess.run(command, input=done.stdout, text=True, check=True)

@@ -3,73 +3,8 @@ explicit and implicit methods, with events on members, in rings, in ensembles.""
 
 from __future__ import annotations
 
-import random
-from pathlib import Path
-
 import pytest
-from loop_runs import bodies, rope
-from rotation_models import made
 from test_loops_features import both, rows  # noqa: F401 (a fixture)
-
-from conftest import ran
-
-METHODS = {
-    "gauss2": ("--step", "0.05"),
-    "dop853": ("--rtol", "1e-11"),
-    "radau": ("--rtol", "1e-9"),
-    "lobatto3": ("--step", "0.05"),
-    "gauss": ("--rtol", "1e-11"),
-    "radau5": ("--step", "0.05"),
-    "gauss4": ("--step", "0.1"),
-    "rk4": ("--step", "0.02"),
-}
-SHORT = {("rope", 1)}
-MADE = {"rope": rope, "bodies": bodies, "spins": lambda dice: made(dice, 3).text}
-CASES = [
-    pytest.param(name, seed, marks=[] if (name, seed) in SHORT else pytest.mark.long)
-    for name in MADE
-    for seed in range(5)
-]
-
-
-@pytest.mark.parametrize(("name", "seed"), CASES)
-def test_random_models_are_those_of_members_written_out(name: str, seed: int, both) -> None:  # noqa: F811
-    dice = random.Random(seed)
-    text = MADE[name](dice)
-    method = [*METHODS][(seed * 3 + len(name)) % len(METHODS)]
-    words = ("--until", 1, "--every", 0.25, "--method", method, *METHODS[method])
-    words = (*words, "--max-seconds", 60)  # a loaded machine writes out for more than 8
-    (loops, told), (written, said) = both(text, *words)
-    error = 1e-8 if method == "radau" else 3e-11
-    assert len(loops) == len(written) == 5
-    for one, other in zip(loops, written, strict=True):
-        # Rotations stand one behind the other if written out.
-        assert sorted(one) == pytest.approx(sorted(other), rel=error, abs=error), text
-    for one, other in zip(told.get("events", []), said.get("events", []), strict=True):
-        assert one["times"] == pytest.approx(other["times"], abs=1e-7), text
-    assert loops[0][1:] != loops[-1][1:]
-
-
-@pytest.mark.parametrize("method", [("rk4", "--step", "0.02"), ("gauss2", "--step", "0.05")])
-def test_members_of_an_ensemble_of_ropes_are_single_runs(
-    method: tuple[str, ...],
-    pkgen,
-    tmp_path: Path,
-) -> None:
-    model, table = tmp_path / "rope.lag", tmp_path / "members.csv"
-    model.write_text(rope(random.Random(5), 70))
-    table.write_text("k,X'\n0.5,0\n1.5,0\n0.7,0\n")
-    how = ("--until", 0.5, "--every", 0.25, "--method", *method, "--record", "x[3],y[70],pull")
-    several = ran("run", model, *how, "--ensemble", table, "--threads", 2)
-    found = rows(several.stdout)
-    for member, k in enumerate((0.5, 1.5, 0.7)):
-        done = ran("run", model, *how, "--set", f"k={k}")
-        mine = [row[1:] for row in found if row[0] == member + 1]
-        assert len(mine) == 3
-        for one, other in zip(rows(done.stdout), mine, strict=True):
-            assert one == pytest.approx(other, rel=1e-10, abs=1e-10)
-    assert found[2][2:] != found[5][2:]
-
 
 LINEAR = """\
 model linear

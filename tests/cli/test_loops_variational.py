@@ -3,47 +3,12 @@ Beside the same steps of members written out, whose matrices are whole."""
 
 from __future__ import annotations
 
-import random
 from pathlib import Path
 
 import pytest
-from loop_runs import bodies, rope
-from rotation_models import made
 from test_loops_features import both  # noqa: F401 (a fixture)
 
 from conftest import case, rows
-
-MADE = {
-    "rope": (rope, (0, 1, 2, 3, 4, 6, 9, 10)),
-    "bodies": (bodies, (0, 2, 4, 5, 6, 7)),
-    "spins": (lambda dice: made(dice, 3).text, range(8)),
-}
-METHODS = ("rattle", "lie_midpoint", "rattle4", "lie_midpoint6")
-QUICK = {("rope", 3), ("spins", 1)}
-CASES = [
-    pytest.param(name, seed, METHODS[(seed + k) % 4], marks=[] if quick else pytest.mark.long)
-    for k, (name, (_, seeds)) in enumerate(MADE.items())
-    for seed in seeds
-    for quick in [(name, seed) in QUICK]
-]
-
-
-@pytest.mark.parametrize(("name", "seed", "method"), CASES)
-def test_steps_are_those_of_members_written_out(
-    name: str,
-    seed: int,
-    method: str,
-    both,  # noqa: F811
-) -> None:
-    text = MADE[name][0](random.Random(seed))
-    words = ("--until", 0.4, "--every", 0.1, "--method", method, "--step", 0.02)
-    (loops, _), (written, _) = both(text, *words, "--max-seconds", 60)
-    assert len(loops) == len(written) == 5
-    for one, other in zip(loops, written, strict=True):
-        # Rotations stand one behind the other if written out.
-        assert sorted(one) == pytest.approx(sorted(other), rel=1e-10, abs=1e-10), text
-    assert loops[0][1:] != loops[-1][1:]
-
 
 ROPE = case("rope")
 

@@ -11,10 +11,6 @@ import pytest
 from rotation_models import made
 
 from conftest import case, ran, seeds
-from pkgen.__main__ import main
-from pkgen.compiler import compile_model
-from pkgen.scenes import lengths
-from pkgen.source import Source
 
 
 def numbers(pkgen, model: Path, *options: object) -> list[list[float]]:
@@ -42,35 +38,6 @@ def test_members_are_rotations_one_by_one(seed: int, pkgen, tmp_path: Path) -> N
     assert off(numbers(pkgen, singles, *how), found) < 1e-12
 
 
-SIZES = (3, 2, 1, 20)
-METHODS = ("dop853 --rtol 1e-12", "rkmk4 --step 0.01", "gauss --rtol 1e-12", "rk4 --step 0.01")
-
-
-@pytest.mark.parametrize("seed", seeds([5, 0, 1], 21))
-def test_loops_are_members_written_out(seed: int, tmp_path: Path, monkeypatch) -> None:
-    """Ends of every kind, inertia that varies and couples, beside coordinates and one rotation."""
-    dice = random.Random(seed)
-    m = made(dice, SIZES[seed % 4])
-    event = f"event turned: {dice.choice(('R[1].x - 0.1', 'S.x - 0.05', 'R[N].w - 0.9'))} either\n"
-    text = m.text + event
-    assert compile_model(Source("spins.lag", text)).looped
-    model, found = tmp_path / "spins.lag", []
-    model.write_text(text)
-    name, option, value = METHODS[seed % 3 if seed < 10 else dice.randrange(4)].split()
-    for unrolled in (0, 10**6):
-        monkeypatch.setattr(lengths, "UNROLL", unrolled)
-        rows = tmp_path / f"{unrolled}.csv"
-        how = ("--until", 1.3, "--every", 0.65, "--method", name, option, value)
-        how += ("--max-seconds", 60)  # twenty members written out take a loaded machine more than 8
-        how += ("--record", ",".join((*m.outputs, "R[1]", "omega(R[1])")), "-o", rows)
-        assert main([*map(str, ("run", model, *how))]) == 0
-        table = list(csv.reader(io.StringIO(rows.read_text())))
-        assert table[0][-1] == "omega(R[1]).z"
-        found.append([[float(x) for x in row] for row in table[1:]])
-    assert off(*found) < 1e-12
-    assert found[0][0][1] != found[0][-1][1]
-
-
 WAVE = Path(__file__).parent / "spin_wave.lag"
 
 
@@ -86,18 +53,6 @@ def test_a_spin_wave_of_any_size(method: str, pkgen, tmp_path: Path) -> None:
     model.write_text(WAVE.read_text().replace("gauss rtol 1e-12", method))
     done = pkgen("run", model, "--scene", "wave")
     assert done.returncode == 0 and "3 of 3 met" in done.stderr, done.stderr
-
-
-def test_members_of_an_ensemble_are_single_runs(pkgen, tmp_path: Path) -> None:
-    table = tmp_path / "members.csv"
-    table.write_text("J,omega(R[3]).x\n1,0.5\n2,0.1\n")
-    how = "--until", 1, "--every", 0.5, "--method", "rk4", "--step", 0.05
-    how += "--record", "R[4],omega(R[3])"
-    found = numbers(pkgen, WAVE, *how, "--ensemble", table)
-    for member, (stiff, rate) in enumerate(((1, 0.5), (2, 0.1))):
-        given = "--set", f"J={stiff}", "--start", f"omega(R[3]).x={rate}"
-        alone = numbers(pkgen, WAVE, *how, *given)
-        assert alone == [row[1:] for row in found if row[0] == member + 1]
 
 
 def test_one_of_a_family_is_a_free_body(pkgen, tmp_path: Path) -> None:

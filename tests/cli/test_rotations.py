@@ -48,27 +48,6 @@ def test_a_motion_of_an_attitude_is_the_whole(pkgen, tmp_path):
     )
 
 
-def test_members_are_single_runs(pkgen, tmp_path):
-    path = written(tmp_path, THROWN)
-    several = rows(pkgen, path, "--scene", "many")
-    assert len(several) == 9 * 4
-    k = 7
-    single = rows(
-        pkgen,
-        path,
-        *("--method", "rk4", "--step", "0.01", "--until", "3", "--every", "1"),
-        *("--start", "omega(R).x=0", "--start", f"omega(R).y={k / 5}"),
-        *("--start", "omega(R).z=0.1", "--start", f"R.w={math.cos(k / 20):.17g}"),
-        *("--start", "R.x=0", "--start", f"R.z={math.sin(k / 20):.17g}"),
-    )
-    mine = [row for row in several if row["k"] == k]
-    for a, b in zip(mine, single, strict=True):
-        for name in ("R.w", "R.x", "R.y", "R.z", "z"):
-            assert a[name] == pytest.approx(b[name], abs=1e-14)
-    norms = [sum(row[f"R.{c}"] ** 2 for c in "wxyz") for row in several]
-    assert max(abs(norm - 1) for norm in norms) < 4e-15
-
-
 def test_an_event_is_met_by_a_step_on_the_group(pkgen, tmp_path):
     (row,) = rows(pkgen, written(tmp_path, THROWN), "--scene", "landing")
     assert row["t"] == pytest.approx(2 + math.sqrt(3), abs=1e-9)

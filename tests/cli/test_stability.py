@@ -216,7 +216,7 @@ def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
         "model spring\nparam k = 1\ncoord x\nkinetic x'^2/2\npotential k/2*x^2\nstart x = 1\n"
     )
     asked = [
-        *"--vary k=1..4 --points 20x4 --methods verlet -o".split(),
+        *["--vary", "k=1..4", "--points", "20x4", "--methods", "verlet", "-o"],
         tmp_path,
         "--json",
     ]

@@ -96,7 +96,7 @@ def test_the_chart_has_states(tmp_path: Path) -> None:
     done = ran(
         "chart",
         model,
-        *"--until 5 --quick --methods rk4,gauss,radau,verlet -o".split(),
+        *["--until", "5", "--quick", "--methods", "rk4,gauss,radau,verlet", "-o"],
         tmp_path,
         "--json",
     )

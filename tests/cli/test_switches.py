@@ -105,23 +105,6 @@ def test_explain_lists_them(pkgen, write) -> None:
     assert "between zeros of t - t0, which" in said  # of parameters alone it is a constant
 
 
-def test_members_run_as_they_do_alone(pkgen, write) -> None:
-    swarm = """scene many
-  swarm i = 1..70
-  start x = 0.1 + 0.01*i
-  until 5
-  method rk4 step 0.01
-  record x, energy every 1
-end
-"""
-    path = write(TRAMPOLINE + swarm)
-    done = pkgen("run", path, "--scene", "many", "--json")
-    rows = [row[1:] for row in json.loads(done.stdout)["rows"] if row[0] == 67]
-    run = ("run", path, "--start", "x=0.77", "--until", "5", "--every", "1", "--json")
-    alone = pkgen(*run, "--method", "rk4", "--step", "0.01", "--record", "x,energy")
-    assert rows == json.loads(alone.stdout)["rows"] and len(rows) == 6
-
-
 def test_a_box_of_soft_walls(pkgen, write) -> None:
     """Twenty thousand switchings, several of them in one step: two methods find the same ones."""
     text = """model box

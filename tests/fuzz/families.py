@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / x) for x in ("generator", "tests", "tests/generator")]
 from carried_models import held, links, turned  # noqa: E402
 from chain_models import drawn  # noqa: E402
-from loop_runs import rope  # noqa: E402
+from loop_runs import bodies, rope, states  # noqa: E402
 from rotation_models import made  # noqa: E402
 
 from pkgen.__main__ import main as command  # noqa: E402
@@ -61,7 +61,9 @@ METHODS = {
     "boris": STEPS,
     "boris4": STEPS,
     "rattle": STEPS,
+    "rattle4": STEPS,
     "lie_midpoint": STEPS,
+    "lie_midpoint6": STEPS,
     "rkmk4": STEPS,
     "exponential": STEPS,
     "gsl_rk8pd": ("--rtol", "1e-11"),
@@ -70,10 +72,13 @@ METHODS = {
 }
 KINDS: dict[int, Callable[[random.Random], str]] = defaultdict(lambda: drawn) | {
     1: lambda dice: drawn(dice, jolts=True),
+    2: bodies,
     3: links,
     5: held,
+    6: states,
     7: rope,
     9: turned,
+    10: lambda dice: states(dice, coordinates=False),
     11: lambda dice: links(dice, states=True),
     13: lambda dice: drawn(dice, jolts=True),
     15: lambda dice: made(dice, dice.randint(1, 4)).text,
@@ -267,7 +272,7 @@ def friction(dice: random.Random, text: str) -> str:
 
 
 def text_of(seed: int, dice: random.Random | None = None) -> str:
-    """Three in four are chains, the others what other tests draw: links, ropes, spins."""
+    """Of one kind in sixteen: chains, links, ropes, bodies, spins, states of members."""
     dice = dice or random.Random(seed)
     text = KINDS[seed % 16](dice)
     if seed % 16 in (3, 7) and dice.random() < 0.4:

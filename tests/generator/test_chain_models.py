@@ -1,4 +1,4 @@
-"""Random chain models as loops and with their members written out: tests/fuzz/families.py."""
+"""Random families as loops and with their members written out: tests/fuzz/families.py."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ from conftest import ROOT, seeds
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
 import families
 
+# One of each kind that stays loops.
+EACH = (17, 18, 19, 21, 22, 23, 25, 26, 27, 31)
 
-@pytest.mark.parametrize("seed", seeds([17, 1, 4], 9))
+
+@pytest.mark.parametrize("seed", [*EACH, *seeds((), 32)])
 def test_loops_are_members_written_out(seed: int) -> None:
     verdict, seen = families.alone(seed)
-    assert verdict in ("agree", "written out", "refused"), (
-        f"{verdict}: {seen}\n{families.text_of(seed)}"
-    )
+    wanted = ("agree",) if seed in EACH else ("agree", "written out", "refused")
+    assert verdict in wanted, f"{verdict}: {seen}\n{families.text_of(seed)}"
 
 
 def test_a_wrong_row_is_found(monkeypatch) -> None:

@@ -60,7 +60,7 @@ def test_header_from_cpp(made, compiler, tmp_path):
     (tmp_path / "use.cpp").write_text(f'#include "{name}.h"\nint main() {{ return 0; }}\n')
     run(
         compiler,
-        *"-std=c++17 -Wall -Wextra -Werror".split(),
+        *["-std=c++17", "-Wall", "-Wextra", "-Werror"],
         *RUNTIME,
         "-c",
         "use.cpp",

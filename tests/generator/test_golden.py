@@ -1,5 +1,5 @@
-"""Three models' C, kept under version control so that every change of the output is seen: to be
-embedded, for the runtime with events, for the runtime with families as loops.
+"""The C of two models under version control shows every change of the output: a plain one to be
+embedded, and one of the runtime with families as loops.
 
 After a wanted change: PKGEN_UPDATE=1 pytest tests/generator/test_golden.py  (make golden)
 """
@@ -19,7 +19,6 @@ from pkgen.source import Source
 GOLDEN = ROOT / "tests" / "golden"
 NAMES = {
     "double_pendulum": {"plain": True, "kernels": PLAIN},
-    "particles/thrown_stone": {},
     "chains/fput": {},
 }
 

@@ -85,7 +85,7 @@ def test_many_links_lose_no_digits(tmp_path) -> None:
     at, dice = Looped(LINKS, tmp_path).at(20), random.Random(3)
     (tmp_path / "long.c").write_text(LONG)
     run(
-        *"gcc -std=c99 -DPK_LONG_DOUBLE long.c links.c -o long -lm".split(),
+        *["gcc", "-std=c99", "-DPK_LONG_DOUBLE", "long.c", "links.c", "-o", "long", "-lm"],
         cwd=tmp_path,
     )
     for _ in range(5):

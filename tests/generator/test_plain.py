@@ -35,7 +35,7 @@ class Loaded:
         for file, content in made.files.items():
             (folder / file).write_text(content, encoding="utf-8")
         flags = (
-            *"-O1 -ffp-contract=off -shared -fPIC".split(),
+            *["-O1", "-ffp-contract=off", "-shared", "-fPIC"],
             f"{self.name}.c",
             "-o",
             "m.so",
