@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 
 import numpy
 
-from pkgen.analysis.chart.reference import precise_tools
+from pkgen.analysis.chart.wide import precise_tools
 from pkgen.analysis.choose.trials import LAND, Rows, Trials
 from pkgen.compiler import Compilation
 from pkgen.run.build import build_library
@@ -52,7 +52,7 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
     path = FOLDER / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.npz"
     if not path.exists():
         FOLDER.mkdir(parents=True, exist_ok=True)
-        tools = precise_tools(SCALAR)[0]
+        tools = precise_tools(SCALAR)
         program = build_library(compilation.files, compilation.model.name, tools=tools)
         trials = Trials(program, settings)
         error = _make(trials, ways, settings.until)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy
 
 from pkgen.__main__ import parser_of
-from pkgen.analysis.chart.reference import precise_tools
+from pkgen.analysis.chart.wide import precise_tools
 from pkgen.analysis.choose.trials import DENSE, LAND, Rows, Trial, Trials
 from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
@@ -116,7 +116,7 @@ def find(
 
 def _of(one: Scene, scalar: str, method: str, until: float | None) -> Known:
     compilation, structure = one.compilation, one.compilation.structure
-    tools = precise_tools(scalar)[0]
+    tools = precise_tools(scalar)
     trials = Trials(
         build_library(compilation.files, compilation.model.name, tools=tools), one.settings
     )

@@ -39,6 +39,7 @@ from .middle.reduce import reduce
 from .middle.reduce.reduction import ENOUGH, Needs
 from .middle.report import Report, ReportLine
 from .model import Model
+from .plan import CompilePlan, Use
 from .record import record
 from .source import Diagnostic, ModelError, Source, Span
 from .system.progress import trace
@@ -67,22 +68,6 @@ def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[obj
 
 
 @record
-class Use:
-    """How a scene restricts a model. `model` fixes parameters and holds coordinates; `needs` gives
-    the needed outputs; `kernels` also takes (equations, structure), or None before they are known,
-    and then gives all kernels that may be needed; `reads` gives parameters that a run reads."""
-
-    model: Callable[[Model], tuple[Model, tuple[ReportLine, ...]]]
-    needs: Callable[[Model], Needs | None]  # None: everything
-    kernels: Callable[[Model, tuple | None], frozenset[str] | None] = lambda *_: None  # None: all
-    reads: Callable[[Model], frozenset[str] | None] = lambda _: None  # None: all
-    declared: Callable[[Model], Model] = lambda declared: declared  # adds declarations of options
-
-    def of(self, declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
-        return self.model(self.declared(declared))
-
-
-@record
 class CompiledPart:
     """A block of coordinates compiled as a system of its own; `coordinates` are their indices in
     the whole model."""
@@ -92,6 +77,7 @@ class CompiledPart:
     equations: Equations
     structure: Structure
     program: Program
+    plan: CompilePlan
 
 
 @record
@@ -107,6 +93,7 @@ class Compilation:
     program: Program | LoopProgram
     files: dict[str, str]
     parts: tuple[CompiledPart, ...] = ()  # blocks of coordinates that are integrated separately
+    plan: CompilePlan = CompilePlan()
 
     @property
     def looped(self) -> bool:
@@ -131,7 +118,7 @@ def stages(
     """Yields the result of each of STAGES, in order; a caller may stop after any stage.
 
     `check` yields (declared model, used model, warnings); `reduce` yields (equations, structure,
-    report); `lower` yields (program, parts).
+    report); `lower` yields (program, parts, plan).
     """
     file = parse.parse_all(source)
     yield file
@@ -143,11 +130,12 @@ def stages(
     yield declared, model, warnings
     needs = use.needs(model) if use else None
 
-    def asked(*made: object) -> frozenset[str] | None:
-        """Returns the kernels for (equations, structure); without these all that may be used."""
-        return use.kernels(model, made or None) if use and kernels is None else kernels
+    def planned(*made: Any) -> CompilePlan:
+        """Returns the plan for (equations, structure); without these, of all that may be used."""
+        plan = use.plan(model, made or None) if use else CompilePlan()
+        return plan if kernels is None else replace(plan, kernels=kernels)
 
-    called = asked()
+    called = planned().kernels
     with _no_collection():
         some = kernels is not None and not plain
         equations = _equations(model, some, called, self_test or canonical, unroll, needs)
@@ -166,9 +154,9 @@ def stages(
         from .back.c import loops_lower, render
 
         with _in_range(model):
-            wanted = asked(equations, equations.facts)
-            loops = loops_lower.lower_loops(equations, libm, wanted, plain)
-        yield loops, ()
+            plan = planned(equations, equations.facts)
+            loops = loops_lower.lower_loops(equations, libm, plan.kernels, plain)
+        yield loops, (), plan
         yield render.render_loops(loops)
         return
     structure = analyze.analyze(equations, symmetric, with_claims=True)
@@ -185,18 +173,20 @@ def stages(
         from .middle.derive.canonical import with_hamiltonian
 
         left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
-    kernels = asked(left.equations, left.structure)
-    of_whole = reduce.of_the_whole(kernels) if left.parts else kernels
+    plan = planned(left.equations, left.structure)
+    of_whole = reduce.of_the_whole(plan.kernels) if left.parts else plan.kernels
     reads = use.reads(model) if use else None
     with _no_collection(), _in_range(model):
         in_c = states.as_rates(left.equations, left.structure, of_whole)
         of_parts = []
         for part in left.parts:
-            own = reduce.of_a_part(asked(part.equations, part.structure))
-            of_parts.append((part, states.as_rates(part.equations, part.structure, own), own))
+            one = planned(part.equations, part.structure)
+            one = replace(one, kernels=reduce.of_a_part(one.kernels))
+            in_parts = states.as_rates(part.equations, part.structure, one.kernels)
+            of_parts.append((part, in_parts, one))
         kept = None
         if reads is not None:
-            made = [(in_c[0], of_whole), *((e, own) for _, (e, _), own in of_parts)]
+            made = [(in_c[0], of_whole), *((e, one.kernels) for _, (e, _), one in of_parts)]
             kept = _kept(made, reads | {*report.starts.values()})
             report = report.unread(in_c[0].parameters, kept)
     yield left.equations, left.structure, report
@@ -211,11 +201,12 @@ def stages(
                 part.coordinates,
                 part.equations,
                 part.structure,
-                lower.lower(*part_in_c, own, **how),
+                lower.lower(*part_in_c, one.kernels, **how),
+                one,
             )
-            for part, part_in_c, own in of_parts
+            for part, part_in_c, one in of_parts
         )
-    yield program, parts
+    yield program, parts, plan
     with _no_collection():
         files = render.render(program, self_test=self_test, report=report)
         for part in parts:
@@ -342,7 +333,7 @@ def compile_model(
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, **how)
-    _, (declared, model, warnings), _, _, reduced, (program, parts) = islice(made, 6)
+    _, (declared, model, warnings), _, _, reduced, (program, parts, plan) = islice(made, 6)
     files = next(made) if c else {}
     equations, structure, report = reduced
     warnings += getattr(equations, "left_out", ())
@@ -351,5 +342,5 @@ def compile_model(
 
         files = render.portable(files)
     return Compilation(
-        declared, model, warnings, equations, structure, report, program, files, parts
+        declared, model, warnings, equations, structure, report, program, files, parts, plan
     )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from conftest import seeds
-from pkgen.analysis.chart import answer, search
+from pkgen.analysis.chart import answer, scale
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.analysis.chart.sweep import Effort
 
@@ -215,6 +215,6 @@ def test_without_time_the_next_finer_point_judges() -> None:
 
 
 def test_tolerances_of_an_answer_have_two_digits() -> None:
-    assert search._two_digits(6.039e-6) == 6.0e-6
-    assert search._two_digits(9.99e-6) == 9.9e-6
-    assert search._two_digits(1e-9) == 1e-9
+    assert scale.two_digits(6.039e-6) == 6.0e-6
+    assert scale.two_digits(9.99e-6) == 9.9e-6
+    assert scale.two_digits(1e-9) == 1e-9

@@ -10,6 +10,7 @@ import pytest
 from test_accuracy_search import ADAPTIVE, method, trial
 
 from conftest import case
+from pkgen.analysis.chart import wide
 from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.choose import lines, parts, record, reference, search
 from pkgen.analysis.choose.candidates import Candidate
@@ -23,6 +24,7 @@ from pkgen.compiler import compile_model
 from pkgen.run.build import build_library
 from pkgen.run.settings import NOTHING, Settings, Shown
 from pkgen.source import Source
+from pkgen.system.exits import BuildError
 
 GAUSS = Candidate(method("gauss", 16, "adaptive"), "land", "")
 MADE = (trial(GAUSS, 1e-15, 1e-12, 1.0), 500.0, 0.0, 1e-12, 0.0)  # until half of 1000
@@ -131,6 +133,24 @@ def test_what_round_off_hides_is_asked_of_a_run_in_more_digits() -> None:
     assert (found.method, found.horizon, found.expected) == ("dop853", 10.0, 1e-4)
     said = lines(found, "s", brief=False)[1]
     assert "holds until t = 10 s" in said and "off by 1.0e-04 of one in more digits" in said
+
+
+def test_an_error_of_a_wider_library_is_not_a_missing_type(monkeypatch) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise BuildError("undefined reference to pk_own")
+
+    monkeypatch.setattr(wide, "build_library", fails)
+    with pytest.raises(BuildError, match="pk_own"):
+        wide.library({}, "model", ("gauss",))
+    monkeypatch.setattr(wide, "precise_tools", lambda _: None)
+    assert wide.library({}, "model", ("gauss",)) is None
+
+
+def test_a_wider_type_is_one_that_a_program_compiles_with(monkeypatch) -> None:
+    tools = wide.precise_tools("long double")
+    assert tools is not None and "-DPK_LONG_DOUBLE" in tools.flags
+    monkeypatch.setattr(wide, "PROBE", "#include {}\nint main(void) {{ return {}() }}\n")
+    assert wide.precise_tools("long double") is None
 
 
 def test_a_run_is_not_judged_by_itself() -> None:

@@ -86,7 +86,7 @@ def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Comp
     """Returns exact data from the `ends` of the options. Raises UsageError for unsupported models.
     """
     options, e = both[0], compilation.equations
-    chosen = scenes.chosen(compilation.declared, options.scene) if options.scene else None
+    chosen = scenes.of(options, compilation.declared)
     settings = parsing.settings(options, compilation, None, chosen)
     columns = _columns(compilation, settings)
     refuse(compilation, [node for _, node in columns])
@@ -96,9 +96,10 @@ def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Comp
     parameters, coordinates, rates = map(
         _between, low, _values(exact, both[1], upper), ("--set", "--start", "--start")
     )
-    until = exact.positive("--until", options.until, exact.time) or decimal(settings.until)
-    every = exact.positive("--every", options.every, exact.time) or decimal(settings.every)
-    if options.every is None and (chosen is None or chosen.record is None):
+    numbers = exact.of_run(options)
+    until = numbers.until or decimal(settings.until)
+    every = numbers.every or decimal(settings.every)
+    if numbers.every is None and (chosen is None or chosen.record is None):
         every = until / round(until / every)
     return Given(
         equations=e,

@@ -40,10 +40,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--seconds", type=float, metavar="S", help="of the film (default: the motion's, or 10)")
     add("--no-labels", action="store_true", help="no title, no time, no names of bobs")
     add("--beside", metavar="COLUMN", help="draw its graph, which grows, beside the motion")
-    shared.of_a_motion(parser, "10")
+    shared.of_a_motion(parser)
     add("--method", metavar="NAME", help="see pkgen methods")
     add("--step", metavar="H", help="of a method with fixed steps")
-    add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
+    shared.tolerance(parser)
 
 
 def run(options: argparse.Namespace) -> int:

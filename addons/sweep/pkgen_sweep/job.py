@@ -23,10 +23,10 @@ from pkgen.run import diagnostics
 from pkgen.run import rows as run_rows
 from pkgen.run.build import build_library
 from pkgen.run.ensemble import Ensemble
-from pkgen.run.library import INTERRUPTED, USAGE, Library, load
+from pkgen.run.library import Library, load
 from pkgen.run.settings import Settings
 from pkgen.scenes import compile_plan as scene_use
-from pkgen.system.exits import NumericsFailed, UsageError
+from pkgen.system.exits import INTERRUPTED, USAGE, NumericsFailed, UsageError
 from pkgen.system.near import near
 from pkgen.version import __version__
 
@@ -66,7 +66,8 @@ class Job:
     name: str
     digest: str  # hash of the plan, the model, the version of pkgen
     files: dict[str, str]
-    build: dict[str, object]
+    methods: tuple[str, ...]  # whose steps are inlined
+    build: dict[str, object]  # of the library and of a program
     settings: Settings
     starts: Starts
     kept: Kept
@@ -78,8 +79,10 @@ class Job:
     @cached_property
     def library(self) -> Library:
         """Returns the library, compiled if it is not cached. Raises BuildError."""
-        build = dict(self.build)
-        return load(build_library(self.files, self.name, *build.pop("methods"), **build))
+        diagnose = any(what == b"l" for what, _ in self.kept.reduced)
+        return load(
+            build_library(self.files, self.name, *self.methods, **self.build, diagnose=diagnose)
+        )
 
     def __getstate__(self) -> dict[str, object]:
         return {name: x for name, x in self.__dict__.items() if name != "library"}
@@ -202,10 +205,8 @@ def _make(
         name=model.name,
         digest=hashlib.sha256(json.dumps(made_of).encode()).hexdigest(),
         files=compilation.files,
-        build={
-            **{"methods": methods, "ensemble": True, "parts": parts, "own": own},
-            "diagnose": any(what == b"l" for what, _ in keeping.reduced),
-        },
+        methods=methods,
+        build={"ensemble": True, "parts": parts, "own": own},
         settings=settings,
         starts=found["starts"],
         kept=keeping,

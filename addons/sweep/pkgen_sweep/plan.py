@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
 
+from pkgen.defaults import ITERATIONS
 from pkgen.front.read import ALLOW, read, refusal
 from pkgen.record import record
 from pkgen.source import Diagnostic, Source, Span
@@ -175,7 +176,7 @@ def _option(plan: Plan, key: str, value: object) -> object:
     if not isinstance(value, OTHERS[key]) or (OTHERS[key] is int and isinstance(value, bool)):
         kinds = {str: "a text", int: "a whole number", bool: "true or false"}
         raise plan.wrong("", key, f"{key} is {kinds[OTHERS[key]]}")
-    if key == "iteration" and value not in ("newton", "fixed"):
+    if key == "iteration" and value not in ITERATIONS:
         raise plan.wrong("", key, "iteration is newton or fixed")
     return value
 

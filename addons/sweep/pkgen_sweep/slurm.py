@@ -127,16 +127,15 @@ class Slurm:
             lenient=1,
             threads=1,
         )
-        build = {name: x for name, x in job.build.items() if name != "diagnose"}
         build_program(
             job.files,
             job.name,
             initializer(settings),
             self.place / "program",
-            *build.pop("methods"),
+            *job.methods,
             static=True,
             native=not is_portable(job.files),
-            **build,
+            **job.build,
         )
 
     def _submitted(self, shards: list[int]) -> str:

@@ -26,7 +26,7 @@ pkgen show flips --map theta1,theta2 -o flips.html
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
-    shared.of_a_motion(parser, "10")
+    shared.of_a_motion(parser)
     shared.own_methods(parser)
     parser.add_argument("-o", dest="page", metavar="FILE.html", help="default: NAME.html, here")
     shared.of_a_map(parser)

@@ -11,6 +11,7 @@ from dataclasses import replace
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
+from ..defaults import ITERATIONS, OPTIONS
 from ..source import ModelError
 from ..system.exits import BuildError, NumericsFailed, UsageError
 from .errors import ArrayError
@@ -23,19 +24,8 @@ Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 Names = str | Sequence[str]
 Weights = str | Sequence[str] | Sequence[float]
 NUMBERS = ("until", "every", "step", "max_step", "rtol", "atol")
-# Options of `pkgen run` that an API call may leave out, with their defaults.
-DEFAULTS = {
-    **dict.fromkeys((*NUMBERS, "method", "record", "at", "ensemble", "threads", "diagnose")),
-    **dict.fromkeys(("no_reduce", "output", "unroll", "watch")),
-    "tableau": (),
-    "composition": (),
-    "iteration": "newton",
-    "max_steps": 1_000_000_000,
-    "units": False,
-    "libm": False,
-    "portable": False,
-    "json": True,
-}
+# Options that a call may leave out.
+DEFAULTS = {**OPTIONS, "tableau": (), "composition": (), "json": True}
 Check = Callable[[object], bool]
 
 
@@ -92,7 +82,7 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     "params": (_named(_is_value), _VALUE),
     "start": (_named(_is_value), "a dictionary of values by name, as {'theta1': 0.5}"),
     "inputs": (_named(_is_input), "a dictionary by name: {'u': 2.5}, {'u': f}, {'u': (t, values)}"),
-    "iteration": (lambda x: _is_text(x) and x in ("newton", "fixed"), "'newton' or 'fixed'"),
+    "iteration": (lambda x: _is_text(x) and x in ITERATIONS, " or ".join(map(repr, ITERATIONS))),
     "tableau": (_some(is_path), "a path, or a list of paths"),
     "composition": (_some(_is_value), "a text of weights, or a list of numbers"),
     **dict.fromkeys(NUMBERS, (_is_value, _VALUE)),

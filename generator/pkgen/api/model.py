@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..compiler import Compilation, compile_model
+from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.read import allowing, read
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
-from ..run.library import INTERRUPTED, USAGE, Run
+from ..run.library import Run
 from ..run.library import load as load_library
 from ..run.settings import Settings
 from ..run.simulate import build, columns, followed
@@ -25,6 +26,7 @@ from ..scenes import lengths
 from ..scenes import run as scene_run
 from ..scenes import run_settings as parsing
 from ..scenes.scene import chosen
+from ..system.exits import INTERRUPTED, USAGE
 from ..system.near import near
 from . import arguments
 from .arguments import DEFAULTS, Files, Names, Value, Weights, in_words
@@ -142,8 +144,8 @@ class Model:
         record: Names | None = None,
         at: str | None = None,
         diagnose: Names = (),
-        iteration: str = "newton",
-        max_steps: int = 1_000_000_000,
+        iteration: str = ITERATIONS[0],
+        max_steps: int = MAX_STEPS,
         tableau: Files = (),
         composition: Weights = (),
     ) -> Result:

@@ -37,6 +37,13 @@ class Prepared:
     chosen: dict[str, Any] | None = None  # the choice for a scene's promised accuracy
     library: Path | None = None
 
+    @property
+    def spaced(self) -> bool:
+        """Whether an option or the scene sets the time between rows."""
+        record = self.scene and self.scene.record
+        given = self.compilation.plan.numbers.every
+        return given is not None or bool(record and record.every)
+
     def built(self) -> Prepared:
         """Returns the run with the built library of the model. Raises BuildError."""
         return replace(self, library=build(self.compilation, self.settings, self.ensemble))
@@ -64,7 +71,7 @@ def prepare(
         use=scene_use.of_run(options),
     )
     diagnostics.refuse(asked, compilation, several)
-    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    chosen = scene.of(options, compilation.declared)
     if chosen is not None:
         scene_check.refuse(options, compilation, chosen)
     threads = parsing.threads(options, several)
@@ -105,6 +112,10 @@ def prepare(
             notes += choose.lines(choice, time, options.json)
         said = [choose.record(choice) for choice in choices]
         kept = {"settings": already.data(settings), "said": said}
-    more = (rows.note(options, settings, compilation), parsing.unread(options, compilation))
-    notes += [f"pkgen: {note}" for note in more if note]
+    if note := rows.note(settings, compilation):
+        notes.append(f"pkgen: {note}")
+    if settings.unread:
+        names = ", ".join(settings.unread)
+        why = f"no effect: nothing that scene '{options.scene}' needs reads it"
+        notes.append(f"pkgen: --set {names}: {why}")
     return Prepared(compilation, settings, ensemble, threads, chosen, tuple(notes), kept)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 
+from ..defaults import GAUSS_RTOL, ITERATIONS, OPTIONS, RTOL, UNTIL
 
-def of_a_motion(parser: argparse.ArgumentParser, until: str) -> None:
+
+def of_a_motion(parser: argparse.ArgumentParser, until: str = f"{UNTIL:g}") -> None:
     """Adds options that select a motion; `until` is the text of its default duration."""
     add = parser.add_argument
     add("--scene", metavar="NAME", help="one scene of the model; options override it")
@@ -24,8 +26,13 @@ def own_methods(parser: argparse.ArgumentParser) -> None:
 
 
 def of_implicit_methods(parser: argparse.ArgumentParser) -> None:
-    kinds = ("newton", "fixed")
-    parser.add_argument("--iteration", choices=kinds, default="newton", help="of implicit methods")
+    parser.add_argument("--iteration", choices=ITERATIONS, help="of implicit methods")
+    parser.set_defaults(iteration=ITERATIONS[0])
+
+
+def tolerance(parser: argparse.ArgumentParser) -> None:
+    help_ = f"of an adaptive method (default {RTOL:g})"
+    parser.add_argument("--rtol", metavar="R", help=help_)
 
 
 def directory(parser: argparse.ArgumentParser, usual: str = "here") -> None:
@@ -119,17 +126,17 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
     from ..run.diagnostics import NAMES  # slow import that `pkgen methods` does not need
 
     add = parser.add_argument
-    of_a_motion(parser, "10")
+    of_a_motion(parser)
     add(
         "--method",
         metavar="NAME",
         help="see pkgen methods; default gauss, or dop853 for kinks (abs, min, max, step) and "
-        "for --rtol above 1e-5",
+        f"for --rtol above {GAUSS_RTOL:.0e}".replace("e-0", "e-"),
     )
     own_methods(parser)
     add("--step", metavar="H", help="of a method with fixed steps; else the first step")
     add("--max-step", metavar="H", help="of an adaptive method, and of respa's inner steps")
-    add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
+    tolerance(parser)
     add("--atol", metavar="A", help="default: R times the scale that the motion shows")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
     add("--units", action="store_true", help="units in the header of the CSV")
@@ -139,12 +146,13 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     unrolling(parser)
     help_ = "none: constants are not watched, and their drifts not told"
-    add("--watch", choices=("all", "none"), default="all", help=help_)
+    add("--watch", choices=("all", "none"), help=help_)
     of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
     sincos(parser)
     no_reduce(parser)
-    add("--max-steps", type=int, default=1_000_000_000, metavar="N")
+    add("--max-steps", type=int, metavar="N")
+    parser.set_defaults(**OPTIONS)
 
 
 def as_of_a_run(parser: argparse.ArgumentParser) -> None:

@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     for note in what.notes:
         print(note, file=sys.stderr)
     settings = what.settings
-    if what.scene is None or what.scene.record is None or what.scene.record.every is None:
+    if not what.spaced:
         settings = replace(settings, every=None)  # default: a fraction of the duration
     library = load(library_of(what.compilation, settings, None))
     build_program(

@@ -55,7 +55,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     shared.directory(parser)
     shared.own_methods(parser)
-    shared.of_a_motion(parser, "10")
+    shared.of_a_motion(parser)
     add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
     add("--error", choices=tuple(KINDS), default="final", help="of what (default: the final state)")
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     others = options.others and options.others(options)  # of an add-on
     chosen = _methods(options, compilation, others.methods if others else [])
-    chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    chosen_scene = scene.of(options, compilation.declared)
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
     stops = [event.name for event in compilation.model.events if event.stop]
     if stops:

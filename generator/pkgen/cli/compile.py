@@ -72,8 +72,7 @@ def run(options: argparse.Namespace) -> int:
         use=scene_use.of_compile(options),
         symmetric=True,
     )
-    if options.scene:
-        chosen = scene.chosen(compilation.declared, options.scene)
+    if chosen := scene.of(options, compilation.declared):
         scene_check.refuse_method(compilation, chosen)
     if options.directory == "-":
         if options.depfile:

@@ -20,7 +20,7 @@ pkgen describe models/heavy_top.lag --scene nutation --json
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     as_of_a_run(parser)
-    of_a_motion(parser, "10")
+    of_a_motion(parser)
     own_methods(parser)
 
 

@@ -35,10 +35,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--as", dest="host", metavar="NAME", help="what it is made for; the list is below")
     add("-o", dest="path", metavar="PATH", help="a folder, or a file where there is one")
-    shared.of_a_motion(parser, "10")
+    shared.of_a_motion(parser)
     add("--method", metavar="NAME", help="what integrates it unless its user chooses another")
     add("--step", metavar="H", help="of a method with fixed steps")
-    add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
+    shared.tolerance(parser)
     shared.own_methods(parser)
     for flag, having in _flags().items():
         how = dict(having[0].options)[flag]

@@ -148,7 +148,7 @@ def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | N
         path = folder / "rows.csv"
         outcome = to_scratch(what, path)
         table = table_of(what, outcome, path, label)
-        every = _closer(options, what, outcome, table)
+        every = _closer(what, outcome, table)
         if every is not None:
             what = replace(what, settings=replace(what.settings, every=every))
             outcome = to_scratch(what, path)
@@ -157,13 +157,11 @@ def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | N
     return table, judge(options, what, outcome)
 
 
-def _closer(
-    options: argparse.Namespace, what: Prepared, outcome: Outcome, table: Table | None
-) -> float | None:
+def _closer(what: Prepared, outcome: Outcome, table: Table | None) -> float | None:
     """Returns a shorter time between rows if they are too far apart to be joined by lines, and
     no option or scene sets it; else None."""
-    record, settings = what.scene and what.scene.record, what.settings
-    if options.every is not None or (record and record.every is not None) or outcome.code:
+    settings = what.settings
+    if what.spaced or outcome.code:
         return None
     if table is None or settings.every is None or table.several or settings.at is not None:
         return None

@@ -21,7 +21,7 @@ from ..compiler import Compilation
 from ..own.given import given
 from ..plot.style import Look
 from ..scenes import run_settings as parsing
-from ..scenes.compile_plan import whole
+from ..scenes.compile_plan import planned, whole
 from ..system.exits import DONE, INTERRUPTED, UsageError
 from ..system.files import moved, scratch
 from ..system.progress import progress, say, took
@@ -120,7 +120,7 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
         tuple(taken),
         tuple(left),
         steps,
-        values.positive("--until", options.until, values.time),
+        planned(options, compilation).numbers.until,
         values.positive("--period", options.period, values.time),
         options.quick,
         values.positive("--seconds", options.seconds, "s")

@@ -14,9 +14,9 @@ from ..methods import Method, known, provides
 from ..middle.loops.switches import switch_count
 from ..middle.quantities import single_rotations
 from ..model import Model, Parameter, Scene
+from ..plan import default_method
 from ..run import named
 from ..run.build import own_methods, runtime_methods
-from ..run.default_method import default_method
 from ..run.methods_table import in_words
 from ..run.settings import Settings
 from ..tree import names
@@ -277,9 +277,8 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
     does not apply."""
     own = compilation.model.methods
     all_methods = known(own)
-    default = default_method(
-        compilation.equations, compilation.structure, settings.rtol, exact=False
-    )
+    made = compilation.equations, compilation.structure
+    default = default_method(made, settings.rtol, exact=False)
     for item in [*own_methods(own), *runtime_methods()]:
         name = str(item["name"])
         why = _why_not(compilation, all_methods.get(name), item)

@@ -12,12 +12,13 @@ from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 
 from .. import limits
-from ..compiler import Compilation, Use
+from ..compiler import Compilation
 from ..graph.graph import Op
 from ..indices import indexed
 from ..middle.particles.bodies import keys, lengths, places
 from ..middle.quantities import ends
 from ..model import Definition, Drawing, Model
+from ..plan import Use
 from ..run import named
 from ..source import Span
 from ..tree import (

@@ -40,7 +40,7 @@ def describe(
     if the runtime refuses the parameters."""
     use = scene_use.whole(options)
     compilation = compiled(options, unroll=unroll, use=drawn(use) if draw else use)
-    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    chosen = scene.of(options, compilation.declared)
     settings = asked.settings(options, compilation, chosen=chosen)
     library = build(compilation, settings, None)
     run = load(library).run(settings, idle=True, bare=True)

@@ -24,7 +24,7 @@ def dump(
     """Returns the result of a stage for a model, as text, without running later stages."""
     made = next(islice(stages(source, sizes, kernels, libm=libm), STAGES.index(stage), None))
     if stage == "lower":  # without a scene there are no parts
-        made, _ = made
+        made, *_ = made
     return as_text(made, source)
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..system import children
-from ..system.exits import BuildError, NumericsFailed, UsageError
+from ..system.exits import DONE, BuildError, NumericsFailed, UsageError
 from .header import FUNCTIONS, STRUCTURES
 from .settings import Compared, Settings, Shown
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from .ensemble import Column, Ensemble
 
-DONE, USAGE, FAILED, INTERRUPTED = 0, 2, 4, 130  # enum pk_run_code
 DERIVED = 4  # PK_FAILURE_DERIVED
 _SIZED = [
     STRUCTURES[f"struct pk_{name}"]

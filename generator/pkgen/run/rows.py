@@ -50,10 +50,11 @@ def refuse_too_many(
     raise UsageError(f"{what}: {said}; {advice}")
 
 
-def note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:
+def note(settings: Settings, compilation: Compilation) -> str:
     """Returns a note if the default number of rows was reduced because rows are long, or ""."""
     numbers = sum(named.coordinates(compilation, rates=rates).count for rates in (False, True))
-    if settings.every is None or options.every is not None or numbers * ROWS <= NUMBERS:
+    given = compilation.plan.numbers.every
+    if settings.every is None or given is not None or numbers * ROWS <= NUMBERS:
         return ""
     rows = math.ceil(settings.until / settings.every) + 1
     return (

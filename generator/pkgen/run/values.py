@@ -3,17 +3,21 @@ UsageError."""
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
 import sys
 from fractions import Fraction
 
 from ..compiler import Compilation
+from ..defaults import wrong_rtol
 from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
 from ..middle.quantities import single_rotations
+from ..model import Model
+from ..plan import RunNumbers
 from ..record import record
 from ..system.exits import UsageError
 from ..system.near import unknown
@@ -32,16 +36,13 @@ class _Start:
 _NEXT = re.compile(r",\s*(?=[A-Za-z_]\w*(?:\[[^\]]*\])?'*\s*=)")
 
 
-class Values:
-    """Parser of option values for one model, with its units, sizes and names."""
+class Numbers:
+    """Parser of option values for one model, with its units and sizes."""
 
-    def __init__(self, compilation: Compilation):
-        self.compilation = compilation
-        self.model = compilation.model
-        self.coordinates = named.coordinates(compilation)
-        self.rates = named.coordinates(compilation, rates=True)
-        self.sizes = {size.name: size.value for size in self.model.sizes}
-        self.time = "" if self.model.dimensionless else "s"
+    def __init__(self, model: Model):
+        self.model = model
+        self.sizes = {size.name: size.value for size in model.sizes}
+        self.time = "" if model.dimensionless else "s"
 
     def value(self, option: str, text: str, unit: str, name: str) -> float:
         try:
@@ -71,6 +72,40 @@ class Values:
         if not found > 0:
             raise UsageError(f"{option} {text}: {name} must be positive")
         return found
+
+    def of_run(self, options: argparse.Namespace) -> RunNumbers:
+        """Returns the numbers of a run that options set. Raises UsageError."""
+        found = RunNumbers(
+            **{
+                name: self.positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
+                for name, unit in (
+                    *((name, self.time) for name in ("until", "every", "step", "max_step")),
+                    *((name, "") for name in ("rtol", "atol")),
+                )
+            }
+        )
+        if found.rtol is not None and found.atol is None and (wrong := wrong_rtol(found.rtol)):
+            raise UsageError(f"--rtol {options.rtol}: {wrong}")
+        return found
+
+    def left(self, option: str, text: str) -> options_text.LeftSide:
+        try:
+            return options_text.left_side(text, self.sizes)
+        except OptionError as error:
+            raise UsageError(f"{option} {text}: {error.text()}") from None
+
+    def flat_name(self, option: str, text: str) -> str:
+        return self.left(option, text).text()
+
+
+class Values(Numbers):
+    """Parser of option values for one compiled model, with its names too."""
+
+    def __init__(self, compilation: Compilation):
+        super().__init__(compilation.model)
+        self.compilation = compilation
+        self.coordinates = named.coordinates(compilation)
+        self.rates = named.coordinates(compilation, rates=True)
 
     def assigned(
         self,
@@ -177,15 +212,6 @@ class Values:
         names = [column.name for column in columns(self.compilation, listed=sys.maxsize)[1:]]
         places = named.places(self.compilation)
         return [self.shown(name) for name in sorted(names, key=lambda n: places.get(n, (2, 0)))]
-
-    def left(self, option: str, text: str) -> options_text.LeftSide:
-        try:
-            return options_text.left_side(text, self.sizes)
-        except OptionError as error:
-            raise UsageError(f"{option} {text}: {error.text()}") from None
-
-    def flat_name(self, option: str, text: str) -> str:
-        return self.left(option, text).text()
 
 
 def assignment(option: str, text: str) -> tuple[str, str]:

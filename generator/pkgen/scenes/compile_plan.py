@@ -1,15 +1,14 @@
-"""How a scene and the options of the command line restrict a model: makes a `Use` for compiling."""
+"""Plans a compile from a scene and options: part of the model, kernels, and the method."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from ..compiler import Use
+from ..compiler import Compilation
+from ..defaults import RTOL
 from ..equations import Equations, Structure
-from ..front.check.scene_numbers import Values, WrongValue
 from ..graph.solve import looped
 from ..methods import Method, called, in_lanes, known
 from ..middle.motion import LINEAR_OF_FEW
@@ -18,14 +17,16 @@ from ..middle.reduce.reduction import ENOUGH, Needs
 from ..middle.report import ReportLine
 from ..middle.specialise import folded, held
 from ..model import Model, Scene
+from ..plan import DEFAULT, OPTION, SCENE, CompilePlan, Made, RunNumbers, Use, default_method
 from ..record import record
 from ..run import diagnostics
-from ..run.default_method import default_method
+from ..run.values import Numbers
 from ..system.exits import UsageError
 from ..system.near import unknown
+from ..tree import Expr
 from . import model as scene_model
 from . import scene as scenes
-from .options import OPTIONS, is_motion, with_options
+from .options import OPTIONS, is_motion, numbers, record_columns, with_options
 
 FOLD = "fold"
 EXACT = "exact"  # the exact flow of a linear system by the matrix exponential
@@ -41,85 +42,125 @@ class Overrides:
     event: str | None = None
     run_time: frozenset[str] = frozenset()  # parameters that are set at run time
     off: frozenset[str] = frozenset()  # reductions that are switched off
-    method: str = ""
     apart: bool = False  # whether blocks of coordinates may be integrated separately
     judged: bool = True  # whether the scene's expectations are checked
-    rtol: float | None = None
-    steps: bool = False  # whether a step size is given
     several: bool = False  # whether an ensemble file has members
+    options: argparse.Namespace | None = None  # those of a run, which set its numbers
+
+    @property
+    def method(self) -> str:
+        return (self.options and self.options.method) or ""
 
     def event_of(self, scene: Scene) -> str:
         """Returns the event whose occurrences are rows, or ""."""
         return self.event or (scene.record.at if scene.record else "")
 
 
-def of_run(options: argparse.Namespace) -> Use | None:
+def of_run(options: argparse.Namespace) -> Use:
     """Returns the use for a run: what its rows need; without a scene, everything."""
-    columns = None
-    if options.record is not None:
-        columns = tuple("".join(name.split()) for name in options.record.split(","))
-    name = options.scene or OPTIONS
-    off = switched_off(options.no_reduce) if options.scene else EVERY - {EXACT}
+    off = switched_off(options.no_reduce) if options.scene else EVERY
     if options.diagnose:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
         # Normal modes need an equilibrium, and cyclic coordinates do not rest: these are removed.
         off |= {*REDUCTIONS} - ({"cyclic"} if options.diagnose == "modes" else set())
-    asked = Overrides(
+    asked = _asked(options, record_columns(options), off)
+    asked = replace(asked, apart=not asked.several)
+
+    def kernels(
+        used: Model, scene: Scene, plan: CompilePlan, made: Made | None
+    ) -> frozenset[str] | None:
+        """Returns the kernels of the run; None for diagnostics and trials of methods: all."""
+        if options.diagnose or promised(plan, scene) is not None:
+            return None
+        return _of_method(used, scene, asked, plan, made) | _of_driver(used, scene, asked, made)
+
+    return _use(options.scene or OPTIONS, asked, kernels)
+
+
+def promised(plan: CompilePlan, scene: Scene) -> Expr | None:
+    """Returns the accuracy that a run of the scene promises: None if options set a method, a step
+    size or a tolerance."""
+    of = plan.numbers
+    free = plan.source != OPTION and (of.step, of.rtol, of.atol) == (None, None, None)
+    return scene.accuracy if free else None
+
+
+def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePlan:
+    """Returns the plan of a compiled model; makes it for a model that was compiled for no run."""
+    if compilation.plan.method:
+        return compilation.plan
+    declared = compilation.declared
+    scene = scenes.of(options, declared) or Scene(name=OPTIONS, span=declared.span)
+    made = compilation.equations, compilation.structure
+    return _plan(compilation.model, scene, _asked(options, record_columns(options)), made)
+
+
+def _asked(
+    options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str] | None = None
+) -> Overrides:
+    """Returns what options ask for; `off`: the reductions switched off besides those of options."""
+    exact = EXACT in switched_off(options.no_reduce) or options.diagnose
+    if off is None:
+        off = switched_off(options.no_reduce)
+    return Overrides(
         columns=columns,
         event=options.at,
         run_time=_run_time(options),
-        off=off,
-        method=options.method or "",
-        apart=options.ensemble is None,
-        rtol=_number(options.rtol),
-        steps=options.step is not None,
+        off=off | {EXACT} if exact else off - {EXACT},
         several=options.ensemble is not None,
+        options=options,
     )
-    use = replace(_use(name, asked), declared=with_options(options, columns or ()))
-
-    def kernels(used: Model, made: tuple | None) -> frozenset[str] | None:
-        """Returns the kernels of the run; None for diagnostics and trials of methods: all."""
-        scene = _chosen(used, name, asked)
-        own = (options.method, options.step, options.rtol, options.atol)
-        if options.diagnose or (scene.accuracy is not None and not any(own)):
-            return None
-        return _of_method(used, scene, asked, made) | _of_driver(used, scene, asked, made)
-
-    return replace(use, kernels=kernels)
 
 
-def _number(text: str | None) -> float | None:
-    """Parses an option; returns None for an error, which is reported elsewhere."""
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        return None
+def _plan(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> CompilePlan:
+    """Returns the plan of a run without its kernels: its numbers, and its method, "" if that
+    depends on equations that are not known yet. Raises UsageError."""
+    given = Numbers(model).of_run(asked.options) if asked.options else RunNumbers()
+    method, source = asked.method or scene.method, OPTION if asked.method else SCENE
+    if method:
+        _refuse_unfit(method, asked, model)
+    elif made is not None:
+        several = asked.several or scene.swarm is not None
+        exact = EXACT not in asked.off and not several and (given.rtol or given.step) is None
+        # A scene with a tolerance has a method.
+        method, source = default_method(made, given.rtol or RTOL, exact), DEFAULT
+    return CompilePlan(None, method, source, given)
 
 
-def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None) -> frozenset[str]:
-    """Returns the kernels of the run's method, or of its default before parameters are known."""
-    method, rtol = asked.method or scene.method, asked.rtol
-    if rtol is None and scene.rtol is not None:
-        with suppress(WrongValue):  # a parameter: the default is valid, maybe with more kernels
-            rtol = Values(model, {}).number("rtol", scene.rtol)
-    steps = asked.steps or scene.step is not None
-    at = asked.event_of(scene)
-    several = asked.several or scene.swarm is not None
-    if not method and made is not None:
-        exact = rtol is None and not steps and not several and EXACT not in asked.off
-        method = default_method(*made, rtol or 0.0, exact)
-    of = known(model.methods).get(method)
+def _refuse_unfit(name: str, asked: Overrides, model: Model) -> None:
+    """Raises UsageError for an unknown method, and for options that do not fit it."""
+    methods = known(model.methods)
+    if name not in methods:
+        raise UsageError(unknown("--method", name, methods, "method"))
+    if asked.options is None or "adaptive" in methods[name].traits:
+        return
+    inner = "fast" in methods[name].requires  # max_step bounds its inner steps
+    for option in ("rtol", "atol", *(() if inner else ("max_step",))):
+        if getattr(asked.options, option) is not None:
+            shown = "--" + option.replace("_", "-")
+            raise UsageError(f"{shown} is for adaptive methods, which {name} is not")
+
+
+def _of_method(
+    model: Model, scene: Scene, asked: Overrides, plan: CompilePlan, made: Made | None
+) -> frozenset[str]:
+    """Returns the kernels of the run's method, or of all that it may be."""
+    of = known(model.methods).get(plan.method)
     found = called(of) if of else called("gauss") | {"mass", LINEAR_OF_FEW}
-    watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
-    if watched:
+    several = asked.several or scene.swarm is not None
+    if (
+        asked.event_of(scene)
+        or any(event.stop for event in model.events)
+        or scene_model.events(scene)
+    ):
         found -= {"advance"}  # its many steps in one call would miss events
     if several and (made is None or _side_by_side(*made, of)):
         found |= {"members"}
     return found
 
 
-def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None) -> frozenset[str]:
+def _of_driver(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> frozenset[str]:
     """Returns the other kernels of a run: for drifts of constants, and for a check of M."""
     found = {"canonical", "conserve"}
     columns = asked.columns or scene_model.columns(scene)
@@ -156,10 +197,7 @@ def whole(options: argparse.Namespace) -> Use | None:
 
 def enclosed(options: argparse.Namespace) -> Use | None:
     """Returns the use for rigorous bounds: everything, with a scene's settings as exact numbers."""
-    columns = None
-    if options.record is not None:
-        columns = tuple("".join(name.split()) for name in options.record.split(","))
-    return _of_options(options, columns, EVERY - {FOLD})
+    return _of_options(options, record_columns(options), EVERY - {FOLD})
 
 
 def _of_options(
@@ -168,21 +206,18 @@ def _of_options(
     """Returns the use of a model with a scene, columns or input motions of options; else None."""
     if options.scene is None and columns is None and not any(map(is_motion, options.set)):
         return None
-    asked = Overrides(columns=columns, run_time=_run_time(options), off=off)
-    use = _use(options.scene or OPTIONS, asked, swarm=False)
-    return replace(use, declared=with_options(options, columns or ()))
+    asked = replace(_asked(options, columns, off), event=None)
+    return _use(options.scene or OPTIONS, asked, swarm=False)
 
 
 def _run_time(options: argparse.Namespace) -> frozenset[str]:
     """Returns the parameters and inputs that --set sets to numbers, at run time."""
-    numbers = (text for text in options.set if not is_motion(text))
-    return frozenset(text.partition("=")[0].strip() for text in numbers)
+    return frozenset(text.partition("=")[0].strip() for text in numbers(options))
 
 
 def as_written(name: str) -> Use:
     """Returns the use for checks of a scene without options; no C is made of it."""
-    use = _use(name, Overrides(apart=True))
-    return Use(use.model, use.needs, lambda *_: ENOUGH)
+    return _use(name, Overrides(apart=True), lambda *_: ENOUGH)
 
 
 def of_compile(options: argparse.Namespace) -> Use | None:
@@ -199,17 +234,19 @@ def of_scene(
     """Returns the use for embedded C: named after model and scene, with only the kernels of the
     scene's method and columns, and `more`."""
     asked = Overrides(off=off, apart=True, judged=False)
-    use = _use(name, asked, swarm=True)
+    use = _use(
+        name,
+        asked,
+        lambda used, scene, plan, made: (
+            _of_method(used, scene, asked, plan, made) | shown(used, scene) | more
+        ),
+    )
 
     def named(declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         model, lines = use.model(declared)
         return replace(model, name=f"{model.name}_{name}"), lines
 
-    def kernels(used: Model, made: tuple | None) -> frozenset[str]:
-        scene = _chosen(used, name, asked)
-        return _of_method(used, scene, asked, made) | shown(used, scene) | more
-
-    return Use(named, use.needs, kernels, use.reads)
+    return replace(use, model=named)
 
 
 def shown(model: Model, scene: Scene) -> frozenset[str]:
@@ -244,7 +281,13 @@ def _chosen(model: Model, name: str, asked: Overrides) -> Scene:
     return scene if asked.judged else replace(scene, expects=())
 
 
-def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
+def _use(
+    name: str,
+    asked: Overrides,
+    kernels: Callable[[Model, Scene, CompilePlan, Made | None], frozenset[str] | None]
+    | None = None,
+    swarm: bool = True,
+) -> Use:
     def model(declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         scene = _chosen(declared, name, asked)
         if scene.swarm is not None and not swarm:
@@ -278,9 +321,16 @@ def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
             asked.off,
         )
 
+    def plan(used: Model, made: Made | None) -> CompilePlan:
+        scene = _chosen(used, name, asked)
+        found = _plan(used, scene, asked, made)
+        return replace(found, kernels=kernels(used, scene, found, made)) if kernels else found
+
     def reads(used: Model) -> frozenset[str] | None:
         if UNREAD in asked.off or asked.several:
             return None
         return scene_model.reads(used, scenes.chosen(used, name))
 
-    return Use(model, needs, reads=reads)
+    if asked.options is None:
+        return Use(model, needs, plan, reads)
+    return Use(model, needs, plan, reads, with_options(asked.options, asked.columns or ()))

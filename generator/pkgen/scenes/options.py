@@ -12,7 +12,6 @@ from ..front.check.check import check_text
 from ..model import Model, Scene
 from ..source import ModelError, Source
 from ..system.exits import UsageError
-from . import model as scene_model
 from . import scene as scenes
 
 OPTIONS = "0_options"  # name of the scene made of options if no scene is chosen
@@ -80,8 +79,9 @@ def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
     return scenes.chosen(found, name), source
 
 
-def columns_of(options: argparse.Namespace, declared: Model) -> tuple[str, ...]:
-    """Returns the columns of `--record`, with vectors as components."""
-    name = options.scene or OPTIONS
-    chosen = next((s for s in declared.scenes if s.name == name), None)
-    return scene_model.written_out(declared, options.record.split(","), chosen)
+def record_columns(options: argparse.Namespace) -> tuple[str, ...] | None:
+    """Returns the columns of `--record`, or None."""
+    if options.record is None:
+        return None
+    names = (name.strip() for name in options.record.split(","))
+    return tuple(re.sub(r"\s*([^\w\s])\s*", r"\1", name) for name in names)

@@ -7,13 +7,12 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..compiler import Compilation
-from ..front.check.scene_numbers import ROUND_OFF
+from ..defaults import RTOL, THREADS_MOST, UNTIL
 from ..indices import hidden
-from ..methods import Own, known
 from ..middle.quantities import indexed
 from ..model import Scene
+from ..plan import DEFAULT
 from ..run import diagnostics, named, rows
-from ..run.default_method import default_method
 from ..run.settings import PartSettings, Settings, Shown
 from ..run.values import Values, assignment
 from ..system.exits import UsageError
@@ -22,10 +21,6 @@ from . import compile_plan as scene_use
 from . import model as scene_model
 from . import options as scene_options
 from . import scene
-
-UNTIL = 10.0
-RTOL = 1e-10
-THREADS_MOST = 1024  # a system may refuse to start more, which would abort the program
 
 
 def _once(option: str, names: Iterable[str]) -> None:
@@ -69,21 +64,21 @@ def settings(
 ) -> Settings:
     """Returns the settings of `pkgen run` in SI units: from options, else from the scene, else
     defaults. `members`: the size of an ensemble or swarm; None: one trajectory."""
-    values = Values(compilation)
-    rtol = values.positive("--rtol", options.rtol, "")
+    values, plan = Values(compilation), scene_use.planned(options, compilation)
+    given = plan.numbers
     starts, start_parameters = values.starts(options.start)
     sets = [assignment("--set", text) for text in scene_options.numbers(options)]
     _once("--set", (values.flat_name("--set", name) for name, _ in sets))
     lefts = (assignment("--start", text)[0] for text in options.start)
     _once("--start", (values.flat_name("--start", left) for left in lefts))
-    sets, _ = values.read(sets)
+    sets, unread = values.read(sets)
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
     said = scene.Numbers({}, {})
     if chosen is not None:
-        given = values.by_key(parameters, parameters_set)
-        said = scene.numbers(compilation.declared, chosen, given)
+        at_run = values.by_key(parameters, parameters_set)
+        said = scene.numbers(compilation.declared, chosen, at_run)
         of_scene = {
             parameters[indexed(name, index)][0]: x
             for (name, index), x in said.parameters.items()
@@ -94,15 +89,9 @@ def settings(
         inputs_set = {**of_scene, **inputs_set}
     parameters_set |= start_parameters
     single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
-    least = ROUND_OFF
-    if rtol is not None and rtol < least and options.atol is None:
-        raise UsageError(
-            f"--rtol {options.rtol}: no double is that exact; the smallest is {least:.1e}"
-        )
-    rtol = rtol or said.rtol or RTOL
-    step = values.positive("--step", options.step, values.time) or said.step
-    until = values.positive("--until", options.until, values.time) or said.until or UNTIL
-    every = values.positive("--every", options.every, values.time) or said.every
+    step = given.step or said.step
+    until = given.until or said.until or UNTIL
+    every = given.every or said.every
     show, at = _recorded(options, values, chosen)
     numbers = len(show) + 1
     if not show:
@@ -113,21 +102,17 @@ def settings(
         every = rows.interval(until, step, numbers)
     count = until / every + 1 if every else 1
     rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
-    method = _method(options, said.method, compilation.model.methods)
-    # The exact method is chosen only if no tolerance or step size is set.
-    free = options.rtol is None and said.rtol is None and step is None
-    exact = free and members is None and not options.diagnose
-    exact = exact and scene_use.EXACT not in scene_use.switched_off(options.no_reduce)
+    rtol = given.rtol or said.rtol or RTOL
     return Settings(
-        method=method or default_method(compilation.equations, compilation.structure, rtol, exact),
+        method=plan.method,
         until=until,
         every=every,
         step=step,
         rtol=rtol,
-        atol=values.positive("--atol", options.atol, ""),
+        atol=given.atol,
         iteration=options.iteration,
         max_steps=_count("--max-steps", options.max_steps),
-        max_step=values.positive("--max-step", options.max_step, values.time),
+        max_step=given.max_step,
         parameters=single,
         members=of_families,
         inputs=tuple(inputs_set.items()),
@@ -136,33 +121,16 @@ def settings(
         show=show,
         at=at,
         units=options.units,
-        watch="none" if getattr(options, "watch", None) == "none" else "",
+        watch="none" if options.watch == "none" else "",
         diagnose=diagnostics.asked(options.diagnose),
-        accuracy=None if _author_chooses(options) else said.accuracy,
-        parts=()
-        if method
-        else tuple(
-            PartSettings(
-                default_method(compilation.equations, part.structure, rtol, exact), step, rtol
-            )
+        accuracy=said.accuracy if chosen and scene_use.promised(plan, chosen) else None,
+        parts=tuple(
+            PartSettings(part.plan.method, step, rtol)
             for part in compilation.parts
+            if plan.source == DEFAULT
         ),
+        unread=tuple(unread),
     )
-
-
-def unread(options: argparse.Namespace, compilation: Compilation) -> str:
-    """Returns a message about parameters that are set but that the scene does not read, or ""."""
-    values = Values(compilation)
-    _, names = values.read([assignment("--set", text) for text in scene_options.numbers(options)])
-    if not names:
-        return ""
-    scene = options.scene
-    return f"--set {', '.join(names)}: no effect: nothing that scene '{scene}' needs reads it"
-
-
-def _author_chooses(options: argparse.Namespace) -> bool:
-    """Whether the command line sets a method, a step size or a tolerance."""
-    return any(x is not None for x in (options.method, options.step, options.rtol, options.atol))
 
 
 def _recorded(
@@ -174,9 +142,12 @@ def _recorded(
     show = at = None
     if chosen is not None and chosen.record is not None:
         at = chosen.record.at or None
-    if options.record is not None:
-        columns = scene_options.columns_of(options, compilation.declared)
-        show = [values.shown(values.flat_name("--record", text.strip())) for text in columns]
+    columns, declared = scene_options.record_columns(options), compilation.declared
+    if columns is not None:
+        name = options.scene or scene_options.OPTIONS
+        own = next((s for s in declared.scenes if s.name == name), None)
+        names = scene_model.written_out(declared, columns, own)
+        show = [values.shown(values.flat_name("--record", name)) for name in names]
         _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:
         show = [values.shown(name) for name in scene_model.columns(chosen)]
@@ -188,21 +159,6 @@ def _recorded(
     if at is not None and at not in events:
         raise UsageError(unknown("--at", at, events, "event"))
     return tuple(show or ()), None if at is None else events.index(at)
-
-
-def _method(options: argparse.Namespace, of_scene: str, own: tuple[Own, ...]) -> str:
-    """Returns the requested method, or "". Raises UsageError for options that do not fit it."""
-    methods = known(own)
-    if options.method is not None and options.method not in methods:
-        raise UsageError(unknown("--method", options.method, methods, "method"))
-    name = options.method or of_scene
-    if name and "adaptive" not in methods[name].traits:
-        inner = "fast" in methods[name].requires  # max_step bounds its inner steps
-        for option in ("rtol", "atol", *(() if inner else ("max_step",))):
-            if getattr(options, option) is not None:
-                shown = "--" + option.replace("_", "-")
-                raise UsageError(f"{shown} is for adaptive methods, which {name} is not")
-    return name
 
 
 def threads(options: argparse.Namespace, several: bool) -> int | None:

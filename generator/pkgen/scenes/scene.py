@@ -6,6 +6,7 @@ of the run, computed here from parameter values, so that options can override th
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping
 
 from ..front.check.scene_numbers import Key, Values, WrongValue
@@ -24,6 +25,11 @@ def chosen(model: Model, name: str) -> Scene:
     if scenes[name].misfits:
         raise ModelError(model.source, list(scenes[name].misfits))
     return scenes[name]
+
+
+def of(options: argparse.Namespace, model: Model) -> Scene | None:
+    """Returns the scene that options choose, or None."""
+    return chosen(model, options.scene) if options.scene else None
 
 
 def wrong(model: Model, scene: Scene, span: Span, why: object) -> UsageError:
@@ -85,7 +91,7 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
         until=found.positive("until", scene.until),
         method=scene.method,
         step=found.positive("step", scene.step),
-        rtol=found.positive("rtol", scene.rtol),
+        rtol=found.rtol(scene.rtol),
         every=found.positive("every", scene.record.every) if scene.record else None,
         accuracy=found.positive("accuracy", scene.accuracy),
     )

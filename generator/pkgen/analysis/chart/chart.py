@@ -133,7 +133,7 @@ def measure(
         motion = Program(path, other, compilation.model.methods)
         found = reference.find(compilation, other)
         motions.append((motion, Measure(kind, found.path, found.scales)))
-    follower = "gauss" if structure.smooth_in_pieces else "dop853"
+    follower = reference.best(structure)
     found = spectrum.find(program, follower, settings.until, not structure.variational)
     floor = 0.0 if kind.name == ENERGY else exact.worst if kind.path else exact.error
     bench = Bench(motions, floor, settings.until, effort.rest())

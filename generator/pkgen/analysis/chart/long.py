@@ -22,7 +22,7 @@ from ...system.progress import Show
 from . import spectrum
 from .measure import Program
 from .points import ChartedMethod
-from .reference import PRECISE
+from .reference import PRECISE, best
 from .sweep import Effort
 
 PERIOD = 32  # steps per period of the fastest oscillation
@@ -84,7 +84,7 @@ def measure(
     path = build_library(compilation.files, name, *(m.name for m in fixed), able=PRECISE, own=own)
     program = Program(path, settings, own)
     if step is None:
-        follower = "gauss" if compilation.structure.smooth_in_pieces else "dop853"
+        follower = best(compilation.structure)
         found = spectrum.find(program, follower, settings.until, False)
         limits = [limit for m in fixed if (limit := found.limit(m))]
         step = min(2 * math.pi / found.fastest / PERIOD, SAFE * min(limits, default=math.inf))

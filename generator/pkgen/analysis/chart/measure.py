@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,12 +9,13 @@ from functools import cached_property
 from pathlib import Path
 
 from ...methods import Own, known
-from ...run.library import USAGE, Run, load
+from ...run.library import Run, load
 from ...run.settings import Settings, Shown
-from ...system.exits import UsageError
+from ...system.exits import USAGE, UsageError
 from .errors import Measure
 from .exact import Exact
 from .points import ChartedMethod, Point
+from .scale import divided
 
 AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
 
@@ -97,7 +97,7 @@ class Program:
             return self.peers[method.name](method, setting, seconds, cap, measure)
         until = self.settings.until
         if method.fixed:
-            setting = until / max(1, math.ceil(until / setting * (1 - 1e-12)))
+            setting = divided(until, setting)
         began = time.process_time()
         but = {"every": None, "show": self.state}
         done = self.run(method.name, setting, but=but, bare=1, cap=cap)

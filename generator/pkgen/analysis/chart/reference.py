@@ -9,17 +9,15 @@ and rate, the scale of errors; and, for a chaotic motion, the time until which t
 
 from __future__ import annotations
 
-import shutil
 import sys
-from dataclasses import replace
 from itertools import takewhile
 
 from ...compiler import Compilation
+from ...equations import Facts
 from ...record import record
-from ...run.build import build_library
 from ...run.settings import Settings
-from ...system.exits import NumericsFailed, UsageError
-from ...system.toolchain import BuildError, Toolchain, find_toolchain
+from ...system.exits import BuildError, NumericsFailed, UsageError
+from . import wide
 from .errors import State
 from .exact import Exact, difference
 from .measure import Program
@@ -29,12 +27,9 @@ PRECISE = ("gauss", "dop853")  # methods of the reference
 MUST_AGREE = 1e-13  # with a larger error of the reference, the chart is cut
 SLOWEST = 60.0  # CPU seconds allowed for one integration
 
-# By scalar type: its macro, the libraries, and tolerances of gauss, gauss again and dop853. dop853
-# needs h ~ tolerance^(1/8): it reaches 1e-22 in the time of gauss.
-TYPES = {
-    "__float128": ("-DPK_FLOAT128", ("-lquadmath",), (1e-28, 1e-25, 1e-22)),
-    "long double": ("-DPK_LONG_DOUBLE", (), (1e-18, 1e-17, 1e-17)),
-}
+# Tolerances of gauss, gauss again and dop853, by type. dop853 needs h ~ tolerance^(1/8): it reaches
+# 1e-22 in the time of gauss.
+TOLERANCES = {"__float128": (1e-28, 1e-25, 1e-22), "long double": (1e-18, 1e-17, 1e-17)}
 
 
 @record
@@ -73,43 +68,27 @@ class Reference:
         )
 
 
-def precise_tools(scalar: str) -> list[Toolchain]:
-    """Returns the compilers to try for a scalar type, with their flags."""
-    macro, libraries, _ = TYPES[scalar]
-    tools = find_toolchain()
-    flags = ("-O2", "-ffp-contract=off", "-std=gnu11", macro)
-    own = replace(tools, flags=flags, gsl_cflags=None, gsl_libs=libraries)
-    if "gcc" in tools.cc[0] or not shutil.which("gcc"):
-        return [own]
-    return [own, replace(own, cc=("gcc",), version="gcc")]
-
-
 def find(compilation: Compilation, settings: Settings) -> Reference:
-    """Computes it. Raises NumericsFailed, UsageError if nothing moves, BuildError if nothing
-    compiles."""
-    refusal: BuildError | None = None
-    for scalar in TYPES:
-        for tools in precise_tools(scalar):
-            try:
-                made = compilation.files, compilation.model.name
-                program = build_library(*made, able=PRECISE, tools=tools)
-            except BuildError as error:
-                refusal = error
-                continue
-            smooth = compilation.structure.smooth_in_pieces
-            return _agree(Program(program, settings), scalar, smooth)
-    assert refusal is not None
-    raise refusal
+    """Computes it. Raises NumericsFailed, UsageError if nothing moves, BuildError if the model does
+    not compile."""
+    found = wide.library(compilation.files, compilation.model.name, PRECISE)
+    if found is None:
+        raise BuildError("no C compiler here has a type wider than double")
+    program, scalar = found
+    return _agree(Program(program, settings), scalar, best(compilation.structure))
 
 
-def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
-    tight, loose, other = TYPES[scalar][2]
-    # gauss is not valid across a kink; there dop853 is compared with itself.
-    best = "gauss" if smooth else "dop853"
-    first = (tight, loose) if smooth else (other, other * 100)
-    paths = [_path(program, best, tolerance) for tolerance in first]
-    if smooth:
-        paths.append(_path(program, "dop853", other))
+def best(structure: Facts) -> str:
+    """Returns the method of the tightest runs: gauss is not valid across a kink."""
+    return "gauss" if structure.smooth_in_pieces else "dop853"
+
+
+def _agree(program: Program, scalar: str, method: str) -> Reference:
+    tight, loose, other = TOLERANCES[scalar]
+    runs = [(method, tight), (method, loose), ("dop853", other)]
+    if method == "dop853":  # it is compared with itself
+        runs = [(method, other), (method, other * 100)]
+    paths = [_path(program, *run) for run in runs]
     exact, checks = paths[0], paths[1:]
     if _at_rest([state for _, state in exact[0]]):
         raise UsageError(

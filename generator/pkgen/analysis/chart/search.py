@@ -13,6 +13,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from .points import AXES, ChartedMethod, Point, Track
+from .scale import ROUNDING, divided, two_digits
 from .sweep import TIGHTEST, Bench
 
 FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # factors on a step; on a tolerance
@@ -25,7 +26,6 @@ COARSER, FALLING = 1.2, 0.7  # errors fall if a step COARSER times finer has FAL
 FOREMOST = 3  # number of methods continued per round
 UNSEEN = 1e-2  # aimed reduction of an unknown error
 ROUNDS, TIMED = 3, 1.5  # rounds of timing; for points within TIMED times the fastest
-ROUNDING = 1e-12  # tolerance on a quotient that is meant to be an integer
 
 
 class Search:
@@ -147,7 +147,7 @@ class Search:
         found = False
         for part in LOOSER[method.fixed] if _cost(tight, axis) < LOOSER[True][-1] * best else ():
             setting = tight.setting * part
-            setting = self._whole(setting) if method.fixed else _two_digits(setting)
+            setting = divided(self.bench.until, setting) if method.fixed else two_digits(setting)
             point = self._measure(method, setting)
             found |= point is not None and self.keeps(point, accuracy)
         return found
@@ -178,9 +178,9 @@ class Search:
             order = max(1, method.order)
             share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER) if good else UNSEEN
             finer = share ** (1 / order)  # factor on the step
-            setting = self._whole(last.setting * finer)
+            setting = divided(self.bench.until, last.setting * finer)
             if not method.fixed:
-                setting = max(_two_digits(last.setting * share), TIGHTEST)
+                setting = max(two_digits(last.setting * share), TIGHTEST)
             cost = (_cost(last, axis) if good else last.took * (axis == "seconds")) / finer
             late = any(p.slow and p.setting < last.setting for p in points)
             if setting < last.setting and NEAR * cost < best and not late:
@@ -205,20 +205,16 @@ class Search:
             share = math.log(loose.error / aim) / math.log(loose.error / tight.error)
         share = min(max(share, INNER[0]), INNER[1])
         setting = loose.setting * (tight.setting / loose.setting) ** share
-        return self._whole(setting) if method.fixed else _two_digits(setting)
+        return divided(self.bench.until, setting) if method.fixed else two_digits(setting)
 
     def _finer(self, method: ChartedMethod, setting: float) -> Iterator[float]:
         until = self.bench.until
         for k, part in enumerate(FINER[method.fixed], 1):
             if not method.fixed:
-                yield _two_digits(setting * part)
+                yield two_digits(setting * part)
             else:
                 whole = round(until / setting)
                 yield until / max(whole + k, round(whole / part))
-
-    def _whole(self, step: float) -> float:
-        """Returns the step rounded down to divide the duration."""
-        return self.bench.until / math.ceil(self.bench.until / step * (1 - ROUNDING))
 
     def _within(self, method: ChartedMethod, low: float, high: float) -> list[Point]:
         """Returns usable points with low <= setting < high, from loose to tight."""
@@ -269,9 +265,3 @@ def _least(method: ChartedMethod, bracket: tuple[Point, Point], axis: str) -> fl
     loose, tight = bracket
     foreseen = _cost(tight, axis) * tight.setting / loose.setting if method.fixed else 0.0
     return _cost(loose, axis) if loose.arrived else foreseen
-
-
-def _two_digits(tolerance: float) -> float:
-    """Rounds a tolerance down to two digits."""
-    size = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
-    return float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}")

@@ -16,6 +16,7 @@ from ...system import children
 from .errors import Measure
 from .measure import Program
 from .points import ChartedMethod, Point, Track
+from .scale import pieces, slope
 from .spectrum import Spectrum
 
 SWEPT = 2 / 3  # part of the time for the sweep; the rest is for the answers (search.py)
@@ -110,7 +111,7 @@ class Steps:
         self.order = max(1, method.order)
         first = PAST_LIMIT * limit if limit else max(LONGEST, self.order) / spectrum.fastest
         self.until = spectrum.until
-        self.whole = max(1, math.ceil(self.until / first))
+        self.whole = pieces(self.until, first)
         self.decades = DECADES / count
 
     @property
@@ -118,14 +119,13 @@ class Steps:
         return self.until / self.whole
 
     def after(self, points: list[Point]) -> float:
-        slope = float(self.order)
-        if len(points) > 1 and points[-2].good and points[-1].good:
-            gained = math.log((points[-2].error or 1.0) / (points[-1].error or 1.0))
-            slope = gained / math.log(points[-2].setting / points[-1].setting)
-        elif not points[-1].good:
-            slope = self.decades / math.log10(UNKNOWN)
-        slope = min(max(slope, 0.1), self.order)
-        ratio = min(max(10 ** (self.decades / slope), FINER[0]), FINER[1])
+        power = float(self.order)
+        if not points[-1].good:
+            power = self.decades / math.log10(UNKNOWN)
+        elif len(points) > 1 and points[-2].good and points[-2].error and points[-1].error:
+            power = slope(points[-2], points[-1])
+        power = min(max(power, 0.1), self.order)
+        ratio = min(max(10 ** (self.decades / power), FINER[0]), FINER[1])
         self.whole = max(self.whole + 1, round(self.whole * ratio))
         return self.until / self.whole
 

@@ -11,9 +11,8 @@ import numpy
 from ...record import record
 from ...run.build import build_library
 from ...run.settings import Settings
-from ...system.exits import BuildError
+from ..chart import wide
 from ..chart.chart import methods as all_methods
-from ..chart.reference import precise_tools
 from . import reference
 from .candidates import Candidate, candidates
 from .choice import Choice
@@ -75,12 +74,8 @@ class Prepared:
         return replace(choose(asked), compile_seconds=self.seconds)
 
     def _precise(self, trials: Trials) -> Trials | None:
-        """Returns trials in a wider type, with the same start as doubles; None if nothing compiles.
-        """
-        wide = numpy.finfo(numpy.longdouble).nmant >= WIDE
-        tools = precise_tools("long double" if wide else "__float128")[0]
-        try:
-            program = build_library(self.files, self.name, able=("gauss", *self.exact), tools=tools)
-        except BuildError:
-            return None
-        return Trials(program, trials.given())
+        """Returns trials in a wider type, with the same start as doubles; None: there is none."""
+        quick = numpy.finfo(numpy.longdouble).nmant >= WIDE
+        types = ["long double" if quick else "__float128"]
+        found = wide.library(self.files, self.name, ("gauss", *self.exact), types)
+        return found and Trials(found[0], trials.given())

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ..chart.points import ChartedMethod
+from ..chart.scale import divided, pieces, slope
 from .candidates import Candidate
 from .trials import Trial
 
@@ -109,8 +110,7 @@ def next_setting(found: Found, accuracy: float) -> float:
         at = known.index(trial) if trial in known else 0
         other = known[at - 1] if at else known[1]
         if other.setting != trial.setting:
-            measured = math.log(other.error / trial.error) / math.log(other.setting / trial.setting)
-            power = min(max(measured, power / 3), 1.5 * power)
+            power = min(max(slope(other, trial), power / 3), 1.5 * power)
     factor = (AIM * accuracy / trial.error) ** (1 / power)
     return trial.setting * min(max(factor, 1 / FURTHEST), FURTHEST)
 
@@ -127,10 +127,10 @@ class _Steps:
         self.other = SHORTENED if method.implicit else None
 
     def allowed(self, setting: float) -> float:
-        return self.interval / max(1, math.ceil(self.interval / setting * (1 - 1e-9)))
+        return divided(self.interval, setting)
 
     def between(self, wanted: float, kept: Trial | None, missed: Trial | None) -> float | None:
-        count = max(1, math.ceil(self.interval / wanted * (1 - 1e-9)))
+        count = pieces(self.interval, wanted)
         low = 0 if missed is None else self._count(missed)
         high = math.inf if kept is None else self._count(kept)
         if high - low <= 1:

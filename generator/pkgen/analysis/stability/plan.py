@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...compiler import Compilation
+from ...defaults import UNTIL
 from ...equations import Structure
 from ...methods import provides
 from ...plot.names import label
@@ -227,7 +228,7 @@ def methods(
 
 def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     """Returns the settings of a run without output rows."""
-    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    chosen = scene.of(options, compilation.declared)
     whole = parsing.settings(options, compilation, chosen=chosen)
     return replace(whole, every=None, method="rk4", step=None, show=(), at=None)
 
@@ -267,4 +268,4 @@ def duration(at: Equilibrium | None, given: float | None, cycle: Cycle | None = 
         return given
     slow = [at.modes[k].frequency for k in at.oscillating] if at else []
     period = cycle.period if cycle else 2 * math.pi / min(slow) if slow else None
-    return PERIODS * period if period else parsing.UNTIL
+    return PERIODS * period if period else UNTIL

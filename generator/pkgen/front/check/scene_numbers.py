@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from ... import limits
+from ...defaults import wrong_rtol
 from ...indices import assignments, integer
 from ...model import Assignment, Model, Parameter
 from ...source import Span
@@ -14,7 +15,6 @@ from ...tree import Expr
 from .params import within
 from .values import NoValue, evaluate
 
-ROUND_OFF = 2.0**-52  # the smallest 'rtol': below it steps would be rejected forever
 BYTES = 20  # size of a number as text
 Number = Fraction | float
 Key = tuple[str, int | None]  # a name and the index of a member
@@ -58,9 +58,9 @@ def within_bounds(
 class WrongValue(Exception):
     """An expression of a scene has no value, or a wrong one; `span` is its place."""
 
-    def __init__(self, message: str, span: Span):
+    def __init__(self, message: str, span: Span, help: str = ""):
         super().__init__(message)
-        self.span = span
+        self.span, self.help = span, help
 
 
 class Values:
@@ -124,6 +124,12 @@ class Values:
 
     def positive(self, name: str, expr: Expr | None) -> float | None:
         return self._checked(name, expr, lambda x: x > 0, "must be positive")
+
+    def rtol(self, expr: Expr | None) -> float | None:
+        found = self.positive("rtol", expr)
+        if found is not None and (why := wrong_rtol(found)):
+            raise WrongValue(why, expr.span, "e.g. rtol 1e-9" if found >= 1 else "")
+        return found
 
     def not_negative(self, name: str, expr: Expr | None) -> float | None:
         return self._checked(name, expr, lambda x: x >= 0, "cannot be negative")

@@ -15,7 +15,7 @@ from ...source import Span
 from ...tree import Expr
 from .names import Report
 from .params import ends_of, interval, number, within
-from .scene_numbers import ROUND_OFF, Values, WrongValue, has_row, too_much
+from .scene_numbers import Values, WrongValue, has_row, too_much
 
 
 def check_scene_values(model: Model, report: Report) -> None:
@@ -36,7 +36,7 @@ class _Numbers:
         scene, values = self.scene, self.values
         until = self._of(lambda: values.positive("until", scene.until))
         self._interval("step", scene.step, until)
-        self._rtol()
+        self._of(lambda: values.rtol(scene.rtol))
         every = None
         if scene.record is not None:
             every = self._interval("every", scene.record.every, until)
@@ -81,22 +81,11 @@ class _Numbers:
         elif said:
             self.report.error(said, record.every.span, "take a longer interval")
 
-    def _rtol(self) -> None:
-        expr = self.scene.rtol
-        rtol = self._of(lambda: self.values.positive("rtol", expr))
-        if rtol is not None and rtol < ROUND_OFF:
-            self.report.error(
-                f"no double is that exact; the smallest 'rtol' is {ROUND_OFF:.1e}", expr.span
-            )
-        elif rtol is not None and rtol >= 1:
-            message = "an 'rtol' of 1 or more controls nothing: it is relative to what moves"
-            self.report.error(message, expr.span, "e.g. rtol 1e-9")
-
     def _of(self, value: Callable[[], float | None]) -> float | None:
         try:
             return value()
         except WrongValue as wrong:
-            self.report.error(str(wrong), wrong.span)
+            self.report.error(str(wrong), wrong.span, wrong.help)
             return None
 
     def _assignments(self) -> None:

@@ -1,0 +1,49 @@
+"""Libraries of a model in a type wider than double, whose runs are references."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ...run.build import build_library
+from ...system.exits import BuildError
+from ...system.files import scratch
+from ...system.toolchain import Toolchain, compile_c, find_toolchain
+
+# By type, the widest first: its macro of pk/real.h, its libraries, and a program that needs both.
+TYPES = {
+    "__float128": ("-DPK_FLOAT128", ("-lquadmath",), "<quadmath.h>", "sqrtq"),
+    "long double": ("-DPK_LONG_DOUBLE", ("-lm",), "<math.h>", "sqrtl"),
+}
+PROBE = "#include {}\nint main(int n, char **x) {{ return x && {}(n) < 0; }}\n"
+
+
+def precise_tools(scalar: str) -> Toolchain | None:
+    """Returns a compiler that has a type, with its flags; None: no compiler here has it."""
+    macro, libraries, header, function = TYPES[scalar]
+    flags = ("-O2", "-ffp-contract=off", "-std=gnu11", macro)
+    own = replace(find_toolchain(), flags=flags, gsl_cflags=None, gsl_libs=libraries)
+    gcc = replace(own, cc=("gcc",), version="gcc")
+    for tools in [own] if "gcc" in own.cc[0] or not shutil.which("gcc") else [own, gcc]:
+        with scratch() as folder:
+            (folder / "probe.c").write_text(PROBE.format(header, function), encoding="utf-8")
+            try:
+                compile_c(tools, ["probe.c", "-o", "probe", *libraries], folder)
+            except BuildError:
+                continue
+            return tools
+    return None
+
+
+def library(
+    files: dict[str, str], name: str, able: Sequence[str], types: Iterable[str] = TYPES
+) -> tuple[Path, str] | None:
+    """Returns the library of a model with the methods `able` in the first of the types that a
+    compiler has, and the type; None: none has any. Raises BuildError if the model fails to
+    compile or link."""
+    for scalar in types:
+        if tools := precise_tools(scalar):
+            return build_library(files, name, able=able, tools=tools), scalar
+    return None

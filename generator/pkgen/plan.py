@@ -1,0 +1,79 @@
+"""The plan of a compile: the part of the model that a run needs, its kernels and its method.
+
+It is made once, from a scene and options (`scenes/compile_plan.py`), and goes with the compiled
+model: whatever runs or describes the model reads it there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .defaults import GAUSS_RTOL
+from .equations import Equations, Facts
+from .middle.loops.loops import LoopEquations
+from .middle.reduce.reduction import Needs
+from .middle.report import ReportLine
+from .model import Model
+from .record import record
+
+EXPONENTIAL_MOST = 64  # most coordinates: a step of it multiplies by a full matrix
+Made = tuple[Equations | LoopEquations, Facts]
+OPTION, SCENE, DEFAULT = "option", "scene", "default"  # where a method comes from
+
+
+@record
+class RunNumbers:
+    """The numbers of a run that options set, in SI; None: not set, so a scene's or the default."""
+
+    until: float | None = None
+    every: float | None = None
+    step: float | None = None
+    max_step: float | None = None
+    rtol: float | None = None
+    atol: float | None = None
+
+
+@record
+class CompilePlan:
+    """The kernels of a compile (None: all), and of its run the method (""; no run is planned),
+    where that comes from, and the numbers of options."""
+
+    kernels: frozenset[str] | None = None
+    method: str = ""
+    source: str = DEFAULT
+    numbers: RunNumbers = RunNumbers()
+
+
+@record
+class Use:
+    """How a scene restricts a model. `model` fixes parameters and holds coordinates; `needs` gives
+    the needed outputs, None: all; `plan` takes (equations, structure), or None before they are
+    known, and then plans all kernels that may be needed; `reads` gives parameters that a run reads,
+    None: all; `declared` adds declarations of options."""
+
+    model: Callable[[Model], tuple[Model, tuple[ReportLine, ...]]]
+    needs: Callable[[Model], Needs | None]
+    plan: Callable[[Model, Made | None], CompilePlan] = lambda *_: CompilePlan()
+    reads: Callable[[Model], frozenset[str] | None] = lambda _: None
+    declared: Callable[[Model], Model] = lambda declared: declared
+
+    def of(self, declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
+        return self.model(self.declared(declared))
+
+
+def default_method(made: Made, rtol: float, exact: bool) -> str:
+    """Returns the method for all coordinates or a part. With `exact`, a small linear system with
+    constant coefficients gets its exact flow, in steps short enough to detect events.
+
+    gauss is the fastest method for smooth equations and tight tolerances; its error estimate is
+    invalid across a kink. A long chain has fast oscillations of small amplitude: the iteration of
+    gauss, not its error, would limit the step size, and its stages would not fit into the cache.
+    Sums over all pairs have no such neighbours, so gauss pays off."""
+    equations, structure = made
+    by_gauss = structure.smooth_in_pieces and rtol <= GAUSS_RTOL
+    if isinstance(equations, LoopEquations):
+        return "gauss" if equations.force.pairs and by_gauss else "dop853"
+    few = len(equations.coordinates) + len(equations.states) <= EXPONENTIAL_MOST
+    if exact and structure.affine and few:
+        return "exponential"
+    return "gauss" if by_gauss else "dop853"
