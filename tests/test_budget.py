@@ -14,8 +14,8 @@ import pytest
 from conftest import ROOT
 
 BUDGET = {  # area: lines, tokens
-    "generator": (63_000, 510_000),
-    "runtime": (34_500, 324_000),
+    "generator": (64_400, 522_000),  # maps are judged in Python: 1,500 lines, 2,600 fewer of C
+    "runtime": (32_000, 300_000),
     "addons": (20_300, 182_000),
 }
 WORDS = 37_000  # of docs for users
