@@ -14,9 +14,9 @@ import pytest
 from conftest import ROOT, gone
 
 BUDGET = {  # area: lines, tokens
-    "generator": (59_900, 484_800),
-    "runtime": (34_500, 324_000),
-    "addons": (23_400, 205_000),  # pages and peers: 3,000 lines of the generator
+    "generator": (61_500, 500_000),  # maps are judged in Python: 1,500 lines, 2,600 fewer of C
+    "runtime": (32_000, 300_000),
+    "addons": (24_000, 210_000),  # pages and peers: 3,000 lines of the generator
 }
 WORDS = 35_000  # what a user reads: README.md and docs, but for docs/dev
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}

@@ -5,14 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <gsl/gsl_blas.h>
-#include <gsl/gsl_linalg.h>
-
 #include "rates.h"
 
 #include "../src/core/internal.h"
-
-static const double DEPENDENT = 1e-9; /* relative to the largest singular value: smaller are 0 */
 
 size_t pk_gsl_kept_count(const struct pk_problem *problem)
 {
@@ -104,121 +99,7 @@ enum pk_status pk_gsl_kept(const struct pk_problem *problem, const double *q, co
     for (size_t r = 0; r < system->n_rotations; r++)
         for (size_t i = 0; i < 4; i++)
             gsl_matrix_set(C, h + c + r, first + 4 * r + i, v[first + 4 * r + i]);
-    const int finite = pk_all_finite(J, c * n) && !gsl_isnan(gsl_matrix_max(C));
+    const int finite = pk_all_finite(J, c * n) && !isnan(gsl_matrix_max(C));
     free(block);
     return finite ? PK_DONE : PK_NOT_FINITE;
-}
-
-/* Appends to T an orthonormal basis of the null space of C, restricted to the `count` rows `some`
- * of T; rows of C are scaled to length 1. Returns whether it succeeded. */
-static int add_free(const gsl_matrix *C, const size_t *among, const size_t *some, size_t count,
-                    gsl_matrix *T, size_t *columns)
-{
-    const size_t rows = count > C->size1 ? count : C->size1;
-    gsl_matrix *B = gsl_matrix_calloc(rows, count), *V = gsl_matrix_alloc(count, count);
-    gsl_vector *S = gsl_vector_alloc(count);
-    int good = B && V && S;
-    for (size_t i = 0; i < C->size1 && good; i++) {
-        double size = 0;
-        for (size_t j = 0; j < count; j++)
-            size = hypot(size, gsl_matrix_get(C, i, among[some[j]]));
-        for (size_t j = 0; j < count && size > 0; j++)
-            gsl_matrix_set(B, i, j, gsl_matrix_get(C, i, among[some[j]]) / size);
-    }
-    good = good && !gsl_linalg_SV_decomp_jacobi(B, V, S);
-    for (size_t k = 0; k < count && good; k++) {
-        if (gsl_vector_get(S, k) > DEPENDENT * gsl_vector_get(S, 0))
-            continue;
-        for (size_t j = 0; j < count; j++)
-            gsl_matrix_set(T, some[j], *columns, gsl_matrix_get(V, j, k));
-        ++*columns;
-    }
-    gsl_matrix_free(B);
-    gsl_matrix_free(V);
-    gsl_vector_free(S);
-    return good;
-}
-
-/* Returns whether number j of A is a rate of a coordinate or a body rate. */
-static int is_rate(const struct pk_problem *problem, size_t j)
-{
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t m = pk_system_coordinates(problem->system, problem->params);
-    return j >= n || (j >= m && j < m + 3 * problem->system->n_rotations);
-}
-
-/* Returns T^T A T. Entries that are round-off relative to A's entries of the same kind (positions
- * or rates, by positions or rates) are set to 0: a free motion's eigenvalues would be their square
- * root. */
-static gsl_matrix *projected(const struct pk_problem *problem, const size_t *among,
-                             const gsl_matrix *A, const gsl_matrix *T, const int *rates)
-{
-    const size_t N = T->size1, k = T->size2;
-    gsl_matrix *AT = gsl_matrix_alloc(N, k), *found = gsl_matrix_alloc(k, k);
-    double most[2][2] = {{0, 0}, {0, 0}};
-    for (size_t i = 0; i < N; i++)
-        for (size_t j = 0; j < N; j++) {
-            double *x = &most[is_rate(problem, among[i])][is_rate(problem, among[j])];
-            *x = fmax(*x, fabs(gsl_matrix_get(A, i, j)));
-        }
-    if (AT && found) {
-        gsl_blas_dgemm(CblasNoTrans, CblasNoTrans, 1, A, T, 0, AT);
-        gsl_blas_dgemm(CblasTrans, CblasNoTrans, 1, T, AT, 0, found);
-        for (size_t i = 0; i < k; i++)
-            for (size_t j = 0; j < k; j++)
-                if (rates[i] >= 0 &&
-                    fabs(gsl_matrix_get(found, i, j)) <= 1e-13 * most[rates[i]][rates[j]])
-                    gsl_matrix_set(found, i, j, 0);
-    }
-    gsl_matrix_free(AT);
-    return found;
-}
-
-enum pk_status pk_gsl_tangent(const struct pk_problem *problem, const double *q, const double *v,
-                              const size_t *among, gsl_matrix **A, gsl_matrix **T)
-{
-    const size_t N = (*A)->size1, kept = pk_gsl_kept_count(problem);
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t h = problem->system->constraints.n_holonomic, c = problem->system->constraints.n;
-    const size_t all = n + pk_system_coordinates(problem->system, problem->params);
-    gsl_matrix *C = gsl_matrix_alloc(kept, all), *wide = gsl_matrix_calloc(N, N), *less = NULL;
-    size_t *some = (size_t *)calloc(N, sizeof *some), columns = 0;
-    int *rates = (int *)calloc(N, sizeof *rates), mixed = 0, good = 1;
-    enum pk_status status = C && wide && some && rates ? PK_DONE : PK_NO_MEMORY;
-    *T = NULL;
-    if (status == PK_DONE)
-        status = pk_gsl_kept(problem, q, v, C);
-    for (size_t i = h; i < h + c && status == PK_DONE; i++) /* J v + j0 depends on positions */
-        for (size_t j = 0; j < N; j++)
-            mixed |= !is_rate(problem, among[j]) && fabs(gsl_matrix_get(C, i, among[j])) > 0;
-    for (int part = 0; part < 2 && status == PK_DONE && good; part++) {
-        size_t count = 0;
-        const size_t before = columns;
-        for (size_t j = 0; j < N; j++)
-            if (mixed ? !part : is_rate(problem, among[j]) == part)
-                some[count++] = j;
-        good = !count || add_free(C, among, some, count, wide, &columns);
-        for (size_t k = before; k < columns; k++)
-            rates[k] = mixed ? -1 : part;
-    }
-    if (status == PK_DONE && !good)
-        status = PK_NO_CONVERGENCE;
-    if (status == PK_DONE && !columns)
-        status = PK_REFUSED;
-    if (status == PK_DONE && (*T = gsl_matrix_alloc(N, columns))) {
-        gsl_matrix_const_view first = gsl_matrix_const_submatrix(wide, 0, 0, N, columns);
-        gsl_matrix_memcpy(*T, &first.matrix);
-        less = projected(problem, among, *A, *T, rates);
-    }
-    if (less) {
-        gsl_matrix_free(*A);
-        *A = less;
-    } else if (status == PK_DONE) {
-        status = PK_NO_MEMORY;
-    }
-    gsl_matrix_free(C);
-    gsl_matrix_free(wide);
-    free(some);
-    free(rates);
-    return status;
 }

@@ -22,10 +22,5 @@ enum pk_status pk_gsl_kept(const struct pk_problem *problem, const double *q, co
                            gsl_matrix *C);
 /* Returns the number of rows of C. */
 size_t pk_gsl_kept_count(const struct pk_problem *problem);
-/* `among` are N columns of the full A, and *A is their N by N submatrix. Computes an orthonormal
- * basis T, N by k, of the null space of C in these columns; *A becomes T^T A T, k by k. The caller
- * frees both. PK_REFUSED, with *T = NULL, if nothing can move. */
-enum pk_status pk_gsl_tangent(const struct pk_problem *problem, const double *q, const double *v,
-                              const size_t *among, gsl_matrix **A, gsl_matrix **T);
 
 #endif

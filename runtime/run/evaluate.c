@@ -6,11 +6,13 @@
 
 #include "settings/settings.h"
 
-static size_t jacobian_size(const struct pk_problem *problem)
+static size_t work_size(const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
     const size_t exact = 2 * n + pk_system_linear_size(problem), differences = 4 * n;
-    return exact > differences ? exact : differences;
+    const size_t rows = problem->system->constraints.n * n;
+    const size_t most = exact > differences ? exact : differences;
+    return most > rows ? most : rows;
 }
 
 static int differences(const struct pk_problem *problem, pk_real t, const pk_real *q,
@@ -52,7 +54,7 @@ static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *
 /* A kernel by its name; `width` is its numbers per state, 0 if the system has no such kernel. */
 struct kernel {
     const char *name;
-    enum { ACCELERATION, JACOBIAN, MOMENTA, ENERGY, PLAIN } kind;
+    enum { ACCELERATION, JACOBIAN, MOMENTA, FREE, SLOPES, ROWS, RATES, ENERGY, PLAIN } kind;
     size_t width;
     pk_kernel *plain;
 };
@@ -65,6 +67,10 @@ static struct kernel find(const struct settings *s, const char *name)
         {"acceleration", ACCELERATION, solved, NULL},
         {"jacobian", JACOBIAN, 2 * n * solved, NULL},
         {"momenta", MOMENTA, system->canonical ? n : 0, NULL},
+        {"free momenta", FREE, system->unconstrained || system->canonical ? n : 0, NULL},
+        {"momentum jacobian", SLOPES, system->jacobian ? 3 * n * n : 0, NULL},
+        {"constraint jacobian", ROWS, system->constraints.n * n, NULL},
+        {"constraint rates", RATES, system->constraints.n, NULL},
         {"energy", ENERGY, system->energy != NULL, NULL},
         {"force", PLAIN, system->force ? n : 0, system->force},
         {"mass", PLAIN, system->mass ? n * n : 0, system->mass},
@@ -90,6 +96,19 @@ static int at(const struct settings *s, const struct pk_problem *problem, const 
         return jacobian(problem, t, q, v, u, out, out + s->n * s->n, work);
     case MOMENTA:
         system->canonical(s->params, t, q, v, u, out, work);
+        return 1;
+    case FREE:
+        (system->unconstrained ? system->unconstrained : system->canonical)(s->params, t, q, v, u,
+                                                                            out, work);
+        return 1;
+    case SLOPES:
+        system->jacobian(s->params, t, q, v, u, out, out + s->n * s->n, out + 2 * s->n * s->n);
+        return 1;
+    case ROWS:
+        system->constraints.jacobian(s->params, t, q, v, u, out, work);
+        return 1;
+    case RATES:
+        system->constraints.jacobian(s->params, t, q, v, u, work, out);
         return 1;
     case ENERGY:
         *out = system->energy(s->params, t, q, v, u);
@@ -159,7 +178,7 @@ size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const
     struct pk_problem problem = run_problem(run);
     const size_t m = s->system->n_inputs;
     const size_t lanes = (3 * n + 1 + m) * PK_LANES, one = 3 * n + m + wide;
-    pk_real *work = memory_ask(&run->memory, lanes + one + jacobian_size(&problem), sizeof *work);
+    pk_real *work = memory_ask(&run->memory, lanes + one + work_size(&problem), sizeof *work);
     if (!work)
         return count;
     if (kernel.kind == ACCELERATION && s->system->lanes && count > 1) {

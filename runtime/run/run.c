@@ -1,8 +1,6 @@
 /* One run from its settings to its report; see pk/run.h. */
 #define _POSIX_C_SOURCE 200809L
 
-#include <pk/stability.h>
-
 #include "observers/condition.h"
 #include "settings/settings.h"
 #include "steps/steps.h"
@@ -190,9 +188,8 @@ int pk_run_refused(const struct pk_run *of) { return of->refused; }
 size_t pk_run_size(int which)
 {
     static const size_t sizes[] = {sizeof(struct pk_run_settings), sizeof(struct pk_run_expected),
-                                   sizeof(struct pk_run_part), sizeof(struct pk_run_reduced),
-                                   sizeof(struct pk_stability_question)};
-    return which >= 0 && which < 5 ? sizes[which] : 0;
+                                   sizeof(struct pk_run_part), sizeof(struct pk_run_reduced)};
+    return which >= 0 && which < 4 ? sizes[which] : 0;
 }
 
 /* Laps are doubled until the clock resolves them: under a limit of CPU time it ticks in
@@ -229,5 +226,6 @@ void pk_run_free(struct pk_run *run)
     memory_end(&run->memory);
     free(run->report);
     free(run->told);
+    free(run->equilibria);
     free(run);
 }

@@ -13,9 +13,10 @@ import pytest
 from conftest import ran, seeds
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.chart import methods
-from pkgen.analysis.stability.ask import Asker, Rest
+from pkgen.analysis.stability.ask import Asker
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import MOST, predictions
+from pkgen.analysis.stability.rest import Rest
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.run.build import build_library
 from pkgen.scenes import run_settings as parsing

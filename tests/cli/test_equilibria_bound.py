@@ -15,9 +15,10 @@ from conftest import seeds
 from pkgen.__main__ import main
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure
-from pkgen.analysis.stability.ask import Asker, Rest
+from pkgen.analysis.stability.ask import Asker
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import limit
+from pkgen.analysis.stability.rest import Rest
 
 ANGLE = """model angle
 param l = {l}

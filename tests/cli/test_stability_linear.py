@@ -20,7 +20,6 @@ from pkgen.analysis.stability import map as maps
 from pkgen.analysis.stability import measure, text
 from pkgen.analysis.stability.measure import FAILED
 from pkgen.analysis.stability.method import StepMap
-from pkgen.analysis.stability.orbits import closed
 from pkgen.analysis.stability.predict import predictions
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
@@ -127,7 +126,7 @@ def test_what_was_not_measured_is_not_as_predicted(capsys, tmp_path: Path, monke
 def test_states_by_whole_turns_are_one() -> None:
     """Verlet's pendulum, which goes round by whole turns a step, is a fixed point, no 2-cycle."""
     pendulum = start(asker(PENDULUM), 0.5)
-    found = closed(pendulum, method="verlet", h=1.9792, first=1, count=2, tries=16)
+    found = pendulum.orbits(method="verlet", h=1.9792, first=1, count=2, tries=16)
     assert any(o.steps == 1 for o in found)
     for o in (o for o in found if o.steps == 2):
         (q, v), (r, w) = o.states

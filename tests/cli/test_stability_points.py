@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from stability_asker import PENDULUM, asker, start
 
-from pkgen.analysis.stability.ask import Asker
+from pkgen.analysis.stability.ask import Asker, Point
 
 
 @pytest.fixture(scope="module")
@@ -16,25 +16,25 @@ def pendulum() -> Asker:
     return asker(PENDULUM)
 
 
-def point(asked: Asker, method: str, h: float) -> dict:
+def point(asked: Asker, method: str, h: float) -> Point:
     asked.motion()
-    return asked.ask("point", method=method, h=h)
+    return asked.point(method, h)
 
 
 def test_classes(pendulum: Asker) -> None:
     swing = start(pendulum, 1.0)
-    assert point(swing, "verlet", 0.5)["class"] == "bounded"
-    assert point(swing, "gauss2", 0.5)["class"] == "bounded"
-    assert point(swing, "rk4", 0.5)["class"] == "drifting"
-    assert point(swing, "euler", 0.1)["class"] == "growing"
-    assert point(swing, "verlet", 2.3)["class"] == "growing"
-    assert point(swing, "verlet", 2.5)["class"] == "growing"  # wanders up and down, high above
+    assert point(swing, "verlet", 0.5).kind == "bounded"
+    assert point(swing, "gauss2", 0.5).kind == "bounded"
+    assert point(swing, "rk4", 0.5).kind == "drifting"
+    assert point(swing, "euler", 0.1).kind == "growing"
+    assert point(swing, "verlet", 2.3).kind == "growing"
+    assert point(swing, "verlet", 2.5).kind == "growing"  # wanders up and down, high above
     # At y = 1.9 the energy of a start with a rate rises up to tenfold, and comes back.
     beat = point(start(pendulum, 0.0, 1e-3), "verlet", 1.9)
-    assert beat["class"] == "bounded" and 2 < beat["rise"] < 5
+    assert beat.kind == "bounded" and 2 < beat.rise < 5
     fixed = replace(swing.settings, iteration="fixed")
     failed = point(swing.with_settings(fixed), "gauss1", 4.0)
-    assert (failed["class"], failed["status"]) == ("not converged", "PK_NO_CONVERGENCE")
+    assert (failed.kind, failed.status) == ("not converged", "PK_NO_CONVERGENCE")
 
 
 # At resonance the energy rises as t^2/8.
@@ -44,8 +44,8 @@ DRIVEN = "model driven\ncoord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)\nsta
 def test_the_motion_is_known_for_as_long_as_a_point() -> None:
     driven = asker(DRIVEN, until=10.0)
     long = point(driven, "gauss4", 0.5)  # 200 steps, ten times `until`
-    assert long["steps"] * 0.5 >= 100 and long["class"] == "bounded"
-    assert point(driven, "euler", 0.5)["class"] != "bounded"
+    assert long.steps * 0.5 >= 100 and long.kind == "bounded"
+    assert point(driven, "euler", 0.5).kind != "bounded"
 
 
 def leaves(text: str, until: float = 10.0) -> bool:
@@ -63,25 +63,25 @@ def test_motions_that_leave(pendulum: Asker) -> None:
     assert not pendulum.motion().leaves
     assert not start(pendulum, 0.0, 2.1).motion().leaves  # over the top, round and round
     hill = asker(line.format("-x^2/2", 1, 0), until=10.0)
-    assert point(hill, "rk4", 0.5)["class"] == "not judged"
-    assert point(hill, "gauss1", 2.5)["class"] == "wrong branch"  # the method's own all the same
+    assert point(hill, "rk4", 0.5).kind == "not judged"
+    assert point(hill, "gauss1", 2.5).kind == "wrong branch"  # the method's own all the same
 
 
 def test_a_wrong_branch_upright(pendulum: Asker) -> None:
     # L14: the midpoint rule from rest upright has one solution for h omega <= 2 and three above.
     upright = start(pendulum, math.pi - 1e-9)
-    assert point(upright, "gauss1", 1.99)["class"] == "bounded"
+    assert point(upright, "gauss1", 1.99).kind == "bounded"
     for h in (2.01, 6.0):
         lost = point(upright, "gauss1", h)
-        assert (lost["class"], lost["status"]) == ("wrong branch", "PK_AMBIGUOUS_STEP")
-    assert point(upright, "gauss2", 2.01)["class"] != "wrong branch"
+        assert (lost.kind, lost.status) == ("wrong branch", "PK_AMBIGUOUS_STEP")
+    assert point(upright, "gauss2", 2.01).kind != "wrong branch"
 
 
 def test_what_grows_without_bound_is_not_finite() -> None:
     linear = asker("model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
     grown = linear.with_settings(replace(linear.settings, until=5000.0))
-    assert point(grown, "verlet", 2.2)["class"] == "not finite"
-    assert point(grown, "verlet", 1.8)["class"] == "bounded"
+    assert point(grown, "verlet", 2.2).kind == "not finite"
+    assert point(grown, "verlet", 1.8).kind == "bounded"
 
 
 def test_stable_at_999_growing_at_1001(pendulum: Asker) -> None:

@@ -75,7 +75,6 @@ void add_scale(void);
 void add_marks(void);
 void add_limits(void);
 void add_equilibria(void);
-void add_elliptic(void);
 void add_action(void);
 void add_particles(void);
 void add_diagnostics(void);

@@ -193,7 +193,6 @@ int main(int argc, char **argv)
     add_marks();
     add_limits();
     add_equilibria();
-    add_elliptic();
     add_action();
     add_particles();
     add_diagnostics();

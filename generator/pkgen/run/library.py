@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 DERIVED = 4  # PK_FAILURE_DERIVED
 _SIZED = [
     STRUCTURES[f"struct pk_{name}"]
-    for name in ("run_settings", "run_expected", "run_part", "run_reduced", "stability_question")
+    for name in ("run_settings", "run_expected", "run_part", "run_reduced")
 ]
-_Settings, *_, _Question = _SIZED
+_Settings = _SIZED[0]
 _FIELDS = dict(_Settings._fields_)
 COMPUTE = _FIELDS["compute"]
 # Members of pk_run_settings without meaning in a standalone program.
@@ -120,7 +120,7 @@ class Run:
     """A finished run: `code`, `report`, `messages`; `not_finite`: a constant is not finite."""
 
     def __init__(self, library: Library, settings: Structure, poll: Poll | None, idle: bool):
-        self._c = library.c
+        self._c, self._model = library.c, library.model
         self._run = None
         ended: list[BaseException | bool] = []
 
@@ -253,38 +253,6 @@ class Run:
             self._c.pk_run_free(run)
 
     __del__ = close
-
-
-class Stability:
-    """Answers stability questions about one model with fixed settings."""
-
-    def __init__(self, library: Library, settings: Settings):
-        self._c = library.c
-        self._of = c_void_p(self._c.pk_stability_new(library.model, library.settings(settings)))
-        self._one = threading.Lock()
-        if not self._of:
-            raise NumericsFailed("out of memory")
-
-    def ask(self, what: str, **question: object) -> dict:
-        """Returns the answer to a question `what`. Raises UsageError."""
-        q = _Question(mode=-1, other=-1)
-        for name, value in question.items():
-            if isinstance(value, str):
-                value = value.encode()
-            elif isinstance(value, tuple):
-                value = (c_double * len(value))(*value)
-            setattr(q, name, value)
-        with self._one:  # the next question overwrites an answer
-            found = self._c.pk_stability_ask(self._of, what.encode(), q)
-            said = self._c.pk_stability_wrong(self._of).decode() if found is None else ""
-        if found is None:
-            raise UsageError(said.strip().splitlines()[-1])
-        return json.loads(found)
-
-    def __del__(self) -> None:
-        of, self._of = self._of, None
-        if of:
-            self._c.pk_stability_free(of)
 
 
 def _fill(s: Structure, name: str, values: Sequence[object]) -> None:

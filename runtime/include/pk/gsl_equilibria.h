@@ -1,21 +1,12 @@
-/* Equilibria of a system and its motion near them: equilibria by GSL's root finder from many
- * starts, normal modes by its eigenvalue solver. double only; link libpk_gsl.a before libpk.a, then
- * -lgsl -lgslcblas. GSL allocates; all memory is freed before these functions return.
+/* Equilibria of a system by GSL's root finder from many starts, and normal coordinates at one.
+ * double only; link libpk_gsl.a before libpk.a, then -lgsl -lgslcblas. GSL allocates; all memory is
+ * freed before these functions return.
  *
  * Cyclic coordinates do not rest: their momenta are constant. So relative equilibria are sought, in
  * which the other coordinates rest and cyclic ones have constant rates (a top's steady precession).
  * With c for cyclic and n for the others,
  *
- *     pdot_n(q_n, v_c) = 0,   p_c(q_n, v_c) = p_c of the given start,   v_n = 0,
- *
- * and near one, with momenta p_c held (Routh), M u'' + C u' + K u = 0 for u = q_n - q_n*, with
- *
- *     M = M_nn - M_nc B M_cn,  K = -F_nn + F'_nc B P_cn,  B = 1 / M_cc,  F = d(pdot)/dq,
- *     C = P_nn - F'_nn - M_nc B P_cn + F'_nc B M_cn,      P = dp/dq,     F' = d(pdot)/dv.
- *
- * A mode is u = Re(shape exp(lambda t)), lambda = growth + i frequency. Reference: L. Meirovitch,
- * Methods of Analytical Dynamics, ch. 6 (small motions, gyroscopic systems); J. Marsden, T. Ratiu,
- * Introduction to Mechanics and Symmetry, 8.9 (Routh reduction).
+ *     pdot_n(q_n, v_c) = 0,   p_c(q_n, v_c) = p_c of the given start,   v_n = 0.
  */
 #ifndef PK_GSL_EQUILIBRIA_H
 #define PK_GSL_EQUILIBRIA_H
@@ -50,19 +41,6 @@ struct pk_equilibria {
  * time or on inputs. There is no guarantee that all are found. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
-
-/* One entry for lambda and its conjugate; two real numbers are two entries. A lambda below 1e-7 of
- * the largest is 0: a motion that neither returns nor leaves exponentially. */
-struct pk_mode {
-    double growth, frequency;
-};
-
-/* Computes the modes at an equilibrium, fastest first: up to 2 n of them, and for each its shape, n
- * real and n imaginary parts, scaled to 1 as the largest component of those not cyclic. With
- * rotations or constraints: modes of motions that satisfy these (pk_gsl_tangent()). PK_REFUSED if a
- * kernel is missing, or nothing can move; PK_SINGULAR_MASS; PK_NO_CONVERGENCE. */
-enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
-                            struct pk_mode *modes, double *shapes, size_t *count);
 
 /* Computes the eigenvalues of the linearised equations at any state, zeros included, one entry for
  * lambda and its conjugate; room for 2 n each. The fastest must be resolved by steps. PK_REFUSED

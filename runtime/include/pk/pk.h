@@ -7,7 +7,6 @@
 #include <pk/condition.h>
 #include <pk/constraint.h>
 #include <pk/diagnostics.h>
-#include <pk/elliptic.h>
 #include <pk/ensemble.h>
 #include <pk/events.h>
 #include <pk/integrator.h>

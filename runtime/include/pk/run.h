@@ -185,8 +185,10 @@ int pk_run_refused(const struct pk_run *run);
  * least `seconds`; 0 if it fails. Call it after pk_run_go(). */
 double pk_run_laps(struct pk_run *run, double seconds);
 /* Evaluates a kernel at `count` states, with the run's parameters: "acceleration", "force",
- * "momenta" (n numbers per state), "mass" (n by n), "energy" (1), "outputs", or "jacobian" (da/dq,
- * then da/dv, n by n each). Per state: t has 1 number, q and v have n each, u has n_inputs (u NULL:
+ * "momenta" (n numbers per state), "free momenta" (those without constraints), "mass" (n by n),
+ * "energy" (1), "outputs", "jacobian" (da/dq, then da/dv, n by n each), "momentum jacobian" (dp/dq,
+ * d(pdot)/dq, d(pdot)/dv), "constraint jacobian" (J, a row of n each) or "constraint rates" (J v +
+ * j0). Per state: t has 1 number, q and v have n each, u has n_inputs (u NULL:
  * the run's inputs), out has pk_run_width(). Returns how many states failed because M is singular;
  * their results are NaN. */
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
@@ -195,12 +197,12 @@ size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: there is 
 /* Returns parameters and start in JSON. */
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);
-/* 1: all runs and stability questions of this library, in all threads, end as soon as they can, and
+/* 1: all runs and integrations of this library, in all threads, end as soon as they can, and
  * new ones at once; 0: normal again. A signal handler may call it. */
 void pk_run_stop(int whether);
 
-/* Returns sizeof pk_run_settings, pk_run_expected, pk_run_part, pk_run_reduced or
- * pk_stability_question, for `which` 0 to 4. */
+/* Returns sizeof pk_run_settings, pk_run_expected, pk_run_part or pk_run_reduced, for `which` 0 to
+ * 3. */
 size_t pk_run_size(int which);
 /* Returns the bit of a diagnostic; 0: there is no diagnostic of that name. */
 unsigned pk_run_diagnostic(const char *name);

@@ -135,6 +135,7 @@ struct pk_run {
     char *said;
     char *report, *told; /* JSON of pk_run_report() and pk_run_given(); of malloc() */
     char *csv;           /* rows of an ensemble member; of malloc() */
+    char *equilibria;    /* JSON of pk_stability_equilibria(); of malloc() */
     enum pk_run_code code;
     int refused;           /* result of prepare() for the parameters */
     struct pk_system bare; /* copy of the system, without events in a bare run */

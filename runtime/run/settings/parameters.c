@@ -119,5 +119,15 @@ void settings_tell(struct pk_run *run, FILE *file)
     json_close(&j, ']');
     json_numbers(&j, "q", s->q, pk_system_coordinates(s->system, s->params));
     json_numbers(&j, "v", s->v, s->n);
+    json_counts(&j, {"rotations", s->system->n_rotations},
+                {"constraints", s->system->constraints.n},
+                {"holonomic", s->system->constraints.n_holonomic});
+    json_flag(&j, "conservative", (s->system->facts & PK_CONSERVATIVE) != 0);
+    json_flag(&j, "autonomous", (s->system->facts & PK_AUTONOMOUS) != 0);
+    json_open(&j, "cyclic", '[');
+    for (size_t i = 0; s->system->cyclic && i < pk_system_coordinates(s->system, s->params); i++)
+        if (s->system->cyclic[i])
+            json_whole(&j, NULL, i);
+    json_close(&j, ']');
     json_close(&j, '}');
 }

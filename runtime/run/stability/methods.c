@@ -6,8 +6,7 @@
 #include <pk/limits.h>
 #include <pk/stability.h>
 
-#include "../base/json.h"
-#include "../base/state.h"
+#include "../settings/settings.h"
 
 enum { MOST_INTERVALS = 8 };
 #define ENDLESS PK_C(1e30)
@@ -83,4 +82,18 @@ const char *pk_stability_methods(const struct pk_run_model *model, int own)
     json_close(j, ']');
     fclose(json.file);
     return text;
+}
+
+int pk_stability_spring(const struct pk_run_model *model, const char *method, double stiffness,
+                        double damping, double h, double *map)
+{
+    const struct pk_method *found = run_method_find(model, method);
+    pk_real entries[4] = {0, 0, 0, 0};
+    if (!found || found->traits & PK_ADAPTIVE)
+        return PK_BAD_ARGUMENT;
+    const enum pk_status status =
+        pk_method_spring(found, (pk_real)stiffness, (pk_real)damping, (pk_real)h, entries);
+    for (int i = 0; i < 4; i++)
+        map[i] = status < 0 ? (double)NAN : (double)entries[i];
+    return status;
 }

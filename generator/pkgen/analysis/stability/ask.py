@@ -1,94 +1,28 @@
-"""Asks questions about a compiled model (pk/stability.h), and returns the answers as data."""
+"""Questions about a compiled model, and their answers as data."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
+
+import numpy
 
 from ...record import record
-from ...run.library import Stability, load
+from ...run import integration
 from ...run.settings import Settings
 from ...system.exits import UsageError
+from . import distances, modes, near, orbits, points
+from .orbits import Orbit
+from .reference import Reference
+from .rest import ZERO, Equilibrium, Mode, Rest
+from .system import MOST_STEPS, System
 
-ZERO = 1e-7  # relative to the largest rate at any equilibrium; a lower rate counts as 0
 SLOW = 0.01  # radians or e-foldings in the duration; a lower rate counts as round-off
-UNDECIDED = "not decided by the linear terms"
 TRIES = 100  # starts from which equilibria are sought
-Made = TypeVar("Made")
-
-
-@record
-class Mode:
-    """exp(lambda t), lambda = growth + i frequency; real and imaginary parts of the shape."""
-
-    growth: float
-    frequency: float
-    re: tuple[float, ...]
-    im: tuple[float, ...]
-    on_group: bool = False  # rotation rate of a body, seen by methods on the group
-
-    @property
-    def rate(self) -> float:
-        """|lambda|."""
-        return math.hypot(self.growth, self.frequency)
-
-
-@record
-class Equilibrium:
-    q: tuple[float, ...]
-    v: tuple[float, ...]
-    energy: float
-    modes: tuple[Mode, ...]  # fastest first
-    status: str = "PK_DONE"  # status of the computation of modes
-    slack: int = 0  # dimension of the continuum of equilibria it belongs to
-
-    @property
-    def stable(self) -> bool:
-        """Whether the modes are known, none grows, and not all have rate 0."""
-        moves = not self.modes or any(mode.rate > 0 for mode in self.modes)
-        return self.status == "PK_DONE" and moves and not self._grows
-
-    @property
-    def _grows(self) -> bool:
-        return any(mode.growth > 0 for mode in self.modes)
-
-    @property
-    def verdict(self) -> str:
-        """Describes the stability. A mode of rate 0 is undecided by the linear terms."""
-        if self.status != "PK_DONE":
-            return f"modes: {self.status}"
-        if self._grows:
-            return "unstable"
-        if any(mode.rate == 0 for mode in self.modes):
-            return "one of a continuum" if self.slack else UNDECIDED
-        return "stable"
-
-    @property
-    def oscillating(self) -> list[int]:
-        """Returns the indices of modes that oscillate and do not grow."""
-        return [k for k, m in enumerate(self.modes) if m.frequency > 0 and m.growth <= 0]
-
-
-@record
-class Rest:
-    """The equilibria found, and the region searched."""
-
-    status: str
-    equilibria: tuple[Equilibrium, ...]
-    failed: int
-    singular: int
-    more: bool
-    turns: tuple[bool, ...] = ()  # of each coordinate: whether it has the period 2 pi
-    middle: tuple[float, ...] = ()  # search region: middle +- box, or further (docs/maps.md)
-    box: tuple[float, ...] = ()
-
-    def beside(self, q: float, place: float, i: int) -> float:
-        """Returns q_i; an angle is shifted by whole turns to lie nearest to `place`."""
-        turns = bool(self.turns) and self.turns[i]
-        return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q
+MOST_RATES = 128  # states along the motion at which rates are sought
 
 
 @record
@@ -157,11 +91,25 @@ class TimeUp(Exception):
 
 
 class Asker:
-    """Asks questions about one model with the `settings` of a run."""
+    """Asks questions about one model with the `settings` of a run, in one thread at a time. Raises
+    UsageError where they are wrong, TimeUp when left() returns no more seconds."""
 
     def __init__(self, program: Path, settings: Settings, left: Callable[[], float] | None = None):
         self.program, self.settings, self._left = program, settings, left
-        self._stability = Stability(load(program), settings)
+        self._place: Equilibrium | None = None
+        self._reference: Reference | None = None
+
+    @cached_property
+    def system(self) -> System:
+        return System(self.program, self.settings, self._look)
+
+    @cached_property
+    def unknowns(self) -> orbits.Unknowns:
+        return orbits.Unknowns(self.system)
+
+    def _look(self) -> None:
+        if self._left is not None and self._left() <= 0:
+            raise TimeUp
 
     def with_settings(self, settings: Settings) -> Asker:
         return Asker(self.program, settings, self._left)
@@ -172,100 +120,175 @@ class Asker:
 
     def check(self) -> None:
         """Raises UsageError where the settings are wrong."""
-        self.ask("start")
-
-    def ask(self, what: str, **question: object) -> dict:
-        if self._left is None:
-            return self._stability.ask(what, **question)
-        if (left := self._left()) <= 0:
-            raise TimeUp
-        found = self._stability.ask(what, cap=left, **question)
-        if self._left() <= 0:  # the answer may be incomplete
-            raise TimeUp
-        return found
+        self.start()
 
     def rest(self, tries: int = TRIES) -> Rest:
-        return _rest(self.ask("equilibria", count=tries))
+        self._look()
+        found = integration.equilibria(self.system.run, tries)
+        turns = tuple(map(bool, found["turns"]))
+        places = tuple(self._equilibrium(**e) for e in found["equilibria"])
+        fastest = max((m.rate for e in places for m in e.modes), default=0.0)
+
+        def cleared(mode: Mode) -> Mode:
+            """Sets rates near 0 to 0: inexact roots make vanishing linear terms small numbers."""
+            slow = mode.rate <= ZERO * fastest
+            return replace(mode, growth=0.0, frequency=0.0) if slow else mode
+
+        places = tuple(replace(e, modes=tuple(map(cleared, e.modes))) for e in places)
+        region = {key: _floats(found[key]) for key in ("middle", "box")}
+        return Rest(**found | region | {"equilibria": places, "turns": turns})
+
+    @numpy.errstate(all="ignore")
+    def _equilibrium(
+        self, q: list[float], v: list[float], doubt: list[float], energy: float, slack: int
+    ) -> Equilibrium:
+        state = numpy.array([*q, *v], float)
+        status, found = modes.settled(self.system, state, numpy.array(doubt, float))
+        if self.system.by_norm:  # the distance from the start replaces the energy
+            energy = 0.0
+        return Equilibrium(_floats(q), _floats(v), float(energy), tuple(found), status, slack)
 
     def start(self) -> Motion:
         """Returns the start of the motion only."""
-        return made(Motion, self.ask("start"), status="motion")
+        return self._told(Reference(self.system))
 
     def motion(self) -> Motion:
-        return made(Motion, self.ask("motion"), status="motion")
+        self._look()
+        self._reference = Reference(self.system)
+        self._reference.follow_whole()
+        return self._told(self._reference)
+
+    def _told(self, motion: Reference) -> Motion:
+        system, records, report = self.system, motion.records, motion.report()
+        return Motion(
+            status=motion.status,
+            t=float(records[-1, 0]),
+            energy=float(records[0, 1]),
+            scale=motion.summary(system.until if motion.followed else 0.0).scale,
+            q=_floats(system.q(system.start)),
+            v=_floats(system.v(system.start)),
+            parameters=tuple(
+                math.nan if x is None else float(x) for x in system.given["parameters"]
+            ),
+            leaves=motion.leaves,
+            horizon=motion.known,
+            by_norm=system.by_norm,
+            condition=report.get("condition"),
+            warning=report.get("warning"),
+        )
 
     def point(self, method: str, h: float) -> Point:
-        answer = self.ask("point", method=method, h=h)
-        return made(Point, answer, method="point", kind="class")
+        self._look()
+        if self._reference is None:
+            raise UsageError("ask for the motion first")
+        return Point(**points.classified(self._reference, method, h))
 
+    @numpy.errstate(all="ignore")
     def rates(self) -> tuple[Mode, ...]:
         """Returns the fastest rates of the equations linearised at states along the motion. Each
         state gives the fastest decay, if no growth is half as fast, and the fastest other rate, a
         decay counted as growth. Adds the rotation rate of bodies; drops rates below ZERO or SLOW.
         """
-        found, states = [], self.ask("rates")["rates"]
-        for at in states:
-            modes = [Mode(g, f, (), ()) for g, f in zip(at["growth"], at["frequency"], strict=True)]
+        found, turns = [], 0.0
+        for t, state in self._along():
+            turns = max(turns, self.system.turning_rate(state))
+            modes = [
+                Mode(float(z.real), float(z.imag), (), ()) for z in self._eigenvalues(t, state)
+            ]
             grows = max((m.growth for m in modes), default=0.0)
             decays = [m for m in modes if -m.growth > max(2 * grows, 0.0)]
             others = [replace(m, growth=abs(m.growth)) for m in modes if m not in decays]
             for some in (decays, others):
                 found += [max(some, key=lambda m: m.rate)] if some else []
         most = max((m.rate for m in found), default=0.0)
-        turns = Mode(0.0, max((at["turns"] for at in states), default=0.0), (), (), True)
-        found += [turns] if turns.rate > 0 else []
+        found += [Mode(0.0, turns, (), (), True)] if turns > 0 else []
         least = max(ZERO * most, SLOW / self.settings.until)
         return tuple(m for m in found if m.rate > least)
+
+    def _along(self) -> list[tuple[float, numpy.ndarray]]:
+        """Returns up to MOST_RATES states at steps of the motion, which are short where rates are
+        large."""
+        system = self.system
+        kept, stride, step, motion = [(0.0, system.start)], 1, 0, system.reference()
+        while not motion.failed and motion.t < system.until and step < MOST_STEPS:
+            for row in motion.steps(system.until, MOST_STEPS):
+                step += 1
+                if step % stride == 0 and len(kept) == MOST_RATES:
+                    kept, stride = kept[::2], 2 * stride
+                if step % stride == 0:
+                    kept.append((float(row[0]), row[1:]))
+        return kept
+
+    def _eigenvalues(self, t: float, state: numpy.ndarray) -> list[complex]:
+        matrix = self.system.linearised(t, state)
+        found = numpy.linalg.eigvals(matrix) if numpy.isfinite(matrix).all() else []
+        return [z for z in found if not z.imag < 0]
 
     def onto(self, begun: Settings, whole: Motion) -> Asker:
         """Returns an asker with settings `begun`, whose start is projected onto the constraints.
         `whole` is the model's start. Raises UsageError if the projection fails."""
         q = tuple((dict(enumerate(whole.q)) | dict(begun.start_q)).values())
         v = tuple((dict(enumerate(whole.v)) | dict(begun.start_v)).values())
-        on = self.ask("place", state=(*q, *v))
-        if on["status"] != "PK_DONE":
+        status, on = self.system.reference().projected(numpy.array([*q, *v]))
+        if status != "PK_DONE":
             raise UsageError(
-                f"no start next to q = {q}, v = {v} fulfils the constraints ({on['status']}): "
+                f"no start next to q = {q}, v = {v} fulfils the constraints ({status}): "
                 "vary by --vary NAME=LO..HI what they leave free"
             )
-        q, v = tuple(enumerate(_floats(on["q"]))), tuple(enumerate(_floats(on["v"])))
+        n = self.system.n
+        q, v = tuple(enumerate(_floats(on[:n]))), tuple(enumerate(_floats(on[n:])))
         return self.with_settings(replace(begun, start_q=q, start_v=v))
 
     def at(self, place: Equilibrium) -> Asker:
         """Returns an asker whose start is an equilibrium."""
         q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
-        return self.with_settings(replace(self.settings, start_q=q, start_v=v))
+        found = self.with_settings(replace(self.settings, start_q=q, start_v=v))
+        found._place = place
+        return found
+
+    def _modes(self) -> tuple[Mode, ...]:
+        if self._place is None or self._place.status != "PK_DONE":
+            raise UsageError(f"no modes here: {self._place and self._place.status}")
+        return self._place.modes
 
     def near(self, **question: object) -> Close:
         """Runs some steps near the start, which is an equilibrium: see at()."""
-        a = self.ask("near", **question)
-        growth = math.inf if a["growth"] is None else a["growth"]
-        return made(Close, a | {"growth": growth, "turn": a["turn"] or 0.0})
+        self._look()
+        return Close(**near.near(self.system, self._modes(), **question))
+
+    def leave(self, mode: int, amplitude: float) -> float:
+        """Returns how fast the motion leaves the start, which is an equilibrium, along a mode."""
+        self._look()
+        return near.leave(self.system, self._modes(), mode, amplitude)
+
+    def orbits(self, **question: object) -> tuple[Orbit, ...] | None:
+        """Returns closed orbits: see orbits.orbits(); None if they are refused."""
+        self._look()
+        return orbits.orbits(self.system, self.unknowns, **_with_state(question))
+
+    def returns(self, period: float = 0.0) -> tuple[numpy.ndarray, list[float]]:
+        self._look()
+        return distances.returns(self.system, self.unknowns, period)
+
+    def beside(self, **question: object) -> tuple[str, float, numpy.ndarray]:
+        self._look()
+        return distances.beside(self.system, self.unknowns, **_with_state(question))
+
+    def resolved(self, method: str, h: float, count: int) -> tuple[str, float]:
+        self._look()
+        return distances.resolved(self.system, method, h, count)
+
+    def spring(self, method: str, stiffness: float, damping: float, h: float) -> numpy.ndarray:
+        """Returns the map of (q, v) by a step on q'' = -stiffness q - damping q'."""
+        found = integration.spring(self.system.run, method, stiffness, damping, h)
+        return numpy.array(found).reshape(2, 2)
 
 
-def _floats(xs: list[float]) -> tuple[float, ...]:
-    return tuple(map(float, xs))  # JSON writes 0 as an integer
+def _with_state(question: dict) -> dict:
+    if question.get("state") is None:
+        return question
+    return question | {"state": numpy.array(question["state"], float)}
 
 
-def made(cls: type[Made], answer: dict, /, **renamed: str) -> Made:
-    """Returns a record of an answer; `renamed` maps field names to other keys of the answer."""
-    named = ((f.name, renamed.get(f.name, f.name)) for f in fields(cls))
-    values = {name: answer[of] for name, of in named if of in answer}
-    return cls(**{name: _floats(x) if isinstance(x, list) else x for name, x in values.items()})
-
-
-def _rest(answer: dict) -> Rest:
-    modes = [made(Mode, m) for e in answer["equilibria"] for m in e["modes"]]
-    fastest = max((mode.rate for mode in modes), default=0.0)
-
-    def cleared(mode: Mode) -> Mode:
-        """Sets rates near 0 to 0: inexact roots make vanishing linear terms small numbers."""
-        slow = mode.rate <= ZERO * fastest
-        return replace(mode, growth=0, frequency=0) if slow else mode
-
-    found = [
-        made(Equilibrium, e | {"modes": tuple(cleared(made(Mode, m)) for m in e["modes"])})
-        for e in answer["equilibria"]
-    ]
-    turns = tuple(map(bool, answer["turns"]))
-    return made(Rest, answer | {"equilibria": tuple(found), "turns": turns})
+def _floats(xs: numpy.ndarray) -> tuple[float, ...]:
+    return tuple(map(float, xs))

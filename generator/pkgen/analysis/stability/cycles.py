@@ -15,9 +15,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from ...equations import Equations
+from ...graph.differentiate import reachable
+from ...graph.evaluate import evaluate
+from ...graph.graph import BIT, Kind, Op
 from ...record import record
 from .ask import Asker
-from .orbits import STILL, Orbit, closed
+from .orbits import Orbit
 from .predict import Prediction
 
 FINEST, COARSER = 512, 0.8  # steps per period: at first, and the factor from one to the next
@@ -25,6 +29,9 @@ FINE = 1000  # least steps of an orbit at the refined limit: precision of h is 1
 GROWS = 1e-3  # log of a multiplier from which it counts as outside the unit circle
 CLOSE = 0.1  # log of a multiplier this close to the unit circle: it crosses continuously
 DISPLACED = 1e-6  # relative to the range of the motion
+STILL = 1e-3  # largest |log| of a multiplier that is 1 up to round-off
+WAVES = ("sin", "cos")
+MOST_PERIODS = 24  # longest common period, in periods of the slowest driver
 LONG, SHORT = 300_000, 10_000  # steps of a measurement: of a damped cycle; of another
 
 
@@ -73,12 +80,11 @@ class Lost:
 
 
 def find(asker: Asker, period: float | None) -> Cycle | None:
-    """Returns the motion's cycle, searched from its final state, or None. `period` is the driver's.
-    """
-    back = asker.ask("returns", h=period or 0.0)
-    start = tuple(map(float, (*back["q"], *back["v"])))
-    for time in [period] if period is not None else back["times"]:
-        for orbit in closed(asker, state=start, h=time, count=1, free=int(period is None)):
+    """Returns the motion's cycle, searched from its final state, or None. `period` is the
+    driver's."""
+    start, times = asker.returns(period or 0.0)
+    for time in [period] if period is not None else times:
+        for orbit in asker.orbits(state=start, h=time, count=1, free=period is None) or ():
             if orbit.rests or not 0.5 * time < orbit.h < 2 * time:
                 continue
             near = [z for z in orbit.multipliers if abs(z - 1) < 0.01]
@@ -108,10 +114,9 @@ class _Search:
     def orbit(self, k: int, m: int, beside: Orbit) -> Orbit | None:
         """Returns the orbit, searched from `beside`, an orbit of a similar step size, or None."""
         h = k * self.period / m
-        free = int(not self.cycle.driven)
-        question = {"method": self.method, "h": h, "count": m, "free": free}
-        found = closed(self.asker, state=beside.states[0], **question)
-        good = [o for o in found if not o.rests and abs(o.h / h - 1) < 0.3]
+        question = {"method": self.method, "h": h, "count": m, "free": not self.cycle.driven}
+        found = self.asker.orbits(state=beside.states[0], **question)
+        good = [o for o in found or () if not o.rests and abs(o.h / h - 1) < 0.3]
         if not good:
             return None
         self.period = good[0].h * m / k
@@ -129,8 +134,9 @@ class _Search:
         """Whether two runs with nearly equal starts part."""
         count = LONG if self.cycle.damped else SHORT
         question = {"method": self.method, "h": orbit.h, "count": count}
-        two = self.asker.ask("beside", state=orbit.states[0], amplitude=DISPLACED, **question)
-        return two["status"] != "PK_DONE" or not (two["growth"] or math.inf) < 1e3
+        state = orbit.states[0]
+        status, growth, _ = self.asker.beside(state=state, amplitude=DISPLACED, **question)
+        return status != "PK_DONE" or not growth < 1e3
 
 
 def lost(asker: Asker, method: str, cycle: Cycle) -> Lost | None:
@@ -192,3 +198,32 @@ def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
     sharp = beyond is not None and near
     measured = middle(*narrowed(lambda o: o is None or search.parts(o))) if sharp else None
     return Lost(search.method, middle(stays, goes), beyond, measured, sharp)
+
+
+def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float | None:
+    """Returns the common period of all sines and cosines of time, or None. Time may also occur
+    elsewhere: orbits.py checks whether the equations have this period."""
+    g = equations.graph
+    roots = [*equations.force, *equations.state_rates, *(x for row in equations.mass for x in row)]
+    waves = [
+        g.args[node][0]
+        for node in reachable(g, roots, BIT[Kind.TIME])
+        if g.op[node] is Op.CALL and g.data[node] in WAVES
+    ]
+    values = dict.fromkeys((g.data[n] for n in reachable(g, waves) if g.op[n] is Op.SYMBOL), 0.5)
+    for symbol in values:
+        if symbol.kind == Kind.PARAMETER:
+            values[symbol] = parameters[symbol.index]
+    phases = []
+    for t in (0.0, 1.0, 2.0):
+        at = {s: t if s.kind == Kind.TIME else x for s, x in values.items()}
+        phases.append(evaluate(g, waves, at))
+    rates = {abs(b - a) for a, b in zip(phases[0], phases[1], strict=True) if b != a}
+    if not rates or not all(map(math.isfinite, rates)):
+        return None
+    slowest = min(rates)
+    for k in range(1, MOST_PERIODS + 1):
+        turns = [k * rate / slowest for rate in rates]
+        if all(abs(x - round(x)) < 1e-9 * x for x in turns):
+            return 2 * math.pi * k / slowest
+    return None

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from ...record import record
 from .ask import Asker
-from .orbits import Orbit, closed
+from .orbits import Orbit
 
 # By number of unknowns: starts, step sizes, step sizes of a quick map. With more than four unknowns
 # so few starts find next to nothing.
@@ -41,14 +41,14 @@ class Ghost:
 
 def ghosts(asker: Asker, method: str, hs: Sequence[float], quick: bool = False) -> list[Ghost]:
     """Returns the ghosts of an autonomous model; none if it has more than four unknowns."""
-    asker = asker.with_settings(asker.settings)  # "orbits" discards the motion of the points
+    asker = asker.with_settings(asker.settings)
     found: dict[tuple[int, bool], list[Orbit]] = {}
-    unknowns = asker.ask("orbits", method=method, h=hs[0], count=1)["unknowns"]
+    unknowns = len(asker.unknowns.of)
     if unknowns not in EFFORT:
         return []
     tries, looks, fewer = EFFORT[unknowns]
     for h in hs[:: max(1, len(hs) // (fewer if quick else looks))]:
-        for orbit in closed(asker, method=method, h=h, first=1, count=2, tries=tries):
+        for orbit in asker.orbits(method=method, h=h, first=1, count=2, tries=tries) or ():
             if not orbit.rests:
                 found.setdefault((orbit.steps, orbit.holds), []).append(orbit)
     return [
@@ -60,5 +60,5 @@ def ghosts(asker: Asker, method: str, hs: Sequence[float], quick: bool = False) 
 def _stays(asker: Asker, method: str, orbits: list[Orbit]) -> bool:
     one = orbits[len(orbits) // 2]
     question = {"method": method, "h": one.h, "state": one.states[0]}
-    two = asker.ask("beside", count=RUN, amplitude=BESIDE, **question)
-    return two["status"] == "PK_DONE" and (two["growth"] or 0.0) < AWAY
+    status, growth, _ = asker.beside(count=RUN, amplitude=BESIDE, **question)
+    return status == "PK_DONE" and growth < AWAY

@@ -18,14 +18,15 @@ from ...run.build import build_library
 from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
-from . import budget, cycles, measure, orbits, plan
-from .ask import Asker, Equilibrium, Motion, Rest, TimeUp
+from . import budget, cycles, measure, plan
+from .ask import Asker, Motion, TimeUp
 from .budget import ROWS, SERIAL, Clock, Cut
 from .cycles import Cycle
 from .ghosts import Ghost, ghosts
 from .measure import Growth, Measured, Row
 from .method import StepMap
 from .predict import PAIRS, RESONANCES, Prediction, predictions
+from .rest import Equilibrium, Rest
 from .steps import MapOptions, refuse_unjudged, steps_over
 
 LEAST_ROWS = 2  # fewest rows of an interrupted map
@@ -255,7 +256,7 @@ def _cycle(
     """Returns the cycle that the motion approaches, or None: conservative systems have families."""
     if compilation.structure.conservative and not motion.by_norm:
         return None
-    period = asked.period or orbits.driven_period(compilation.equations, motion.parameters)
+    period = asked.period or cycles.driven_period(compilation.equations, motion.parameters)
     if period is None and rest.status == "PK_REFUSED":
         return None
     cycle = cycles.find(asker, period)
@@ -282,10 +283,7 @@ def _reduced(
 def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
     """Drops methods that refuse the model's rotations or constraints, which only a run shows.
     Raises UsageError if no method remains."""
-    said = {
-        m.name: asker.ask("resolved", method=m.name, h=asker.settings.until, count=0)["status"]
-        for m in asked.methods
-    }
+    said = {m.name: asker.resolved(m.name, asker.settings.until, 0)[0] for m in asked.methods}
     left = [
         f"{name} is refused: not with these constraints" for name, s in said.items() if s == REFUSED
     ]

@@ -14,10 +14,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...record import record
-from .ask import Asker, Motion, Point, Rest
+from .ask import Asker, Motion, Point
 from .method import FURTHEST, LEAP, combined, first_change
 from .orbits import ROUNDED
 from .predict import RESONANCES, Prediction
+from .rest import Rest
 
 SMALL = 1e-6  # relative to the displacement of the start
 LEAST = 1e-8  # relative to the largest coordinate: above round-off
@@ -102,8 +103,7 @@ def row(
     """Returns the equilibria (`known`, or sought), the motion and its points."""
     found, moved = known or asker.rest(tries), asker.motion()
     points = [asker.point(name, h) for name, hs in steps.items() for h in hs]
-    apart = asker.with_settings(asker.settings)  # a new asker: radius() discards the motion
-    return found, moved, tuple(_settled(apart, p) if linear else p for p in points)
+    return found, moved, tuple(_settled(asker, p) if linear else p for p in points)
 
 
 def _settled(asker: Asker, point: Point) -> Point:
@@ -125,10 +125,10 @@ def radius(asker: Asker, method: str, h: float) -> float | None:
     states = [numpy.array([*begun.q, *begun.v])]
     states += list(states[0] + numpy.eye(len(states[0])))
     question = {"method": method, "h": h, "count": 1, "amplitude": 1e-3}
-    after = [asker.ask("beside", state=tuple(y), **question) for y in states]
-    if any(one["status"] != "PK_DONE" for one in after):
+    after = [asker.beside(state=y, **question) for y in states]
+    if any(status != "PK_DONE" for status, *_ in after):
         return None
-    first, *others = (numpy.array(one["state"], float) for one in after)
+    first, *others = (state for *_, state in after)
     return float(max(abs(numpy.linalg.eigvals([y - first for y in others]))))
 
 
@@ -172,8 +172,8 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
         growing = [k for k, mode in enumerate(place.modes) if mode.growth > 0]
         here = asker.at(place)
         for k in growing:
-            rate = here.ask("leave", mode=k, amplitude=amplitude / 10)["rate"]
-            found.append(Growth(e, k, place.modes[k].growth, rate or 0.0))
+            rate = here.leave(k, amplitude / 10)
+            found.append(Growth(e, k, place.modes[k].growth, rate))
     return found
 
 
@@ -216,6 +216,7 @@ def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
     in units of the range of v.p; if `bound`, that of LEAP steps in units of the range of the
     motion."""
     assert p.h is not None
+    asker = asker.with_settings(asker.settings)  # other threads ask too
     if not bound and not asker.motion().judges:
         return Measured(p, None, "the motion itself ends or leaves")
     kind = ""
@@ -223,10 +224,10 @@ def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
     def lost(h: float) -> bool:
         nonlocal kind
         if bound:
-            found = asker.ask("resolved", method=p.method, h=h, count=LEAP)
-            failed, off = found["status"] != "PK_DONE", found["off"]
-            bad = failed or off is None or not off < LOST
-            kind = (found["status"] if failed else f"{LEAP} steps are elsewhere") if bad else kind
+            status, off = asker.resolved(p.method, h, LEAP)
+            failed = status != "PK_DONE"
+            bad = failed or not off < LOST
+            kind = (status if failed else f"{LEAP} steps are elsewhere") if bad else kind
             return bad
         point = asker.point(p.method, h)
         off = max((x for x in (point.rise, point.away) if x is not None), default=math.inf)

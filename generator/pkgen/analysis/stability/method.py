@@ -1,5 +1,5 @@
-"""A method's step on the linear oscillator: (q, v) -> A(y) (q, v), y = h omega. The C program takes
-the step and returns the growth, angle and trace of A.
+"""A method's step on the linear oscillator: (q, v) -> A(y) (q, v), y = h omega. The runtime
+takes the step.
 
 limit    the first y at which an eigenvalue of A leaves the unit circle: from the method's table
          (pk/limits.h); for a damped mode, from steps on the oscillator with its damping
@@ -24,7 +24,7 @@ from typing import Any
 
 from ...record import record
 from ..chart.points import ChartedMethod
-from .ask import Asker, made
+from .ask import Asker
 
 FURTHEST = 30.0  # y up to which limits and poles are sought
 COARSE = 600  # points of the coarse search
@@ -80,8 +80,15 @@ class StepMap:
 
     def map(self, y: float, stiffness: float = 1, damping: float = 0) -> Map:
         """Returns the map of a step of size y; without values if the step fails."""
-        given = {"method": self.traits.name, "stiffness": stiffness, "damping": damping}
-        return made(Map, self.asker.ask("oscillator", h=float(y), **given))
+        (a, b), (c, d) = self.asker.spring(self.traits.name, stiffness, damping, float(y))
+        half, det = (a + d) / 2, a * d - b * c
+        if not math.isfinite(half * det):
+            return Map(None, None, None)
+        apart = half * half - det
+        growth = abs(half) + math.sqrt(apart) if apart > 0 else math.sqrt(max(det, 0.0))
+        turn = math.atan2(math.sqrt(max(-apart, 0.0)), half)
+        turns = abs(det - 1) < 1e-9 and abs(half) < 1
+        return Map(growth, (TWO_PI - turn if b < 0 else turn) if turns else None, 2 * half)
 
     @_once
     def limit(self, ratio: float) -> float | None:

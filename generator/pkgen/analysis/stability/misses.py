@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ...record import record
-from .ask import UNDECIDED
 from .map import StabilityMap
 from .measure import FAILED, Growth, Measured, Row
 from .predict import Prediction
+from .rest import UNDECIDED
 
 TOLERANCE = 0.01  # relative difference that counts as a miss
 LISTED = 4  # resonances named in one sentence

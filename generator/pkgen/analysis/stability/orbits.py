@@ -1,20 +1,43 @@
-"""Finds closed orbits of a method's step map (pk/gsl_orbits.h), and their multipliers."""
+"""Orbits of a method's step map that close after some steps, and their multipliers: fixed points
+and 2-cycles that the equations do not have (ghosts), cycles, motions in phase with a drive.
+Newton's method is applied to the map itself: its derivative by central differences, minimal
+corrections by singular values (orbits may come in families), known roots deflated. Not all
+orbits need be found.
+
+Distances are in boxes, the widths of the region that the motion covers. The unknowns are the
+numbers of a state on which something depends. A closed orbit may advance a cyclic coordinate or a
+quadrature, and by multiples of 2 pi a coordinate in which the equations have that period.
+
+References: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026; A. R.
+Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions); J. H. Halton, Numer. Math. 2
+(1960) 84 (starts that fill a box evenly).
+"""
 
 from __future__ import annotations
 
 import math
+from itertools import count, islice
 
-from ...equations import Equations
-from ...graph.differentiate import reachable
-from ...graph.evaluate import evaluate
-from ...graph.graph import BIT, Kind, Op
+import numpy
+
 from ...record import record
-from .ask import Asker
+from ...system.exits import UsageError
+from .system import EXACT, System
 
-WAVES = ("sin", "cos")
-MOST_PERIODS = 24  # longest common period, in periods of the slowest driver
+TURN = 2 * math.pi
+PROBES, ODD = 3, 16  # ODD skips Halton's first points, where a sine may vanish
+ALIKE = 1e-11  # relative difference of equal rates
+MOST_KNOWN, MOST_ORBITS, MOST_TURNS = 128, 32, 60
+STATES = 4  # most states of an orbit that are returned
+BESIDE = 1e-6  # central differences, in boxes: errors are about 1e-10
+FLAT = 1e-7  # singular value, relative to the largest, that counts as 0
+SMALL = 1e-9  # correction at which the iteration ends
+CLOSED = 1e-6  # largest gap of a closed orbit
+FURTHEST = 0.5  # largest correction; a quarter of it for log h
+SAME = 1e-5  # distance of equal states
+REST = 1e-6  # motion in a step at an equilibrium
+AWAY = 16.0  # distance at which an orbit is ignored
 ROUNDED = 1e-6  # round-off of a modulus of 1
-STILL = 1e-3  # largest |log| of a multiplier that is 1 up to round-off
 
 
 @record
@@ -45,42 +68,238 @@ class Orbit:
         return max(others, key=abs, default=0j)
 
 
-def closed(asker: Asker, **question: object) -> tuple[Orbit, ...]:
-    """Returns the orbits found; none if the question is refused."""
-    answer = asker.ask("orbits", **question)
-    found = []
-    for one in answer["orbits"]:
-        pairs = zip(one.pop("re"), one.pop("im"), strict=True)
-        multipliers = tuple(complex(a or 0.0, b or 0.0) for a, b in pairs)
-        states = tuple(tuple(map(float, state)) for state in one.pop("states"))
-        found.append(Orbit(states=states, multipliers=multipliers, **one))
-    return tuple(found)
+def _primes(n: int) -> list[int]:
+    return [*islice((p for p in count(2) if all(p % k for k in range(2, math.isqrt(p) + 1))), n)]
 
 
-def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float | None:
-    """Returns the common period of all sines and cosines of time, or None. Time may also occur
-    elsewhere: the program checks whether the equations have this period."""
-    g = equations.graph
-    roots = [*equations.force, *equations.state_rates, *(x for row in equations.mass for x in row)]
-    waves = [
-        g.args[node][0]
-        for node in reachable(g, roots, BIT[Kind.TIME])
-        if g.op[node] is Op.CALL and g.data[node] in WAVES
-    ]
-    values = dict.fromkeys((g.data[n] for n in reachable(g, waves) if g.op[n] is Op.SYMBOL), 0.5)
-    for symbol in values:
-        if symbol.kind == Kind.PARAMETER:
-            values[symbol] = parameters[symbol.index]
-    phases = []
-    for t in (0.0, 1.0, 2.0):
-        at = {s: t if s.kind == Kind.TIME else x for s, x in values.items()}
-        phases.append(evaluate(g, waves, at))
-    rates = {abs(b - a) for a, b in zip(phases[0], phases[1], strict=True) if b != a}
-    if not rates or not all(map(math.isfinite, rates)):
+def _halton(k: int, base: int) -> float:
+    """Returns number k of Halton's sequence, in (0, 1)."""
+    x, digit = 0.0, 1.0
+    while k:
+        k, rest = divmod(k, base)
+        digit /= base
+        x += digit * rest
+    return x
+
+
+@record
+class Closed:
+    """A state whose gap is closed, and the derivatives of the gap there."""
+
+    y: numpy.ndarray
+    h: float
+    slopes: numpy.ndarray
+    gap: float  # the largest left
+    steps: int
+
+
+class Unknowns:
+    """Indices `of` the unknowns in a state, and which of them `turns` by 2 pi without effect."""
+
+    def __init__(self, system: System):
+        system.cover()
+        self.system = system
+        n, m, box = system.n, system.m, system.box
+        place = [*range(m), *range(n + m, 2 * n)]
+        idle = [i for i in place if self._same(i, 0.7390851 * box[i])]
+        of = sorted({*place, *range(n, n + m)}.difference(idle))
+        self.of = numpy.array(of, int)
+        self.turns = numpy.array([i in place and self._same(i, TURN) for i in of], bool)
+        self.box = box[self.of].copy()
+        self.box[self.turns] = numpy.fmin(self.box[self.turns], TURN / 2)
+        system.box[self.of] = self.box
+
+    def _same(self, i: int | None, by: float) -> bool:
+        """Returns whether the rates at some states stay the same if number i of the state, or t, is
+        increased by `by`."""
+        system = self.system
+        bases = _primes(8 * PROBES)
+        wide = range(2 * system.n)
+        numbers = range(1 + ODD, PROBES + 1 + ODD)
+        points = numpy.array([[_halton(k, bases[j % len(bases)]) for j in wide] for k in numbers])
+        states = system.middle + system.box * (2 * points - 1)
+        t = numpy.array([by * _halton(k, 5) if i is None else 0.0 for k in numbers])
+        before = system.kernel("acceleration", t, states)
+        if i is None:
+            t = t + by
+        else:
+            states[:, i] += by
+        after = system.kernel("acceleration", t, states)
+        good = ~(numpy.isnan(before).all(1) | numpy.isnan(after).all(1))
+        before, after = before[good], after[good]
+        return bool((abs(before - after) <= ALIKE * abs(before).max(1, initial=0)[:, None]).all())
+
+    def in_step(self, times: list[float]) -> bool:
+        """Returns whether the equations have each of these periods."""
+        return all(self._same(None, t) for t in times)
+
+    def apart(self, a: numpy.ndarray, b: numpy.ndarray) -> numpy.ndarray:
+        """Returns b - a of the unknowns, in boxes; an angle is taken modulo 2 pi."""
+        d = (b - a)[..., self.of]
+        return (d - self.turns * TURN * numpy.round(d / TURN)) / self.box
+
+
+class _Search:
+    """Newton's method for the gaps y -> end - y of some steps of a method, from several starts at
+    once. Deflation multiplies a gap by p = prod (1 + 1/|y - known|^2). Its correction is that of
+    the gap times 1/(1 - grad(p).correction/p), so it needs no other derivative."""
+
+    def __init__(
+        self, system: System, unknowns: Unknowns, method: str | None, h: float, free: bool
+    ):
+        self.system, self.unknowns, self.free = system, unknowns, free
+        self.it = system.begin(method or EXACT, h=h if method else 0.0, rtol=1e-12)
+        self.known: list[numpy.ndarray] = []
+        self.orbits: list[Orbit] = []
+
+    def gap(self, y: numpy.ndarray, h: float, steps: int) -> numpy.ndarray:
+        return self.unknowns.apart(y, self.it.mapped(y, h, steps))
+
+    def slopes(self, y: numpy.ndarray, h: float, steps: int) -> numpy.ndarray:
+        """Returns the derivatives of each gap, in rows, by the unknowns; with a free h, by log h in
+        a last column."""
+        d = len(self.unknowns.of)
+        by = numpy.zeros((d, y.shape[1]))
+        by[range(d), self.unknowns.of] = BESIDE * self.unknowns.box
+        beside = y[:, None] + numpy.concatenate([by, -by])
+        gaps = self.gap(beside.reshape(-1, y.shape[1]), h, steps).reshape(len(y), 2 * d, d)
+        columns = (gaps[:, :d] - gaps[:, d:]) / (2 * BESIDE)
+        if self.free:
+            ends = [self.gap(y, h * (1 + x), steps) for x in (BESIDE, -BESIDE)]
+            of_h = (ends[0] - ends[1]) / (2 * BESIDE)
+            columns = numpy.concatenate([columns, of_h[:, None]], 1)
+        return columns.transpose(0, 2, 1)
+
+    def _deflated(self, y: numpy.ndarray, step: numpy.ndarray) -> numpy.ndarray:
+        if not self.known:
+            return numpy.ones(len(y))
+        d = self.unknowns.apart(numpy.array(self.known), y[:, None])
+        square = (d * d).sum(2)
+        slope = -2 * ((d * step[:, None]).sum(2) / (square * (1 + square))).sum(1)
+        return numpy.where(slope == 1, 1.0, 1 / (1 - slope))
+
+    def newton(self, y: numpy.ndarray, h: float, steps: int) -> dict[int, Closed]:
+        """Returns by the number of a start where its gap has closed. A free h is of one start."""
+        d, y, at, found = len(self.unknowns.of), y.copy(), numpy.arange(len(y)), {}
+        for _ in range(MOST_TURNS):
+            gap, slopes = self.gap(y, h, steps), self.slopes(y, h, steps)
+            good = numpy.isfinite(gap).all(1) & numpy.isfinite(slopes).all((1, 2))
+            at, y, gap, slopes = at[good], y[good], gap[good], slopes[good]
+            if not len(at):
+                break
+            u, s, v = numpy.linalg.svd(slopes, full_matrices=False)
+            parts = numpy.einsum("kij,ki->kj", u, gap)
+            parts = numpy.where(s > FLAT * s[:, :1], -parts / numpy.where(s > 0, s, 1), 0.0)
+            step = numpy.einsum("kj,kji->ki", parts, v)  # the shortest correction
+            by = self._deflated(y, step[:, :d])[:, None]
+            size = abs(by * step * numpy.where(numpy.arange(step.shape[1]) < d, 1, 4)).max(1)
+            step = by * step * numpy.fmin(1, FURTHEST / numpy.fmax(size, FURTHEST))[:, None]
+            y[:, self.unknowns.of] += step[:, :d] * self.unknowns.box
+            h = h * (1 + float(step[0, d])) if self.free else h
+            small = size < SMALL
+            for k in numpy.flatnonzero(small):
+                closed = y[k], h, self.slopes(y[k : k + 1], h, steps)[0, :, :d]
+                most = float(abs(self.gap(y[k : k + 1], h, steps)).max())
+                if most < CLOSED and numpy.isfinite(closed[2]).all():
+                    found[int(at[k])] = Closed(*closed, most, steps)
+            left = ~small & numpy.isfinite(size) & (h > 0)
+            at, y = at[left], y[left]
+        return found
+
+    def sought(self, starts: numpy.ndarray, h: float, first: int, steps: int, many: bool) -> None:
+        """Finds the orbits that Newton's method reaches; with `many` they are deflated, and each
+        start that reached one is tried again."""
+        while len(starts) and len(self.orbits) < MOST_ORBITS and len(self.known) < MOST_KNOWN:
+            before, again = len(self.known), []
+            for number, found in self.newton(starts, h, steps).items():
+                if not self._in_sight(found.y) or self._is_known(found.y, before):
+                    continue
+                if self._is_known(found.y) or self._take(found, first, many):
+                    again.append(number)
+            starts = starts[again] if many else starts[:0]
+
+    def _take(self, found: Closed, first: int, many: bool) -> bool:
+        """Keeps an orbit with the least number of steps after which it closes."""
+        y, h = found.y, found.h
+        for k in range(1, found.steps if many else 1):
+            if found.steps % k or not abs(self.gap(y[None], h, k)).max() < SAME:
+                continue
+            if k < first:
+                self._know(y)
+                return False
+            shorter = self.newton(y[None], h, k).get(0)
+            if shorter is None:
+                return False
+            found = shorter
+            break
+        if len(self.orbits) < MOST_ORBITS:
+            self._keep(found)
+        return True
+
+    def _in_sight(self, y: numpy.ndarray) -> bool:
+        return bool(abs(self.unknowns.apart(self.system.middle, y)).max() < AWAY)
+
+    def _is_known(self, y: numpy.ndarray, count: int | None = None) -> bool:
+        known = self.known[:count]
+        return any(abs(self.unknowns.apart(one, y)).max() < SAME for one in known)
+
+    def _know(self, y: numpy.ndarray) -> None:
+        if len(self.known) < MOST_KNOWN:
+            self.known.append(y)
+
+    def _rests(self, y: numpy.ndarray, h: float) -> bool:
+        """Returns whether y is an equilibrium."""
+        rates = [*self.system.v(y), *self.system.kernel("acceleration", 0.0, y)[0]]
+        rates = numpy.array(rates)[self.unknowns.of]
+        moves = ~(abs(rates) * h <= REST * self.unknowns.box)
+        return bool(self.system.given["autonomous"]) and not moves.any()
+
+    def _keep(self, found: Closed) -> None:
+        y, h, slopes = found.y.copy(), found.h, found.slopes
+        turns = self.unknowns.of[self.unknowns.turns]
+        y[turns] -= TURN * numpy.round(y[turns] / TURN)
+        rests = self._rests(y, h)
+        values = numpy.linalg.eigvals(slopes + numpy.eye(len(slopes)))
+        states = [y]
+        while len(states) < min(found.steps, STATES):
+            states.append(self.it.mapped(states[-1][None], h, 1)[0])
+        for state in states:
+            self._know(state)
+        finite = (tuple(map(float, s)) for s in states if numpy.isfinite(s).all())
+        multipliers = tuple(complex(z) for z in sorted(values, key=abs, reverse=True))
+        self.orbits.append(Orbit(found.steps, h, tuple(finite), multipliers, rests, found.gap))
+
+
+@numpy.errstate(all="ignore")
+def orbits(
+    system: System,
+    unknowns: Unknowns,
+    *,
+    h: float,
+    count: int,
+    method: str | None = None,
+    state: numpy.ndarray | None = None,
+    first: int | None = None,
+    tries: int = 0,
+    free: bool = False,
+) -> tuple[Orbit, ...] | None:
+    """Returns the orbits that close after `first` (default: count) to `count` steps of h,
+    searched from `state` and `tries` more; with `free` h is an unknown, and without a method they
+    are of the motion over h. None: refused; or the equations depend on time and do not have these
+    periods."""
+    if not h > 0 or count < 1:
+        raise UsageError("a step is positive, and there is one at least")
+    numbers = range(first or count, count + 1)
+    if not system.given["autonomous"] and (free or not unknowns.in_step([k * h for k in numbers])):
         return None
-    slowest = min(rates)
-    for k in range(1, MOST_PERIODS + 1):
-        turns = [k * rate / slowest for rate in rates]
-        if all(abs(x - round(x)) < 1e-9 * x for x in turns):
-            return 2 * math.pi * k / slowest
-    return None
+    search = _Search(system, unknowns, method, h, free)
+    if search.it.failed:
+        return None
+    bases, of = _primes(len(unknowns.of)), unknowns.of
+    starts = numpy.tile(system.start if state is None else state, (tries + 1, 1))
+    for number in range(1, tries + 1):
+        point = numpy.array([_halton(number, base) for base in bases])
+        starts[number, of] = system.middle[of] + unknowns.box * (2 * point - 1)
+    for steps in numbers if len(of) else ():
+        search.sought(starts, h, numbers.start, steps, tries > 0)
+    return tuple(search.orbits)

@@ -20,8 +20,9 @@ from ...scenes import run_settings as parsing
 from ...scenes import scene
 from ...system.exits import UsageError
 from ..chart.points import ChartedMethod
-from .ask import Equilibrium, Motion, Rest
+from .ask import Motion
 from .cycles import Cycle
+from .rest import Equilibrium, Rest
 
 # One or two methods of each family, chosen to fail in different ways.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable
 
 from ...record import record
-from .ask import Equilibrium, Mode, Rest
 from .method import PAIRS, StepMap, first_change
-from .orbits import ROUNDED, closed
+from .orbits import ROUNDED
+from .rest import Equilibrium, Mode, Rest
 
 SAME = 0.1  # relative: a scale this near to a sharp limit is left out
 TURNS = 2.1 * math.pi  # y of the fastest mode up to which the limit of impulses is sought
@@ -95,7 +95,7 @@ def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
     def grows(y: float) -> bool:
         question = {"method": step.traits.name, "h": y / omega, "count": 1}
-        found = closed(here, state=(*at.q, *at.v), **question)
+        found = here.orbits(state=(*at.q, *at.v), **question)
         return not found or found[0].growth > 1 + ROUNDED
 
     y = first_change(grows, 0.0, TURNS, LOOKS, close=1e-9)

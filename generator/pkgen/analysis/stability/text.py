@@ -7,10 +7,11 @@ import io
 import math
 
 from ...run import named
-from .ask import TRIES, Equilibrium, Mode
+from .ask import TRIES
 from .map import StabilityMap
 from .misses import difference, misses, name_mode, unmeasured, unpredicted, unsought
 from .predict import Prediction
+from .rest import Equilibrium, Mode
 
 MODES = 6  # listed modes of each equilibrium
 FAR = ("rise", "away", "exchange", "moved", "follows")  # distances of a point: columns of the CSV

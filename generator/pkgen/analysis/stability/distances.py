@@ -1,0 +1,101 @@
+"""Distances between motions: of a motion from its own past, of a method's steps from nearly the
+same start, of its steps from the motion. They are in boxes, the widths of the region of the
+motion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy
+
+from ...run.integration import Integration
+from ...system.exits import UsageError
+from .orbits import Unknowns
+from .system import System
+
+SAMPLES, MOST_RETURNS = 8192, 8
+RETURNED = 0.1  # largest distance that counts as a return
+FAR = 1e3  # growth at which the steps of beside() end
+LOOKS = 16  # states along the motion
+STILL = 0.1  # least unit of a variable, relative to the widest of its kind
+
+
+@numpy.errstate(all="ignore")
+def returns(system: System, unknowns: Unknowns, period: float) -> tuple[numpy.ndarray, list[float]]:
+    """Returns the state at `until` (a multiple of the period, unless 0), and times after it at
+    which the motion returns to that state."""
+    until = system.until
+    until = math.ceil(until / period) * period if period > 0 else until
+    it, times, before, last, most = system.reference(), [], 0.0, 0.0, 0.0
+    it.to(until)
+    begun = it.state.copy()
+    for k in range(SAMPLES + 1, 2 * SAMPLES + 1):
+        if len(times) == MOST_RETURNS or not it.to(until * k / SAMPLES):
+            break
+        d = float(abs(unknowns.apart(begun, it.state)).max(initial=0.0))
+        if before > last and d >= last and last < RETURNED and last < most / 3:
+            times.append(until * (k - 1 - SAMPLES) / SAMPLES)
+        most, before, last = max(most, d), last, d
+    return begun, times
+
+
+@numpy.errstate(all="ignore")
+def beside(
+    system: System,
+    unknowns: Unknowns,
+    *,
+    method: str,
+    h: float,
+    count: int,
+    amplitude: float,
+    state: numpy.ndarray | None = None,
+) -> tuple[str, float, numpy.ndarray]:
+    """Steps from a state and from one `amplitude` boxes away in each unknown. Returns the status,
+    the growth of their distance, and the other's last state."""
+    if not h > 0 or not amplitude > 0:
+        raise UsageError("a step is positive, and so is an amplitude")
+    y = system.start if state is None else state
+    other = y.copy()
+    sign = numpy.where(numpy.arange(len(unknowns.of)) % 2, -1, 1)
+    other[unknowns.of] += sign * amplitude * unknowns.box
+    a, b = system.begin(method, y, h=h), system.begin(method, other, h=h)
+    made, most = 0, 0.0
+    while made < count and most < FAR * amplitude and not (a.failed or b.failed):
+        rows = [it.steps((count + 1) * h, count - made)[:, 1:] for it in (a, b)]
+        both = min(map(len, rows))
+        if both:
+            far = abs(unknowns.apart(rows[0][:both], rows[1][:both])).max(1, initial=0.0)
+            most = float(numpy.fmax(most, numpy.fmax.reduce(far)))
+            other = rows[1][both - 1]
+        made += both
+    bad = next((it.status for it in (a, b) if it.failed), "PK_DONE")
+    return bad, most / amplitude, other
+
+
+@numpy.errstate(all="ignore")
+def resolved(system: System, method: str, h: float, count: int) -> tuple[str, float]:
+    """Returns the status, and the largest error of `count` steps of a method from states along the
+    motion. A free body's energy may stay constant at any step size, so its state is compared."""
+    system.cover()
+    motion, it = system.reference(), system.begin(method, h=h)
+    most = 0.0
+    for k in range(LOOKS):
+        if it.failed or not motion.to(max(system.until * k / LOOKS, motion.t)):
+            break
+        it.restart(motion.state, motion.t)
+        for row in it.steps(motion.t + (count + 1) * h, count):
+            if not motion.to(float(row[0])):
+                return "PK_DONE", most  # a failure of the motion itself is not the method's
+            most = max(most, _off(system, row[1:], motion))
+    return it.status if it.failed else "PK_DONE", most
+
+
+def _off(system: System, state: numpy.ndarray, motion: Integration) -> float:
+    most = 0.0
+    for k, kind in enumerate(system.kinds()):
+        box = system.box[kind.start : kind.stop]
+        if len(box) and k != 1:  # the integrals of first-order variables are not compared
+            off = abs(state - motion.state)[kind.start : kind.stop]
+            off = off / numpy.fmax(box, STILL * box.max())
+            most = max(most, math.inf if numpy.isnan(off).any() else float(off.max()))
+    return most

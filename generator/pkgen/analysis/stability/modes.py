@@ -1,0 +1,225 @@
+"""The modes of small motions about an equilibrium: u = Re(shape exp(lambda t)), lambda = growth +
+i frequency, the fastest first.
+
+Momenta of cyclic coordinates c are held (Routh). For the others n, M u'' + C u' + K u = 0 with
+
+    M = M_nn + M_nc R,  C = D_nn + M_nc S + D_nc R,  K = -F_nn + D_nc S,  D = dp/dq - F',
+    F = d(pdot)/dq,  F' = d(pdot)/dv,  u_c' = R u' + S u,  R = -M_cn/M_cc,  S = -(dp/dq)_cn/M_cc
+
+With first-order variables or constraints the modes are those of z' = A z in the tangent space of
+the constraints, over all variables that a rate depends on: z is the unknowns, then the rates of the
+coordinates.
+
+References: L. Meirovitch, Methods of Analytical Dynamics, ch. 6; J. Marsden, T. Ratiu, Introduction
+to Mechanics and Symmetry, 8.9.
+"""
+
+from __future__ import annotations
+
+from functools import cmp_to_key
+
+import numpy
+from numpy import linalg
+
+from .rest import ZERO, Mode
+from .system import System
+
+NATURAL = 1e-12  # relative size of C, and of what is not symmetric in K, that is round-off
+DEPENDENT = 1e-9  # singular value, relative to the largest, that counts as 0
+ROUNDED = 1e-13  # entry of A in the tangent space, relative to the largest of its kind: 0
+BESIDE = 6e-6  # differences for derivatives
+TIED = 1e-9  # relative difference of equal rates
+SAME = 1e-2  # relative difference of lambda at an equilibrium and next to it
+
+
+def modes(system: System, state: numpy.ndarray) -> tuple[str, list[Mode]]:
+    """Returns the status and the modes, none unless it is PK_DONE."""
+    try:
+        if system.n > system.m or system.given["constraints"]:
+            found = _first_order(system, state)
+        else:
+            found = _of_coordinates(system, state)
+    except linalg.LinAlgError:
+        return "PK_SINGULAR_MASS", []
+    if found is None:
+        return "PK_REFUSED", []
+    return "PK_DONE", sorted(found, key=cmp_to_key(lambda a, b: _first(b, a) - _first(a, b)))
+
+
+def settled(system: System, state: numpy.ndarray, doubt: numpy.ndarray) -> tuple[str, list[Mode]]:
+    """Returns the modes, with lambda 0 of spurious ones. If the linear terms vanish at the root,
+    their numerical value is proportional to the error of the root, some `doubt`: a mode that
+    changes when the root is moved by that much is spurious."""
+    status, found = modes(system, state)
+    by_rate = numpy.arange(system.n) >= system.m
+    by_rate[system.given["cyclic"]] = True
+    moved = state + numpy.concatenate(
+        [numpy.where(by_rate, 0, doubt), numpy.where(by_rate, doubt, 0)]
+    )
+    known, others = modes(system, moved)
+    if known != "PK_DONE":
+        return status, found
+    beside = numpy.array([complex(m.growth, m.frequency) for m in others])
+    return status, [
+        m
+        if (abs(complex(m.growth, m.frequency) - beside) <= SAME * m.rate).any()
+        else Mode(0.0, 0.0, m.re, m.im)
+        for m in found
+    ]
+
+
+def _first(a: Mode, b: Mode) -> bool:
+    """Whether a comes before b: it is faster, or as fast and grows more."""
+    tie = TIED * b.rate
+    return a.rate > b.rate + tie or (a.rate > b.rate - tie and a.growth > b.growth + tie)
+
+
+def _mode(value: complex, shape: numpy.ndarray, free: numpy.ndarray) -> Mode:
+    """Returns a mode whose largest free component is 1."""
+    sizes = abs(shape) * free
+    lead = int((sizes >= sizes.max() / (1 + TIED)).argmax())
+    shape = shape / shape[lead] if shape[lead] else shape
+    re, im = (tuple(map(float, part)) for part in (shape.real, shape.imag))
+    return Mode(float(value.real), float(value.imag), re, im)
+
+
+def _cleared(values: numpy.ndarray) -> numpy.ndarray:
+    """Sets parts that are small beside the largest value to 0."""
+    least = ZERO * abs(values).max(initial=0.0)
+    parts = (numpy.where(abs(x) <= least, 0.0, x) for x in (values.real, values.imag))
+    re, im = parts
+    return re + 1j * im
+
+
+def _of_coordinates(system: System, state: numpy.ndarray) -> list[Mode] | None:
+    n, c = system.n, system.idle
+    f = ~c
+    derivatives = system.kernel("momentum jacobian", 0.0, state)
+    M = system.kernel("mass", 0.0, state).reshape(-1, n, n)
+    if not derivatives.size or not M.size:
+        return None
+    (M,), (P, F, G) = M, derivatives.reshape(3, n, n)
+    linalg.cholesky(M)  # M is definite
+    inner, D = numpy.ix_(c, c), P - G
+    across, back, own = numpy.ix_(c, f), numpy.ix_(f, c), numpy.ix_(f, f)
+    R, S = (-linalg.solve(M[inner], x[across]) for x in (M, P))
+    mass = M[own] + M[back] @ R
+    damping = D[own] + M[back] @ S + D[back] @ R
+    stiffness = -F[own] + D[back] @ S
+
+    def shaped(value: complex, u: numpy.ndarray) -> Mode:
+        shape = numpy.zeros(n, complex)
+        shape[f] = u
+        if value:
+            shape[c] = R @ u + S @ u / value
+        return _mode(value, shape, f)
+
+    most = abs(stiffness).max(initial=0.0)
+    natural = abs(damping).max(initial=0.0) <= NATURAL * (most * abs(mass).max(initial=0.0)) ** 0.5
+    if natural and (abs(stiffness - stiffness.T) <= NATURAL * most).all():
+        root = linalg.inv(linalg.cholesky(mass))
+        squares, shapes = linalg.eigh(root @ stiffness @ root.T)
+        values = _cleared(numpy.sqrt(-squares + 0j))
+        both = zip(values, (root.T @ shapes).T, strict=True)
+        pairs = (([1j * x.imag] if x.imag else [x, -x], u) for x, u in both)
+        return [shaped(x, u) for some, u in pairs for x in some]
+    zero, one = numpy.zeros_like(mass), numpy.eye(len(mass))
+    A = numpy.block([[zero, one], [-linalg.solve(mass, stiffness), -linalg.solve(mass, damping)]])
+    values, shapes = linalg.eig(A)
+    values = _cleared(values)
+    return [shaped(x, u[: len(mass)]) for x, u in zip(values, shapes.T, strict=True) if x.imag >= 0]
+
+
+def _first_order(system: System, state: numpy.ndarray) -> list[Mode] | None:
+    n, m, free = system.n, system.m, ~system.idle
+    among = numpy.array([*numpy.flatnonzero(free), *range(n, n + m)])
+    A = system.linearised(0.0, state)[numpy.ix_(among, among)]
+    if not numpy.isfinite(A).all():
+        raise linalg.LinAlgError
+    T = numpy.eye(len(among))
+    if system.bound:
+        T, A = _tangent(system, state, among, A)
+        if not T.size:
+            return None
+    values, shapes = linalg.eig(A)
+    values = _cleared(values)
+    left = int(system.idle[:m].sum())  # zeros of the constant momenta of cyclic coordinates
+    zeros = numpy.flatnonzero(values == 0)[:left]
+    found = []
+    for k in numpy.flatnonzero(values.imag >= 0):
+        if k not in zeros:
+            shape = numpy.zeros(n, complex)
+            shape[free] = (T @ shapes[:, k])[: free.sum()]
+            found.append(_mode(values[k], shape, free))
+    return found
+
+
+def kept(system: System, state: numpy.ndarray) -> numpy.ndarray:
+    """Returns the derivatives by z of what constraints and rotations keep at 0: phi of holonomic
+    constraints, J v + j0 of all, (|Q|^2 - 1)/2 of each rotation. A rotation of a body by a small
+    vector d adds Q (0, d)/2 to its quaternion."""
+    n, m, turning = system.n, system.m, system.turning
+    h, c, first = system.given["holonomic"], system.given["constraints"], m + turning
+    C = numpy.zeros((h + c + turning // 3, n + m))
+    if c:
+        J = system.kernel("constraint jacobian", 0.0, state).reshape(c, n)
+        C[:h, :m] = J[:h, :m]
+        C[h : h + c, n:] = J[:, :m]
+        places = [*range(m), *range(first, n)]
+        most = abs(state[:m]).max(initial=0.0) or 1.0
+        sizes = [most if j < m else max(1.0, abs(state[n + j])) for j in places]
+        by = numpy.zeros((len(places), 2 * n))
+        by[range(len(places)), [j if j < m else n + j for j in places]] = BESIDE * numpy.array(
+            sizes
+        )
+        ends = system.kernel("constraint rates", 0.0, numpy.concatenate([state + by, state - by]))
+        slopes = (ends[: len(places)] - ends[len(places) :]) / (2 * BESIDE * numpy.array(sizes))[
+            :, None
+        ]
+        C[h : h + c, places] = slopes.T
+        C[h : h + c, m:first] = J[:, m:first]
+    for r in range(turning // 3):
+        at = slice(first + 4 * r, first + 4 * r + 4)
+        w, x, y, z = system.v(state)[at]
+        C[h + c + r, at] = w, x, y, z
+        if h:
+            product = numpy.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])
+            C[:h, at] = 2 * J[:h, m + 3 * r : m + 3 * r + 3] @ product.T
+    return C
+
+
+def _tangent(
+    system: System, state: numpy.ndarray, among: numpy.ndarray, A: numpy.ndarray
+) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """Returns an orthonormal basis of the null space of kept(), and A in it. Entries that are
+    round-off beside A's entries of the same kind (positions or rates, by positions or rates) are
+    set to 0: a free motion's eigenvalues would be their square root."""
+    C = kept(system, state)[:, among]
+    h, c = system.given["holonomic"], system.given["constraints"]
+    rate = (among >= system.n) | ((among >= system.m) & (among < system.m + system.turning))
+    mixed = (C[h : h + c][:, ~rate] != 0).any()  # J v + j0 depends on positions
+    columns, kinds = [], []
+    for kind in (0, 1) if not mixed else (-1,):
+        some = numpy.flatnonzero((rate == kind) | mixed)
+        free = _null_space(C[:, some])
+        basis = numpy.zeros((len(among), free.shape[1]))
+        basis[some] = free
+        columns.append(basis)
+        kinds += [kind] * free.shape[1]
+    T = numpy.concatenate(columns, 1)
+    found = T.T @ A @ T
+    if not mixed:
+        for i, j in numpy.ndindex(2, 2):
+            most = abs(A[numpy.ix_(rate == i, rate == j)]).max(initial=0.0)
+            block = numpy.ix_(numpy.array(kinds) == i, numpy.array(kinds) == j)
+            found[block] = numpy.where(abs(found[block]) <= ROUNDED * most, 0.0, found[block])
+    return T, found
+
+
+def _null_space(C: numpy.ndarray) -> numpy.ndarray:
+    sizes = linalg.norm(C, axis=1)
+    rows = C[sizes > 0] / sizes[sizes > 0][:, None]
+    if not rows.size:
+        return numpy.eye(C.shape[1])
+    _, s, v = linalg.svd(rows)
+    return v[int((s > DEPENDENT * s[0]).sum()) :].T

@@ -1,0 +1,142 @@
+"""Motions that begin close to an equilibrium, the start, along its modes:
+
+    q = q* + A sum Re(u),  v = v* + A sum Re(lambda u)
+
+The growth of the largest displacement of a coordinate that is not cyclic, and the mean angle per
+step by which the mode's leading coordinate turns about q* in the plane (q, -v/omega), are measured
+along the steps. With a second mode, the growth is that of this mode's part of the motion, hypot(u.M
+(q - q*), u.M v/omega).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy
+
+from ...system.exits import UsageError
+from .rest import Mode
+from .system import EXACT, System
+
+FAR = 1e3  # growth at which the steps end
+
+
+def _displacement(system: System, modes: Sequence[Mode], amplitude: float) -> numpy.ndarray:
+    """Returns a displacement of the start along modes."""
+    n, m = system.n, system.m
+    moved = numpy.zeros(2 * n)
+    for mode in modes:
+        shape = numpy.array(mode.re) + 1j * numpy.array(mode.im)
+        rates = complex(mode.growth, mode.frequency) * shape
+        moved[:m] += amplitude * shape.real[:m]
+        moved[n:] += amplitude * numpy.where(numpy.arange(n) < m, rates.real, shape.real)
+    return moved
+
+
+def _settled(system: System, state: numpy.ndarray) -> numpy.ndarray:
+    """Returns the state on the constraints: a mode is only tangential to them."""
+    return system.reference().projected(state)[1] if system.bound else state
+
+
+def _largest(system: System, states: numpy.ndarray) -> numpy.ndarray:
+    """Returns the largest displacement of each state, without idle coordinates."""
+    return abs(system.apart(states)[:, ~system.idle]).max(1, initial=0.0)
+
+
+class _Turning:
+    """The rotation of a coordinate about the equilibrium, step by step."""
+
+    def __init__(self, system: System, mode: Mode, steps: int, state: numpy.ndarray):
+        self.system, self.omega, self.half = system, mode.frequency, steps // 2
+        free = numpy.flatnonzero(~system.idle)
+        size = abs(numpy.array(mode.re))
+        self.lead = int(free[size[free].argmax()]) if len(free) else 0
+        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sums over both halves
+        self.angle = float(self._phase(state[None])[0])
+
+    def _phase(self, states: numpy.ndarray) -> numpy.ndarray:
+        moved = states - self.system.start
+        q, v = self.system.q(moved)[:, self.lead], self.system.v(moved)[:, self.lead]
+        return numpy.arctan2(-v, self.omega * q)
+
+    def look(self, states: numpy.ndarray) -> None:
+        angles = numpy.concatenate([[self.angle], self._phase(states)])
+        turns = numpy.diff(angles)
+        turned = self.turned + numpy.cumsum(turns + 2 * math.pi * (turns < 0))
+        number = self.steps + numpy.arange(len(states))
+        self.sums[0] += float(turned[number < self.half].sum())
+        self.sums[1] += float(turned[(number >= self.half) & (number < 2 * self.half)].sum())
+        self.steps += len(states)
+        self.angle, self.turned = float(angles[-1]), float(turned[-1])
+
+    @property
+    def mean(self) -> float:
+        """The mean angle per step. The orbit is no circle in that plane, so the phase oscillates
+        about a line; the difference of the means of both halves nearly cancels that."""
+        if self.half and self.steps >= 2 * self.half:
+            return (self.sums[1] - self.sums[0]) / self.half**2
+        return self.turned / self.steps if self.steps else 0.0
+
+
+@numpy.errstate(all="ignore")
+def near(
+    system: System,
+    modes: Sequence[Mode],
+    *,
+    method: str,
+    h: float,
+    amplitude: float,
+    count: int,
+    mode: int = -1,
+    other: int | None = None,
+    seed: float = 0.0,
+) -> dict[str, str | float]:
+    """Makes `count` steps from near the start, along `mode` or all modes (-1) that move and do not
+    grow, with mode `other` at the amplitude `seed`. Returns the fields of a Close."""
+    if not modes or not all(-1 <= k < len(modes) for k in (mode, other or 0)):
+        raise UsageError("no such mode")
+    some = [m for m in modes if m.growth <= 0 and m.rate > 0] if mode < 0 else [modes[mode]]
+    state = system.start + _displacement(system, some, amplitude)
+    state = _settled(system, state)
+    if other is not None:
+        state = state + _displacement(system, [modes[other]], seed)
+        mass = system.kernel("mass", 0.0, system.start).reshape(system.n, system.n)
+        weights = mass @ numpy.array(modes[other].re)
+
+    def size(states: numpy.ndarray) -> numpy.ndarray:
+        if other is None:
+            return _largest(system, states)
+        rates = system.v(states - system.start)[:, : system.m] @ weights[: system.m]
+        return numpy.hypot(system.apart(states) @ weights, rates / modes[other].frequency)
+
+    it = system.begin(method, state, h=h)
+    first, grown = float(size(state[None])[0]), 1.0
+    turning = _Turning(system, modes[max(mode, 0)], count, state)
+    while turning.steps < count and grown < FAR and not it.failed:
+        states = it.steps((count + 1) * h, count - turning.steps)[:, 1:]
+        growth = numpy.fmax.accumulate(numpy.fmax(size(states) / first, grown))
+        made = min(int((growth < FAR).sum()) + 1, len(states))
+        if made:
+            turning.look(states[:made])
+            grown = float(growth[made - 1])
+    status = it.status if it.failed and grown < FAR else "PK_DONE"
+    return {"status": status, "steps": turning.steps, "growth": grown, "turn": turning.mean}
+
+
+@numpy.errstate(all="ignore")
+def leave(system: System, modes: Sequence[Mode], mode: int, amplitude: float) -> float:
+    """Returns how fast the motion leaves the start along a mode that grows."""
+    of, most = modes[mode], max(m.growth for m in modes)
+    if not of.growth > 0:
+        raise UsageError("one mode that grows, please")
+    until = math.log(FAR) / most  # limited, since a faster mode grows from round-off
+    if of.frequency > 0:  # whole periods, so that the phase does not matter
+        period = 2 * math.pi / of.frequency
+        until = math.ceil(until / period) * period
+    state = _settled(system, system.start + _displacement(system, [of], amplitude))
+    it = system.begin(EXACT, state, rtol=1e-13, atol=1e-13 * amplitude)
+    if not it.to(until):
+        return 0.0
+    first, last = _largest(system, numpy.stack([state, it.state]))
+    return math.log(last / first) / until

@@ -1,0 +1,81 @@
+"""Equilibria and their modes."""
+
+from __future__ import annotations
+
+import math
+
+from ...record import record
+
+ZERO = 1e-7  # relative to the largest rate at any equilibrium; a lower rate counts as 0
+UNDECIDED = "not decided by the linear terms"
+
+
+@record
+class Mode:
+    """exp(lambda t), lambda = growth + i frequency; real and imaginary parts of the shape."""
+
+    growth: float
+    frequency: float
+    re: tuple[float, ...]
+    im: tuple[float, ...]
+    on_group: bool = False  # rotation rate of a body, seen by methods on the group
+
+    @property
+    def rate(self) -> float:
+        """|lambda|."""
+        return math.hypot(self.growth, self.frequency)
+
+
+@record
+class Equilibrium:
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    energy: float
+    modes: tuple[Mode, ...]  # fastest first
+    status: str = "PK_DONE"  # status of the computation of modes
+    slack: int = 0  # dimension of the continuum of equilibria it belongs to
+
+    @property
+    def stable(self) -> bool:
+        """Whether the modes are known, none grows, and not all have rate 0."""
+        moves = not self.modes or any(mode.rate > 0 for mode in self.modes)
+        return self.status == "PK_DONE" and moves and not self._grows
+
+    @property
+    def _grows(self) -> bool:
+        return any(mode.growth > 0 for mode in self.modes)
+
+    @property
+    def verdict(self) -> str:
+        """Describes the stability. A mode of rate 0 is undecided by the linear terms."""
+        if self.status != "PK_DONE":
+            return f"modes: {self.status}"
+        if self._grows:
+            return "unstable"
+        if any(mode.rate == 0 for mode in self.modes):
+            return "one of a continuum" if self.slack else UNDECIDED
+        return "stable"
+
+    @property
+    def oscillating(self) -> list[int]:
+        """Returns the indices of modes that oscillate and do not grow."""
+        return [k for k, m in enumerate(self.modes) if m.frequency > 0 and m.growth <= 0]
+
+
+@record
+class Rest:
+    """The equilibria found, and the region searched."""
+
+    status: str
+    equilibria: tuple[Equilibrium, ...]
+    failed: int
+    singular: int
+    more: bool
+    turns: tuple[bool, ...] = ()  # of each coordinate: whether it has the period 2 pi
+    middle: tuple[float, ...] = ()  # search region: middle +- box, or further (docs/maps.md)
+    box: tuple[float, ...] = ()
+
+    def beside(self, q: float, place: float, i: int) -> float:
+        """Returns q_i; an angle is shifted by whole turns to lie nearest to `place`."""
+        turns = bool(self.turns) and self.turns[i]
+        return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q

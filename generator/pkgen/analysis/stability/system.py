@@ -1,0 +1,154 @@
+"""A compiled model with the settings of a run: its facts, its kernels, integrations from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import numpy
+
+from ...run.integration import Integration
+from ...run.library import load
+from ...run.settings import Settings
+from ...system.exits import UsageError
+
+MOST_STEPS = 4_000_000
+RTOL = 1e-10  # of the reference motion, by dop853
+EXACT = "dop853"
+
+
+class System:
+    """States are arrays of q, then v. Unknown i is q_i, or v_i of a first-order variable."""
+
+    def __init__(self, program: Path, settings: Settings, look: Callable[[], None]):
+        """`look` is called between calls of the runtime, and may raise."""
+        self.settings, self.look = settings, look
+        self.run = load(program).run(settings, idle=True, bare=1)
+        if self.run.code:
+            raise UsageError(self.run.messages.strip().splitlines()[-1])
+        given = self.run.given()
+        self.given = given
+        self.n, self.m = len(given["v"]), len(given["q"])  # unknowns, of them coordinates
+        self.turning = 3 * given["rotations"]  # body rates; behind them the quaternions
+        self.bound = bool(given["rotations"] or given["constraints"])
+        self.start = numpy.array(
+            [*map(_number, given["q"]), *[0.0] * (self.n - self.m), *map(_number, given["v"])]
+        )
+        self.until = settings.until
+        self.idle = numpy.zeros(self.n, bool)  # nothing depends on the unknown
+        self.idle[given["cyclic"]] = True
+        others = self.m + 7 * given["rotations"]
+        if self.n > others:
+            self.idle[self.m :] = self._unread()
+        # First-order variables matter: motions are judged by their distance from the start.
+        self.by_norm = not self.idle[others:].all()
+        self.reach: numpy.ndarray | None = None  # largest distance of each unknown from the start
+        self.middle = self.box = numpy.zeros(0)  # of each number of a state; see cover()
+
+    def q(self, states: numpy.ndarray) -> numpy.ndarray:
+        return states[..., : self.n]
+
+    def v(self, states: numpy.ndarray) -> numpy.ndarray:
+        return states[..., self.n :]
+
+    def kernel(self, name: str, t: numpy.ndarray | float, states: numpy.ndarray) -> numpy.ndarray:
+        states = numpy.atleast_2d(states)
+        return self.run.evaluate(name, t, self.q(states), self.v(states))
+
+    def begin(self, method: str, state: numpy.ndarray | None = None, **more: float) -> Integration:
+        return Integration(
+            self.run, method, self.start if state is None else state, look=self.look, **more
+        )
+
+    def reference(self, looser: float = 1.0, watch: int = 0) -> Integration:
+        """Begins the reference motion."""
+        return self.begin(EXACT, rtol=looser * RTOL, watch=watch)
+
+    def apart(self, states: numpy.ndarray) -> numpy.ndarray:
+        """Returns the distance of each unknown from the start."""
+        m, moved = self.m, states - self.start
+        return numpy.concatenate([self.q(moved)[..., :m], self.v(moved)[..., m:]], -1)
+
+    def energies(
+        self, t: numpy.ndarray | float, states: numpy.ndarray
+    ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+        """Returns what states are judged by: the energy; v.p, whose range is the scale; |v.p| +
+        |L|, the size of round-off; the parts |v_i p_i|. With by_norm the first three are half the
+        squared distance from the start in units of reach, 0 before cover()."""
+        if self.by_norm:
+            norm = numpy.zeros(len(states))
+            if self.reach is not None:
+                far = ~self.idle & (self.reach > 0)
+                norm = ((self.apart(states)[:, far] / self.reach[far]) ** 2).sum(1) / 2
+            return norm, norm, norm, numpy.zeros((len(states), 0))
+        parts = self.v(states) * self.kernel("free momenta", t, states)
+        energy = self.kernel("energy", t, states)[:, 0]
+        vp = parts[:, : self.m + self.turning].sum(1)
+        return energy, vp, abs(vp) + abs(vp - energy), abs(parts[:, : self.m])
+
+    def linearised(self, t: float, state: numpy.ndarray) -> numpy.ndarray:
+        """Returns A of z' = A z, z = (displacements of the unknowns; of the coordinates' rates);
+        NaN where M is singular."""
+        n, m = self.n, self.m
+        a_q, a_v = self.kernel("jacobian", t, state).reshape(2, n, n)
+        columns = [*range(n, n + m), *range(m, n)]  # where the rates of all unknowns are in z
+        full = numpy.zeros((n, n + m))
+        full[:, :m] = a_q[:, :m]
+        full[:, columns] = a_v
+        above = numpy.eye(m, n + m, n)
+        return numpy.concatenate([above, full[m:], full[:m]])
+
+    def _unread(self) -> numpy.ndarray:
+        """Returns of each first-order variable whether no rate depends on it, at three states."""
+        unread = numpy.ones(self.n - self.m, bool)
+        number = numpy.tile(numpy.arange(self.n), 2)
+        by = numpy.where(numpy.arange(2 * self.n) < self.n, 0.01 + 0.013 * number, 0.0)
+        by += numpy.where(numpy.arange(2 * self.n) >= self.n, 0.02 + 0.011 * number, 0.0)
+        for k in range(3):
+            jacobian = self.kernel("jacobian", 0.0, self.start + k * by * (1 + abs(self.start)))
+            unread &= (jacobian.reshape(2, self.n, self.n)[1][:, self.m :] == 0).all(0)
+        return unread
+
+    def kinds(self) -> list[range]:
+        """Returns the places in a state of coordinates, integrals of first-order variables, rates,
+        body rates, quaternions, other first-order variables."""
+        n, m, r = self.n, self.m, self.given["rotations"]
+        ends = (0, m, n, n + m, n + m + 3 * r, n + m + 7 * r, 2 * n)
+        return [range(a, b) for a, b in pairwise(ends)]
+
+    def cover(self) -> None:
+        """Sets middle and box, the centre and width of the region of the motion, and reach. The
+        width of a constant is its magnitude; of what stays at 0, that of the widest of its kind."""
+        if self.reach is not None:
+            return
+        low, high = self.start.copy(), self.start.copy()
+        motion = self.reference()
+        while not motion.failed and motion.t < self.until:
+            states = motion.steps(self.until, MOST_STEPS)[:, 1:]
+            low, high = (
+                numpy.fmin(low, states.min(0, initial=math.inf)),
+                numpy.fmax(high, states.max(0, initial=-math.inf)),
+            )
+        n, m = self.n, self.m
+        unknown = [*range(m), *range(n + m, 2 * n)]
+        self.reach = numpy.fmax(high - self.start, self.start - low)[unknown]
+        sum_, width = low + high, high - low
+        self.middle = sum_ / 2
+        box = numpy.where(width > 1e-9 * abs(sum_), width, abs(sum_) / 2)
+        integrals = range(m, n)
+        most = max((x for i, x in enumerate(box) if i not in integrals), default=0.0)
+        for kind in self.kinds():
+            part = box[kind.start : kind.stop]
+            part[~(part > 0)] = max(part, default=0.0) or most or 1.0
+        self.box = box
+
+    def turning_rate(self, state: numpy.ndarray) -> float:
+        """Returns the largest rate of a rotation; eigenvalues of a quaternion are half of it."""
+        rates = self.v(state)[self.m : self.m + self.turning].reshape(-1, 3)
+        return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
+
+
+def _number(x: float | None) -> float:
+    return math.nan if x is None else float(x)

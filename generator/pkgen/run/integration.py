@@ -1,0 +1,142 @@
+"""Steps of any method from any state of a compiled model (pk/stability.h), by ctypes.
+
+A state is q, then v: 2 n numbers. Places in q of first-order variables are 0.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from ctypes import Array, c_double, c_int, c_void_p
+
+import numpy
+
+from ..system.exits import UsageError
+from .header import STATUSES
+from .library import Run
+
+CONSTANTS, CONDITION = 1, 2  # what to watch: PK_WATCH_*
+_CHUNK = 1 << 16  # numbers of the states of one call: between two of them Python looks at the time
+
+
+def status_name(status: int) -> str:
+    return STATUSES[1 - status]
+
+
+def _pointer(x: numpy.ndarray) -> Array[c_double]:
+    return (c_double * x.size).from_buffer(x)  # in a fraction of the time of x.ctypes.data_as()
+
+
+class Integration:
+    """Begins at t = 0. `h` is the fixed step, or 0 for an adaptive method with `rtol` and `atol`
+    (negative: from the motion). look() is called every some thousand steps, and may raise. Raises
+    UsageError."""
+
+    def __init__(
+        self,
+        run: Run,
+        method: str,
+        state: numpy.ndarray,
+        h: float = 0.0,
+        rtol: float = 0.0,
+        atol: float = -1.0,
+        watch: int = 0,
+        look: Callable[[], None] = lambda: None,
+    ):
+        self._run, self._c, self._of, self._look = run, run._c, None, look
+        self._status = c_int(0)
+        if h < 0:
+            raise UsageError("a step is positive")
+        self.half = len(state) // 2
+        self.t, self.state = 0.0, numpy.array(state, float)
+        begin = run._c.pk_stability_begin
+        given = method.encode(), h, rtol, atol, watch, _pointer(self.state)
+        self._of = c_void_p(begin(run._run, *given, self._status))
+        if self.status == "PK_BAD_ARGUMENT":
+            raise UsageError(f"no method of {'a fixed step' if h else 'adaptive steps'}: {method}")
+
+    @property
+    def status(self) -> str:
+        return status_name(self._status.value)
+
+    @property
+    def failed(self) -> bool:
+        return self._status.value < 0
+
+    def steps(self, until: float, count: int) -> numpy.ndarray:
+        """Makes up to `count` steps, none beyond `until`, fewer if their states are many. Returns a
+        row for each: t, then the state."""
+        wide = 1 + 2 * self.half
+        count = max(min(count, _CHUNK // wide), 64) if count > 64 else count
+        out = numpy.empty((count, wide))
+        made = self._steps(until, count, True, out) if not self.failed else 0
+        if made:
+            self.t, self.state = float(out[made - 1, 0]), out[made - 1, 1:].copy()
+        return out[:made]
+
+    def to(self, t: float) -> bool:
+        """Integrates to t. Returns whether it did."""
+        out = numpy.empty(1 + 2 * self.half)
+        while not self.failed and self.t < t:
+            self._steps(t, _CHUNK, False, out)
+            self.t, self.state = float(out[0]), out[1:].copy()
+        return not self.failed
+
+    def _steps(self, until: float, count: int, every: bool, out: numpy.ndarray) -> int:
+        self._look()
+        given = until, count, every, _pointer(out)
+        return self._c.pk_stability_steps(self._of, *given, self._status)
+
+    def give_up(self) -> None:
+        self._status.value = 1 - STATUSES.index("PK_TOO_MANY_STEPS")
+
+    def restart(self, state: numpy.ndarray, t: float = 0.0, h: float = 0.0) -> None:
+        if not self._of:
+            return
+        self.t, self.state = t, numpy.array(state, float)
+        restart = self._c.pk_stability_restart
+        self._status.value = restart(self._of, t, h, _pointer(self.state))
+
+    def mapped(self, states: numpy.ndarray, h: float, steps: int) -> numpy.ndarray:
+        """Returns each state after some steps of h, by an adaptive method after a time steps h; NaN
+        where they fail."""
+        self._look()
+        states = numpy.ascontiguousarray(states)
+        out = numpy.empty_like(states)
+        given = h, steps, len(states), _pointer(states), _pointer(out)
+        self._c.pk_stability_map(self._of, *given)
+        return out
+
+    def projected(self, state: numpy.ndarray) -> tuple[str, numpy.ndarray]:
+        """Returns the status, and the state on the constraints."""
+        if self.failed:
+            return self.status, numpy.array(state)
+        on = numpy.array(state, float)
+        return status_name(self._c.pk_stability_project(self._of, _pointer(on))), on
+
+    def report(self) -> dict:
+        return {} if not self._of else json.loads(self._c.pk_stability_report(self._of))
+
+    def __del__(self) -> None:
+        of, self._of = self._of, None
+        if of:
+            self._c.pk_stability_end(of)
+
+
+def equilibria(run: Run, tries: int) -> dict:
+    """Returns the equilibria found and their modes. Raises UsageError."""
+    if not hasattr(run._c, "pk_stability_equilibria"):
+        raise UsageError("equilibria need the GNU Scientific Library, which is not here")
+    found = run._c.pk_stability_equilibria(run._run, tries)
+    if found is None:
+        raise UsageError(run.said().strip() or "out of memory")
+    return json.loads(found)
+
+
+def spring(
+    run: Run, method: str, stiffness: float, damping: float, h: float
+) -> tuple[float, float, float, float]:
+    """Returns the map of (q, v) by a step on q'' = -stiffness q - damping q'; NaN if it fails."""
+    entries = (c_double * 4)(*4 * [numpy.nan])
+    run._c.pk_stability_spring(run._model, method.encode(), stiffness, damping, h, entries)
+    return tuple(entries)
