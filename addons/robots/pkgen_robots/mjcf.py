@@ -140,7 +140,7 @@ class _Reader:
         return low * scale, high * scale
 
     def mass(self, element: Element, link: Link, anchor: Vector, around: str) -> None:
-        """Sets mass, centre and inertia by <inertial> or by the geoms, as `inertiafromgeom` says."""
+        """Sets mass, centre and inertia, from <inertial> or geoms as `inertiafromgeom` says."""
         settings, found, lumps = self.settings, element.first("inertial"), []
         by_geoms = settings.from_geoms == "true" or (
             settings.from_geoms == "auto" and found is None

@@ -94,7 +94,7 @@ def test_shapes(kind, size):
 ROBOT = """<mujoco><compiler eulerseq="zYx"/>
 <default><joint armature="0.1" damping="0.2" stiffness="3" springref="20"/><geom density="500"/>
 <default class="way"><joint type="slide" axis="3 0 4" armature="0.3" springref="0.2"/>
-<geom type="capsule" size="0.1 0.3"/></default></default>
+<geom type="capsule" size="0.1 0.3" euler="0 90 0"/></default></default>
 <worldbody><body name="a" pos="0.1 0.2 0.3" euler="10 20 30">
 <joint name="h" axis="0 1 0" pos="0 0 0.1" ref="30"/><geom type="box" size="0.1 0.2 0.3"
  pos="0 0.1 0" axisangle="1 2 3 40"/><geom class="way" fromto="0 0 0 0.3 0.4 0" mass="2"/>
@@ -122,7 +122,10 @@ def links_of_robot() -> list[Link]:
     up = np.array([0, 0, 0.1])
     nothing = (0, np.zeros(3), np.zeros((3, 3)))
     b = summed(moved("capsule", [0.2, 0.3], 500, R=turn(Y, np.pi / 4)))
-    c, d = summed(moved("ellipsoid", [0.2, 0.3, 0.4], 500)), summed(moved("sphere", [0.2], 500))
+    c, d = (
+        summed(moved("ellipsoid", [0.2, 0.3, 0.4], 500, R=turn(Y, np.pi / 2))),
+        summed(moved("sphere", [0.2], 500)),
+    )
     aside, at_k = [(Z, np.pi / 4)], np.array([0, 0.1, 0])
     return [
         Link("a", -1, "revolute", Y, np.array([0.1, 0.2, 0.3]) + R @ up, first, a[0], a[1] - up,
@@ -188,11 +191,17 @@ WEIGHED = {
     "no geoms in place of it": ('inertiafromgeom="true"', INERTIAL, 2, [1, 2, 0.5]),
     "massless geoms": ('inertiafromgeom="true"', f'{INERTIAL}<geom size="1" density="0"/>', 2,
                        [1, 2, 0.5]),
-    "some groups": ('inertiagrouprange="1 2"', '<geom size="3"/><geom size="1" mass="5" group="2"/>',
-                    5, [2, 2, 2]),
+    "some groups": ('inertiagrouprange="1 2"',
+                    '<geom size="3"/><geom size="1" mass="5" group="2"/>', 5, [2, 2, 2]),
     "a mesh that is only seen": ("", f'{INERTIAL}<geom type="mesh" mesh="m"/>', 2, [1, 2, 0.5]),
     "a mesh without mass": ("", '<geom size="1" mass="5"/><geom type="mesh" mass="0" mesh="m"/>', 5,
                             [2, 2, 2]),
+    "between points": (
+        "",
+        '<geom type="box" size="0.3" fromto="0 0 0 0 0 2" mass="3"/>',
+        3,
+        [1.09, 1.09, 0.18],
+    ),
     "a plane": ("", '<geom type="plane" size="1 1 1"/><geom size="1" mass="5"/>', 5, [2, 2, 2]),
     "least mass": ('boundmass="3"', INERTIAL, 3, [1, 2, 0.5]),
     "least moment": ('boundinertia="1.5"', INERTIAL, 2, [1.5, 2, 1.5]),
@@ -259,7 +268,8 @@ def test_flags(tmp_path):
 
 
 def test_what_is_left_out_is_named(tmp_path):
-    xml = """<mujoco><actuator><motor/><motor/><position/></actuator><sensor><gyro/><touch/></sensor>
+    xml = """<mujoco><actuator><motor/><motor/><position/></actuator>
+    <sensor><gyro/><touch/></sensor>
     <tendon><fixed/></tendon><keyframe><key/></keyframe><asset><mesh/></asset><visual/>
     <contact><exclude/></contact><equality><weld active="false"/></equality>
     <deformable><skin/></deformable><worldbody><light/><geom size="1"/><body mocap="true"><camera/>
