@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import random
+from argparse import Namespace
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from random_states import state_of
 from robot_files import text_of
 from trees_of_bodies import Link, Motion, of_quaternion, turn
 
+from pkgen import limits
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.middle.derive.derive import derive
@@ -228,6 +231,13 @@ def test_the_least_moment_is_of_the_principal_axes(tmp_path):
     assert abs(found - R @ np.diag([1.2, 2, 1.2]) @ R.T).max() < 1e-14
 
 
+def test_where_a_mass_is_that_boundmass_alone_gives(tmp_path):
+    """As in MuJoCo: at the position of the body, in its own frame."""
+    body = '<body pos="1 2 3"><joint pos="1 0 0"/></body>'
+    link = the_body(tmp_path, f'<compiler boundmass="2"/><worldbody>{body}</worldbody>')
+    assert (link.mass, link.com) == (2, (0, 2, 3))
+
+
 PLAIN = """<compiler{}/><option{}><flag{}/></option><worldbody><body{}>
 <joint name="j" range="-1 1"{}/><geom size="1"{}/></body></worldbody>"""
 WRITTEN = (
@@ -310,3 +320,13 @@ def test_names_that_a_reader_makes_are_new(tmp_path):
     text = text_of(tmp_path, f"<mujoco><worldbody>{xml}</worldbody></mujoco>")
     model = check_text(Source("robot.lag", text))[0]
     assert [c.name for c in model.coordinates] == ["j", "k", "b_weld"]
+
+
+def test_a_model_is_written_that_is_too_large_for_all_kernels(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(limits, "UNROLLED", 15_000)
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    written = str(tmp_path / "robot.lag")
+    options = Namespace(model=tmp_path / "robot.xml", base="fixed", json=False, output=written)
+    assert importlib.import_module("pkgen_robots.command").run(options) == 0
+    assert "not checked to the end, since it is large" in capsys.readouterr().err
+    assert (tmp_path / "robot.lag").read_text().startswith("model robot")
