@@ -22,7 +22,7 @@ pkgen import robot.urdf -o robot.lag
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("model", metavar="ROBOT", help="URDF, or the subset of MJCF that docs/bodies.md names")
+    add("model", metavar="ROBOT", help="a file in URDF or MJCF")
     add("-o", dest="output", metavar="FILE.lag", help="default: standard output")
     add("--base", choices=("fixed", "free"), default="fixed", help="how the root is held")
 
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _checked(name: str, text: str) -> list[str]:
-    """Checks the model like `pkgen check`, before it is written; returns notes. Raises ModelError."""
+    """Checks the model like `pkgen check`; returns notes. Raises ModelError."""
     try:
         with bounded(limits.CPU_SECONDS, limits.MEMORY_BYTES):
             check_model(from_text(name, text))

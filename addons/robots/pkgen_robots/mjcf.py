@@ -140,7 +140,7 @@ class _Reader:
         return low * scale, high * scale
 
     def mass(self, element: Element, link: Link, anchor: Vector, around: str) -> None:
-        """Sets mass, centre and inertia by <inertial> or by the geoms, as `inertiafromgeom` says."""
+        """Sets mass, centre and inertia, from <inertial> or geoms as `inertiafromgeom` says."""
         settings, found, lumps = self.settings, element.first("inertial"), []
         by_geoms = settings.from_geoms == "true" or (
             settings.from_geoms == "auto" and found is None
@@ -150,12 +150,15 @@ class _Reader:
                 part = self.geom(geom, around, link, by_geoms)
                 lumps += [part] if part else []
         with self.errors.collecting():
-            whole = Lump(0.0, ZERO, (ZERO,) * 3)
+            least = settings.least_mass or settings.least_moment
+            # MuJoCo puts a mass that is `boundmass` alone at `pos`, in the body's own frame.
+            at = element.numbers("pos", 3, ZERO) if least else ZERO
+            whole = Lump(0.0, at, (ZERO,) * 3)
             if lumps:
                 whole = together(lumps)
             elif found is not None:
                 whole = self.inertial(found, link)
-            if settings.least_mass or settings.least_moment:
+            if least:
                 whole = bounded(whole, settings.least_mass, settings.least_moment)
             whole = balanced(whole) if settings.balance else whole
             link.mass, link.com = whole.mass, added(whole.com, anchor, -1.0)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import random
+from argparse import Namespace
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from random_states import state_of
 from robot_files import text_of
 from trees_of_bodies import Link, Motion, of_quaternion, turn
 
+from pkgen import limits
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.middle.derive.derive import derive
@@ -94,7 +97,7 @@ def test_shapes(kind, size):
 ROBOT = """<mujoco><compiler eulerseq="zYx"/>
 <default><joint armature="0.1" damping="0.2" stiffness="3" springref="20"/><geom density="500"/>
 <default class="way"><joint type="slide" axis="3 0 4" armature="0.3" springref="0.2"/>
-<geom type="capsule" size="0.1 0.3"/></default></default>
+<geom type="capsule" size="0.1 0.3" euler="0 90 0"/></default></default>
 <worldbody><body name="a" pos="0.1 0.2 0.3" euler="10 20 30">
 <joint name="h" axis="0 1 0" pos="0 0 0.1" ref="30"/><geom type="box" size="0.1 0.2 0.3"
  pos="0 0.1 0" axisangle="1 2 3 40"/><geom class="way" fromto="0 0 0 0.3 0.4 0" mass="2"/>
@@ -122,7 +125,10 @@ def links_of_robot() -> list[Link]:
     up = np.array([0, 0, 0.1])
     nothing = (0, np.zeros(3), np.zeros((3, 3)))
     b = summed(moved("capsule", [0.2, 0.3], 500, R=turn(Y, np.pi / 4)))
-    c, d = summed(moved("ellipsoid", [0.2, 0.3, 0.4], 500)), summed(moved("sphere", [0.2], 500))
+    c, d = (
+        summed(moved("ellipsoid", [0.2, 0.3, 0.4], 500, R=turn(Y, np.pi / 2))),
+        summed(moved("sphere", [0.2], 500)),
+    )
     aside, at_k = [(Z, np.pi / 4)], np.array([0, 0.1, 0])
     return [
         Link("a", -1, "revolute", Y, np.array([0.1, 0.2, 0.3]) + R @ up, first, a[0], a[1] - up,
@@ -188,11 +194,17 @@ WEIGHED = {
     "no geoms in place of it": ('inertiafromgeom="true"', INERTIAL, 2, [1, 2, 0.5]),
     "massless geoms": ('inertiafromgeom="true"', f'{INERTIAL}<geom size="1" density="0"/>', 2,
                        [1, 2, 0.5]),
-    "some groups": ('inertiagrouprange="1 2"', '<geom size="3"/><geom size="1" mass="5" group="2"/>',
-                    5, [2, 2, 2]),
+    "some groups": ('inertiagrouprange="1 2"',
+                    '<geom size="3"/><geom size="1" mass="5" group="2"/>', 5, [2, 2, 2]),
     "a mesh that is only seen": ("", f'{INERTIAL}<geom type="mesh" mesh="m"/>', 2, [1, 2, 0.5]),
     "a mesh without mass": ("", '<geom size="1" mass="5"/><geom type="mesh" mass="0" mesh="m"/>', 5,
                             [2, 2, 2]),
+    "between points": (
+        "",
+        '<geom type="box" size="0.3" fromto="0 0 0 0 0 2" mass="3"/>',
+        3,
+        [1.09, 1.09, 0.18],
+    ),
     "a plane": ("", '<geom type="plane" size="1 1 1"/><geom size="1" mass="5"/>', 5, [2, 2, 2]),
     "least mass": ('boundmass="3"', INERTIAL, 3, [1, 2, 0.5]),
     "least moment": ('boundinertia="1.5"', INERTIAL, 2, [1.5, 2, 1.5]),
@@ -217,6 +229,13 @@ def test_the_least_moment_is_of_the_principal_axes(tmp_path):
     )
     R = turn(X, np.radians(10)) @ turn(Y, np.radians(20)) @ turn(Z, np.radians(30))
     assert abs(found - R @ np.diag([1.2, 2, 1.2]) @ R.T).max() < 1e-14
+
+
+def test_where_a_mass_is_that_boundmass_alone_gives(tmp_path):
+    """As in MuJoCo: at the position of the body, in its own frame."""
+    body = '<body pos="1 2 3"><joint pos="1 0 0"/></body>'
+    link = the_body(tmp_path, f'<compiler boundmass="2"/><worldbody>{body}</worldbody>')
+    assert (link.mass, link.com) == (2, (0, 2, 3))
 
 
 PLAIN = """<compiler{}/><option{}><flag{}/></option><worldbody><body{}>
@@ -259,7 +278,8 @@ def test_flags(tmp_path):
 
 
 def test_what_is_left_out_is_named(tmp_path):
-    xml = """<mujoco><actuator><motor/><motor/><position/></actuator><sensor><gyro/><touch/></sensor>
+    xml = """<mujoco><actuator><motor/><motor/><position/></actuator>
+    <sensor><gyro/><touch/></sensor>
     <tendon><fixed/></tendon><keyframe><key/></keyframe><asset><mesh/></asset><visual/>
     <contact><exclude/></contact><equality><weld active="false"/></equality>
     <deformable><skin/></deformable><worldbody><light/><geom size="1"/><body mocap="true"><camera/>
@@ -300,3 +320,13 @@ def test_names_that_a_reader_makes_are_new(tmp_path):
     text = text_of(tmp_path, f"<mujoco><worldbody>{xml}</worldbody></mujoco>")
     model = check_text(Source("robot.lag", text))[0]
     assert [c.name for c in model.coordinates] == ["j", "k", "b_weld"]
+
+
+def test_a_model_is_written_that_is_too_large_for_all_kernels(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(limits, "UNROLLED", 15_000)
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    written = str(tmp_path / "robot.lag")
+    options = Namespace(model=tmp_path / "robot.xml", base="fixed", json=False, output=written)
+    assert importlib.import_module("pkgen_robots.command").run(options) == 0
+    assert "not checked to the end, since it is large" in capsys.readouterr().err
+    assert (tmp_path / "robot.lag").read_text().startswith("model robot")
