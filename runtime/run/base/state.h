@@ -171,7 +171,7 @@ struct pk_run {
     int begun;             /* whether the integrator was initialised without an error */
     int lean;              /* a member that is observed at its start and end only */
     pk_real h_min, h_max;  /* step sizes; h_min: least of the steps bounded by their error alone */
-    unsigned long look_at; /* the step at which drifts are measured next; see look/drifts.c */
+    unsigned long look_at; /* the step at which drifts are measured next; see observers/drifts.c */
     int looked;            /* whether they were measured at this step */
     pk_real trusted;       /* last time at which the energy was right; see observers.h */
     int distrusted;

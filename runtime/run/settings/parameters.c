@@ -127,7 +127,7 @@ void settings_tell(struct pk_run *run, FILE *file)
     json_open(&j, "cyclic", '[');
     for (size_t i = 0; s->system->cyclic && i < pk_system_coordinates(s->system, s->params); i++)
         if (s->system->cyclic[i])
-            json_whole(&j, NULL, i);
+            json_integer(&j, NULL, i);
     json_close(&j, ']');
     json_close(&j, '}');
 }
