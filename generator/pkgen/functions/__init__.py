@@ -28,7 +28,7 @@ MEANT = {
     **{"fabs": "abs", "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2"},
 }
 
-# Numbers of arguments. The function `rot` is in front/check/vectors.py.
+# The number of arguments of each vector function except `rot`, which is in front/check/vectors.py.
 VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}
 
 __all__ = [

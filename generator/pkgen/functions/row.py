@@ -43,7 +43,7 @@ class Function:
     # dimension. "any": the arguments have the same dimension, the value is dimensionless. "root":
     # the value has the square root of the argument's dimension.
     units: str = "none"
-    # Whether only the compiler calls the function, for derivatives: a model cannot.
+    # Whether only the compiler calls the function, in derivatives. Models cannot use its name.
     internal: bool = False
 
     # The function on floats.

@@ -19,7 +19,8 @@ from .monomials import merged
 from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
 from .residues import Varying
 
-Term = tuple[Node, Monomial]  # a constant scale and a monomial of variable factors
+# A term of a sum, as (constant scale, monomial of variable factors).
+Term = tuple[Node, Monomial]
 
 # The largest number of terms of an output that is factored; larger sums are not.
 FACTORED = 80

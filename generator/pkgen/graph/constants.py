@@ -6,7 +6,8 @@ from fractions import Fraction
 
 from ..functions import FUNCTIONS
 
-NUMBER_BITS = 512  # bits of the longest constant; a longer product is evaluated in the C code
+# The largest number of bits of a constant. A product with more bits is computed by the C code.
+NUMBER_BITS = 512
 
 
 def fits(value: Fraction) -> bool:

@@ -11,9 +11,12 @@ from .differentiate import reachable, swept
 from .graph import Graph, Kind, Node, Op, Symbol
 from .written import text_of
 
-COMPILED = 5_000  # Expressions of fewer nodes are compiled to a Python function.
-_PLAIN = 1e300  # Larger numbers may overflow a double.
-BITS = 100_000  # The largest number of bits of an exact power.
+# Expressions with fewer nodes than this are compiled to a Python function.
+COMPILED = 5_000
+# Numbers from this magnitude on may overflow a double, and are not written as literals.
+_PLAIN = 1e300
+# The largest number of bits of a power that is evaluated exactly.
+BITS = 100_000
 
 
 def evaluate(g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, float]) -> list[float]:

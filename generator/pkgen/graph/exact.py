@@ -20,9 +20,12 @@ from .graph import Graph, Kind, Node, Op, Symbol
 from .normal import POWERS, Monomial, Normal, Polynomial, TooMuch
 from .ranges import Ranges
 
-WORK = 60_000  # The largest number of products of two terms; these take about half a second.
-TERMS = 3_000  # The largest number of terms of one polynomial.
-SUMMANDS = 4  # The largest number of summands of an angle or exponent that is expanded.
+# The limit of work for a normal form: products of two terms, which take about half a second.
+WORK = 60_000
+# The largest number of terms of one polynomial.
+TERMS = 3_000
+# The largest number of summands of an angle or exponent that is expanded.
+SUMMANDS = 4
 
 
 class _Finer(Exception):
@@ -37,7 +40,8 @@ class Exact(Normal):
         super().__init__(g, work=work, terms=TERMS)
         # The ranges show which factors are positive: their signs are 1.
         self.ranges = ranges
-        # Denominators: the base angle or base exponent of a monomial is the monomial / parts.
+        # For each monomial in an angle or exponent, a denominator: the base angle is the monomial
+        # divided by it, so that all multiples in use are integers.
         self.parts: dict[Monomial, int] = {}
         # The pair (n, x) of each atom x^(1/n) with n > 2.
         self.roots: dict[Node, tuple[int, Node]] = {}

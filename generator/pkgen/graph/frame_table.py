@@ -8,8 +8,10 @@ from ..record import record
 from .nodes import CONSTANT, Node
 
 Vector3 = tuple[Node, Node, Node]
-Turn = tuple[Vector3, Node]  # A rotation: its axis, a unit vector in the parent frame; its angle.
-ROOT = -1  # The index of the space-fixed frame.
+# A rotation, as (axis, angle). The axis is a unit vector in the parent frame.
+Turn = tuple[Vector3, Node]
+# The index of the space-fixed frame.
+ROOT = -1
 
 
 @record

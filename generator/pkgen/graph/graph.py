@@ -288,7 +288,7 @@ class Graph(Nodes):
         return self._call_node("sqrt", (argument,))
 
     def _negative(self, node: Node) -> bool:
-        """Whether the node has a leading minus sign. Of a - b and b - a exactly one has it."""
+        """Whether the node has a leading minus sign. Exactly one of a - b and b - a has it."""
         while self._domain[node] > 0 and self._scale[node] != ONE:
             node = self._scale[node]
         if self._domain[node] == 0:

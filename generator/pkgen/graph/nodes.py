@@ -16,15 +16,15 @@ Terms = tuple[tuple[Node, Node], ...]  # The terms of a sum, each as (scale, res
 
 
 class Op:
-    """The operations of nodes. The class is no Enum, because lookup of Enum members is slow in
-    Python 3.11. The comments describe a node's `args` and `data`."""
+    """The operations of nodes. A node has `args`, its arguments, and `data`. The class is no Enum,
+    because lookup of Enum members is slow in Python 3.11."""
 
-    NUMBER = "number"  # The data is a Fraction.
-    SYMBOL = "symbol"  # The data is a Symbol.
-    ADD = "add"  # The args are two nodes.
-    MULTIPLY = "multiply"  # The args are two nodes, a constant first. A factor -1 is a minus sign.
-    POWER = "power"  # The arg is the base; the data is the exponent, a Fraction except 0 and 1.
-    CALL = "call"  # The args are one or two nodes; the data is a function's name (functions/).
+    NUMBER = "number"  # A number, whose data is a Fraction.
+    SYMBOL = "symbol"  # A symbol, whose data is a Symbol.
+    ADD = "add"  # The sum of two arguments.
+    MULTIPLY = "multiply"  # The product of two arguments; a constant, such as -1, comes first.
+    POWER = "power"  # The power of one argument; the data is the exponent, not 0 or 1.
+    CALL = "call"  # A function of one or two arguments; the data is its name in functions/.
 
 
 class Kind:
@@ -37,8 +37,9 @@ class Kind:
     STATE = "state"  # a first-order variable; with n variables, index n + k is the rate of index k
     TIME = "time"
     INPUT = "input"
-    ACCELERATION = "acceleration"  # An independent variable in linearised equations.
-    MOMENTUM = "momentum"  # An independent variable in Hamilton's equations.
+    ACCELERATION = "acceleration"  # an independent variable in linearised equations
+    # A momentum is an independent variable in Hamilton's equations.
+    MOMENTUM = "momentum"
 
 
 KINDS = tuple(value for name, value in vars(Kind).items() if name.isupper())
@@ -91,7 +92,7 @@ class Nodes:
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
-        # The results of _terms_of.
+        # A cache of the results of `_terms_of`.
         self._terms: dict[Node, Terms | None] = {}
         # Maps sin(x) to cos(x) and cos(x) to sin(x), where both nodes exist.
         self._partner: dict[Node, Node] = {}
@@ -180,7 +181,7 @@ class Nodes:
         """Returns the terms of a node whose scale is 1; None if they are more than TERMS."""
         return self._terms_of(rest, self._domain[rest])
 
-    # -- a node as terms and as scale times rest ------------------------------------------------
+    # -- terms of a node ------------------------------------------------------------------------
 
     def _terms_of(self, node: Node, domain: int) -> Terms | None:
         if self._domain[node] < domain:

@@ -20,10 +20,14 @@ Monomial = tuple[tuple[Node, int], ...]
 # Integer coefficients are stored as int, which is ten times as fast as Fraction.
 Polynomial = dict[Monomial, Fraction | int]
 
-WORK = 5_000  # The largest number of products of two terms.
-TERMS = 500  # The largest number of terms of one polynomial.
-BITS = 4_096  # The largest number of bits of a coefficient.
-POWERS = 12  # The largest exponent for which the power of a sum is expanded.
+# The limit of work for normal forms: products of two terms.
+WORK = 5_000
+# The largest number of terms of one polynomial.
+TERMS = 500
+# The largest number of bits of a coefficient.
+BITS = 4_096
+# The largest exponent for which the power of a sum is expanded.
+POWERS = 12
 
 
 class TooMuch(Exception):

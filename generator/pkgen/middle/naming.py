@@ -22,7 +22,7 @@ def naming(e: Named | Equations) -> Callable[[Symbol], str]:
         if symbol.kind is Kind.TIME:
             return "t"
         row = rows[symbol.kind]
-        if symbol.index >= len(row):  # one derivative more than the last known one of an input
+        if symbol.index >= len(row):  # the derivative of an input that has no index of its own
             return name(Symbol(symbol.kind, symbol.index - len(row))) + "'"
         return row[symbol.index].name
 

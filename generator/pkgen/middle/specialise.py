@@ -31,7 +31,9 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
         if parameter.range is not None or item.index is not None:
             continue  # parameters with an index stay in an array
         if names(item.value) & {later.name for later in scene.assignments[k:]}:
-            continue  # a later assignment changes a parameter in the value: known only at run time
+            # A later assignment changes a parameter in this expression, so that the value of the
+            # expression is known only at run time.
+            continue
         fixed[item.name] = Definition(
             item.name, None, None, item.value, parameter.unit, parameter.description, item.span
         )
@@ -54,7 +56,9 @@ def held(
         claimed = ", ".join(item.name for item in model.conserved)
         lines.append(ReportLine("hold", claimed, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
-    if scene.holds:  # a constant event, otherwise an error, is allowed here: it is left out
+    # A constant event would be an error. Events on held coordinates may become constant: limits of
+    # held coordinates, and events that nothing requests, are left out.
+    if scene.holds:
         held = {_member(item, model) for item in scene.holds}
         gone = {e.name for e in model.events if e.limit and held & _members(e.value, model)}
         lines += [ReportLine("hold", name, "a limit of what is held") for name in sorted(gone)]

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 # The largest number of operations of an expression in which products of sines and cosines are
 # combined to sines and cosines of sums.
 COMBINED = 80
-# The largest number of coordinates for this: with more, all entries of M would take minutes.
+# The largest number of coordinates of a model in which products of sines and cosines are combined:
+# with more coordinates, this would take minutes for all entries of M.
 COMBINED_COORDINATES = 8
 
 

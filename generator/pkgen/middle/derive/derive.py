@@ -108,7 +108,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             model.span,
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
-    primes = x.primes[:]  # copied before outputs add derivatives, which do not affect the motion
+    # The nodes whose time derivatives were taken so far. Outputs add further nodes, which do not
+    # affect the motion.
+    primes = x.primes[:]
     outputs = _outputs(x, found, rates)
     check_rates(model, x.graph, primes, naming(named))
     ends = singularities(x.graph, found, named, x.attitudes) if wanted("singularity") else ()

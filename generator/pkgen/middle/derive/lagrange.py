@@ -142,7 +142,7 @@ def singularities(
     motion = found.free
     solution = found.solution
     acceleration = motion.force
-    if solution and found.constraints is None:  # with constraints, the runtime checks S itself
+    if solution and found.constraints is None:  # singular constraints are found at run time
         acceleration = solution.accelerations
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates

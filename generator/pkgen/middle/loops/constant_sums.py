@@ -19,7 +19,7 @@ from .indices import COUNTERS, Loop
 from .loops import Assigned, Limit, Summed
 
 Range = tuple[str, Affine, Affine]
-MOVES = (*CELLS, "a", "input", "sum")  # kinds of slots that initial values must not contain
+MOVES = (*CELLS, "a", "input", "sum")  # kinds of symbols that initial values must not contain
 
 
 @dataclass

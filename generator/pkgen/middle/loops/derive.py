@@ -173,7 +173,7 @@ def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
 def _of_states(x: LoopExpander, momenta: Vector, carried: tuple[Carried, ...]) -> bool:
     """Returns whether a momentum of a coordinate depends on a state."""
     own = [g.name for g in x.coordinates.values() if g.is_state]
-    nodes = vector_nodes(momenta, frozenset(own))  # also momenta of recurrences (`Carried`)
+    nodes = vector_nodes(momenta, frozenset(own))  # includes the rows of recurrences
     nodes += [n for item in carried for piece in item.pieces for n in piece.by.values()]
     return any(slot.kind == "s" for slot in x.totals.below(*nodes))
 
@@ -229,8 +229,8 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
 
 
 def _check_points(x: LoopExpander, result: LoopEquations) -> None:
-    """Raises Unrolled if a term is about a single member far from both ends of a family: such
-    members need code of their own, which loops have only near the ends."""
+    """Raises Unrolled if a term, such as one with q[7], adds to the equation of a single member far
+    from both ends of a family: in C, all these members share the code of one loop."""
     rows = [(name, row) for name, row in result.force.rows.items()]
     rows += [(key[0], row) for key, row in result.mass.entries.items()]
     for name, row in rows:

@@ -1,5 +1,5 @@
-"""Converts expressions to nodes for loops. The symbols are slots, such as the member q[m+1] of a
-family, where m is the index of the equation (row) that is computed."""
+"""Converts expressions to nodes for loops. A symbol stands for a member such as q[m+1] of a family,
+where m is the index of the equation (row) that is computed."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Alongside(Protocol):
 
 
 class LoopExpander(Indices):
-    """The graph, its slots and the tables of names of one model with loops. Takes the place of
+    """The graph, its symbols and the tables of names of one model with loops. Takes the place of
     `Expander` as argument of the functions in expand/terms.py."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
@@ -65,16 +65,18 @@ class LoopExpander(Indices):
         self.outputs: dict[str, Node] = {}
         # Outputs with a value for each index.
         self.of_members: dict[str, Definition] = {}
-        # The constraint rows of each multiplier's name.
+        # Maps the names of multipliers to their constraint rows.
         self.multipliers: dict[str, list[Group]] = {}
-        # The coordinates of each momentum's name, which only outputs may use.
+        # Maps the names of momenta, which only outputs may use, to their coordinates.
         self.momenta: dict[str, Group] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        # Converts sums inside expressions; set by Gather (rows.py).
+        # The object that converts sums inside expressions. Gather (rows.py) sets it.
         self.totals: Totals | None = None
-        # Converts `let` definitions that only outputs use; set by Outputs (statements.py).
+        # The object that converts `let` definitions that only outputs use. Outputs (statements.py)
+        # sets it.
         self.alongside: Alongside | None = None
-        # Converts sums in initial values and parameters; None for other expressions.
+        # The object that converts sums while an initial value or a parameter is converted; None
+        # while other expressions are converted.
         self.once: Sums | None = None
         # The number of sums that `once` has converted.
         self.summed = 0
@@ -155,7 +157,7 @@ class LoopExpander(Indices):
         raise Unrolled(f"'{name}' is not known in a loop")
 
     def _multiplier(self, name: str, index: Affine | None) -> Node:
-        """Returns the slot of a multiplier. Raises Unrolled if several statements declare the
+        """Returns the symbol of a multiplier. Raises Unrolled if several statements declare the
         constraint rows of this name."""
         if len(self.multipliers[name]) > 1:
             raise Unrolled(f"'{name}' is of rows that are declared piece by piece")
@@ -190,8 +192,8 @@ class LoopExpander(Indices):
             self._defining.pop()
 
     def _carried(self, name: str, index: Affine) -> Value:
-        """Returns the slots of a member of a `let` definition that consists of several statements,
-        which may form a recurrence."""
+        """Returns the symbols of a member of a `let` definition that consists of several
+        statements, which may form a recurrence. There is one symbol for each vector component."""
         if name not in self.carried:
             if self.watched:
                 return self.alongside.member(name, index)
@@ -276,8 +278,8 @@ class LoopExpander(Indices):
         return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
 
     def _cell(self, name: str, index: Affine | None) -> Node:
-        """Returns the slot of a member. An index beyond a free or periodic end is replaced by that
-        of the member with the same value."""
+        """Returns the symbol of a member. An index beyond a free or periodic end is replaced by
+        that of the member with the same value."""
         group = self.coordinates[name]
         kind = "s" if group.is_state else "q"
         if index is None or any(index.factor(v) for v in LOOPS):

@@ -58,9 +58,9 @@ class Slot:
     at: Affine | None = None
 
 
-# The kinds of slots of coordinates, rates and first-order variables.
+# The kinds of symbols (see Slot) of coordinates, rates and first-order variables.
 CELLS = ("q", "v", "s")
-# The kinds of slots whose index must be that of an existing member.
+# The kinds of symbols whose index must be that of an existing member.
 REACHED = (*CELLS, "a", "acc")
 
 
@@ -177,10 +177,11 @@ class PairForce:
 
 @record
 class Vector:
-    """A quantity with a value for each coordinate."""
+    """A quantity with a value for each coordinate: `rows` has the values of families, by name,
+    `totals` the values of scalar coordinates."""
 
-    rows: dict[str, Row]  # The keys are families.
-    totals: dict[str, Total]  # The keys are scalar coordinates.
+    rows: dict[str, Row]
+    totals: dict[str, Total]
     pairs: tuple[PairForce, ...] = ()
 
 
@@ -207,7 +208,7 @@ class Piece:
     """The recurrence for the members lo..hi of a quantity X (see `Carried`), which gives X[m] from
     lower members of X, coordinates and t.
 
-    `by` has the partial derivatives of X[m] by slots of kind "q", including X[m-1]; `by_rate` has
+    `by` has the partial derivatives of X[m] by coordinates and by lower members of X; `by_rate` has
     the time derivatives of these.
     """
 

@@ -32,8 +32,8 @@ class Slopes:
     families: tuple[tuple[Unknown, Group], ...]
     scalars: tuple[Unknown, ...]
     mass: Matrix
-    # M, and the derivatives of the equations of additional unknowns by rates and by these unknowns;
-    # None without additional unknowns.
+    # M, extended by rows for the additional equations and by columns for the additional unknowns;
+    # None if there are no additional unknowns.
     closed: Matrix | None
     p_q: Matrix
     pdot_q: Matrix
@@ -63,7 +63,8 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     derive = Derive(slots, e.fixed)
     families = [(("v", g.name), g) for g in e.families]
     scalars = [("v", g.name) for g in e.scalars]
-    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}  # states whose rates occur
+    # The states whose time derivatives occur in the equations of motion.
+    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}
     if e.carried:
         if e.bound or e.solved or used:
             raise Unrolled("carried values stand beside accelerations as unknowns")
@@ -111,7 +112,8 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
 
 
 def _totals(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> list[int]:
-    """Returns the numbers of the totals in the nodes that vary with time."""
+    """Returns the numbers of those sums over members (Total) in the nodes that may vary with
+    time."""
     found: set[int] = set()
     while nodes:
         below = {int(slot.name) for slot in slots.below(*nodes) if slot.kind == "sum"}

@@ -144,7 +144,8 @@ class Motion:
         return found
 
     def total_rows(self, totals: Iterable[int]) -> dict[Unknown, Total]:
-        """Returns for each total the equation S - (sum over members), where S is the unknown."""
+        """Returns for each sum over members (Total) the equation S - (sum over members) = 0, where
+        S is an unknown."""
         found = {}
         for k in totals:
             own, minus = self.slots.node("sum", str(k)), self.minus(self.e.sums[k])

@@ -26,8 +26,8 @@ HUNG = ("hung_p", "hung_f")
 
 
 def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> Entries:
-    """Returns the rows of C for a carried value, or with `rates` those of C'. The entries for the
-    carried value itself, which are 1 in C, come first."""
+    """Returns the rows of the matrix C for one recurrence X = Phi, or with `rates` those of C'. In
+    C, the entries for X itself, which are 1, come first."""
     carried = [g.name for g in e.carried_groups]
 
     def part(lo, hi, node: Node) -> Part:
@@ -45,7 +45,7 @@ def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> 
 
 
 class Chain(Motion):
-    """Makes the Jacobians of one model with carried values."""
+    """Makes the Jacobians of a model with recurrences X = Phi."""
 
     def __init__(self, e: LoopEquations, slots: Slots, totals: list[int]):
         super().__init__(e, slots, set())
@@ -90,8 +90,8 @@ class Chain(Motion):
         return Stated(rows, totals)
 
     def own(self, of: Stated) -> Stated:
-        """Returns the rows that belong to coordinates, without those that belong to carried
-        values."""
+        """Returns the rows that belong to coordinates, without those that belong to the values X of
+        recurrences."""
         rows = {key: row for key, row in of.rows.items() if key[1] not in self.names}
         return Stated(rows, of.totals)
 
@@ -112,8 +112,8 @@ class Chain(Motion):
     # -- matrices -----------------------------------------------------------------------------
 
     def mass(self) -> Matrix:
-        """Returns the matrix [M C^T; C 0] by the rates of coordinates and carried values and by the
-        unknowns P ("hung_p")."""
+        """Returns the matrix [M C^T; C 0]. Its columns belong to the rates of coordinates, to X'
+        and to the unknowns P."""
         e, found = self.e, nothing()
         of = self.unknown
         for (own, other, shift), row in e.mass.entries.items():

@@ -152,8 +152,9 @@ class LoopEquations:
     pivots: bool = False
     # Recurrences, sorted by level.
     carried: tuple[Carried, ...] = ()
-    # Whether the system M a = f is extended by the accelerations of carried values as unknowns, and
-    # by the equations of their recurrences. If not, they are eliminated index by index.
+    # Whether the system M a = f is extended by the accelerations of the recurrences' values as
+    # unknowns, and by the equations of the recurrences. If not, these accelerations are eliminated
+    # index by index.
     extended: bool = False
     # The constraint rows. Rows of holonomic constraints come first.
     bound: tuple[Bound, ...] = ()
@@ -174,7 +175,8 @@ class LoopEquations:
 
     @property
     def rows(self) -> tuple[Group, ...]:
-        """The groups with an equation for each index: families and carried values."""
+        """The groups with an equation for each index: families of coordinates, and values of
+        recurrences."""
         return (*self.families, *self.carried_groups)
 
     @property

@@ -14,11 +14,12 @@ from .indexed_ir import Part, Row, Total, Unrolled
 from .slots import Slots
 
 M = variable(ROW)
-# An unknown is (kind, name). Coordinates, constraints and carried values have the kinds "v", "a",
-# "lambda", "place", "rate", "hung_p", "hung_f"; the kind "sum" has the number of a Total as name.
+# An unknown is (kind, name). The kinds are "v" and "a" for rates and accelerations, "lambda" for
+# multipliers, "place", "rate", "hung_p" and "hung_f" for recurrences (jacobians_recurrences.py),
+# and "sum" for sums over members, with their number as name.
 Unknown = tuple[str, str]
-# The kinds of slots by which a matrix has derivatives. BY_MORE includes all kinds of slots of
-# carried values.
+# The kinds of symbols (see Slot) by which a matrix has derivatives. BY_MORE includes all symbols of
+# recurrences.
 BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")
 BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")
 BY_TOTALS = ("sum",)
@@ -65,7 +66,7 @@ class Stated:
 class Derive:
     def __init__(self, slots: Slots, fixed: frozenset[int], carried: frozenset[str] = frozenset()):
         self.slots, self.g, self.carried = slots, slots.graph, carried
-        self.fixed = fixed  # numbers of the totals that depend on parameters only
+        self.fixed = fixed  # numbers of the sums over members that depend on parameters only
 
     def by(self, of: Stated) -> Callable[[tuple[str, ...]], Matrix]:
         return lambda kinds: self.matrix(of, kinds)

@@ -26,8 +26,8 @@ FRONT = 24
 
 
 def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
-    """Returns the carried values that occur in the expressions converted so far, and those that
-    they depend on, sorted by level."""
+    """Returns the recurrences that occur in the expressions converted so far, and further ones on
+    which these depend, sorted by level."""
     pieces: dict[str, tuple[Piece, ...]] = {}
     seen: set[str] = set()
     while len(seen) < len(x.carried):
@@ -38,7 +38,7 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
                 found = [_piece(x, gather, lo, hi, value[k]) for lo, hi, value in values]
                 pieces[group.name] = tuple(found)
     levels = _levels(pieces)
-    for _ in pieces:  # repeats, since a carried value may depend on any other one
+    for _ in pieces:  # repeats, since a recurrence may depend on any other recurrence
         gather.moving |= {n for n, own in pieces.items() if any(_moves(x, gather, p) for p in own)}
     groups = x.coordinates
     found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
@@ -88,8 +88,8 @@ def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
 
 
 def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
-    """Raises Unrolled if a slot is not allowed in Phi. Members with an index up to m are allowed,
-    also those beyond a fixed end."""
+    """Raises Unrolled if a symbol is not allowed in a recurrence X[m] = Phi. Coordinates with an
+    index up to m are allowed, also those beyond a fixed end; rates and later members are not."""
     if slot.kind in ("v", "a") or (slot.kind == "s" and slot.name not in x.rotations.numbers):
         raise Unrolled(f"a carried value is made of the rate or the state '{slot.name}'")
     if slot.kind == "sum" and not x.totals.is_fixed(slot):
@@ -115,8 +115,8 @@ def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
 
 
 def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
-    """Returns the level of each carried value: 0 if it uses no other one at the same index, else 1
-    more than the highest level of those that it uses."""
+    """Returns the level of each recurrence: 0 if it uses no other recurrence at the same index,
+    else 1 more than the highest level of the recurrences that it uses at the same index."""
     levels = dict.fromkeys(pieces, 0)
     for _ in pieces:  # so many passes suffice, since the checker has refused circular definitions
         for name, found in pieces.items():
@@ -126,7 +126,8 @@ def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
 
 
 def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
-    """Returns whether a carried value may vary with time while all coordinates are constant."""
+    """Returns whether the value of a recurrence may vary with time while all coordinates are
+    constant."""
     depends = x.graph.depends[piece.value] & BIT[Kind.TIME]
     inputs = any(slot.kind == "input" for slot in x.slots.below(piece.value))
     return bool(depends) or inputs or any(z.name in gather.moving for z in piece.by)
@@ -134,7 +135,7 @@ def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
 
 def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool:
     """Returns whether M a = f can be solved by elimination index by index, with code of moderate
-    size. If not, the accelerations of carried values are additional unknowns."""
+    size. If not, the accelerations of the recurrences' values are additional unknowns."""
     if x.model.constraints or x.model.rotations:
         return False
     groups = x.coordinates
@@ -152,7 +153,7 @@ def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool
 
 
 def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
-    """Returns all nodes in the recurrences of carried values that are computed at run time."""
+    """Returns all nodes of recurrences that are computed at run time."""
     found = []
     for piece in (piece for item in carried for piece in item.pieces):
         found += [piece.value, piece.rate, piece.coasting, *piece.by.values()]
@@ -162,7 +163,7 @@ def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
 
 def inert(names: set[str], carried: tuple[Carried, ...]) -> set[str]:
     """Returns the names of the variables that have inertia: `names`, which have diagonal entries in
-    M, and for carried values among them the variables in their recurrences."""
+    M, and for recurrences among them the variables in the recurrences."""
     found = set(names)
     for item in reversed(carried):
         if item.group.name in found:

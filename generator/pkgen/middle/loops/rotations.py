@@ -1,5 +1,5 @@
 """Rotations in models with loops: derivatives along the body axes, and time derivatives of
-quaternions. Does for slots what attitudes.py does for other models."""
+quaternions. For other models attitudes.py has these functions."""
 
 from __future__ import annotations
 
@@ -27,8 +27,9 @@ class Rotations:
         self.numbers = {n: (r, k) for r in self.all for k, n in enumerate(r.quaternion)}
 
     def moved(self, slot: Slot) -> tuple[str, ...]:
-        """Returns the coordinates whose equations of motion contain derivatives by this slot. For a
-        component of a quaternion these are the three coordinates of the rotation."""
+        """Returns the names of the coordinates whose equations of motion contain derivatives by the
+        symbol with this meaning. For a component of a quaternion these are the three coordinates of
+        the rotation."""
         own = self.turns.get(slot.name) or self.numbers.get(slot.name)
         if own:
             return own[0].turns

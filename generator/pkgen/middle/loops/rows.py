@@ -29,9 +29,9 @@ class Gather:
         self.found = Gathered()
         self.bodies = Bodies(x, self.found)
         self.totals = x.totals = Totals(x, self)
-        # The derivatives of L by the totals in it, by number.
+        # The derivatives of L by the sums over members in it. The keys are the numbers of the sums.
         self.felt: dict[int, Total] = {}
-        # The derivatives of D by the totals in it, by number.
+        # The derivatives of -D by the sums over members in it.
         self.drag: dict[int, Total] = {}
         self.moving = {
             name
@@ -98,14 +98,14 @@ class Gather:
             self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
 
     def felt_through(self) -> None:
-        """Adds the forces due to the totals in L and D, by the chain rule. To be called after all
-        terms."""
+        """Adds the forces due to sums over members (totals) inside functions in L and D, by the
+        chain rule. To be called after all terms have been added."""
         self.totals.over(self.felt, False)
         self.totals.over(self.drag, True)
 
     def of_total(self, term: Term, factor: Node, drag: bool) -> None:
-        """Adds the force due to one term of a total. `factor` is the derivative of L by the total;
-        with `drag`, that of -D."""
+        """Adds the force due to one term of a sum over members (total). `factor` is the derivative
+        of L by the sum; with `drag`, that of -D."""
         x, g = self.x, self.g
         if len(term.ranges) == 2:
             force = scaled(g, factor, pair_force(x, term, self.totals.body(term), drag))
@@ -222,7 +222,8 @@ class Gather:
     # -- parts --------------------------------------------------------------------------------
 
     def inner(self, node: Node) -> Node:
-        """Returns the node as it is in the interior, where it contains no given members."""
+        """Returns the node for an index m far from the ends of families (in the interior): there it
+        contains no members with prescribed values."""
         carried = [g.name for g in self.x.coordinates.values() if g.is_carried]
         return self.x.slots.inside(node, carried)
 
@@ -287,7 +288,8 @@ class Gather:
             self.add(self.found.entries[key], term, shift, node)
 
     def _moves(self, name: str, at: Affine) -> bool:
-        """Returns whether the value of a given member beyond an end depends on t or an input."""
+        """Returns whether the prescribed value of a member beyond a fixed end depends on t or an
+        input."""
         turning = self.x.rotations.turns.get(name)
         nodes = [self.x.given(n, at) for n in (turning[0].quaternion if turning else (name,))]
         driven = BIT[Kind.TIME] | BIT[Kind.INPUT]

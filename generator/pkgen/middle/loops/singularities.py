@@ -32,7 +32,8 @@ from .pair_sums import M
 from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
-# Suffixes of names by the kind of slot; the kind "a" occurs for states only.
+# The suffix of a name for each kind of symbol. The kind "a" occurs for time derivatives of states
+# only.
 _PRIMES = {"v": "'", "d": "'", "a": "'"}
 # Ranges of indices: () for a single value, (lo, hi), or (lo, hi, first, last) for pairs.
 Over = tuple[Affine, ...]
@@ -94,7 +95,7 @@ class _Singularities:
         return kept
 
     def _of_total(self, total: Total) -> Range:
-        """Returns the range of the values of a total. Its sums may be empty."""
+        """Returns an interval that contains the value of a Total, whose sums may be empty."""
         constant, parts = self.ranges(total.constant), [n for _, n in _ranged(total)]
         if not all(self.ranges(node).not_negative for node in parts):
             return Range(-INF, INF)
@@ -148,7 +149,7 @@ class _Singularities:
             self.ranges(node).positive for node in always
         )
 
-    # -- canonical indices --------------------------------------------------------------------
+    # -- shifted indices ----------------------------------------------------------------------
 
     def _canonical(self, over: Over, node: Node) -> _Guarded:
         """Returns the expression shifted so that its least index is m, with its range. The same
@@ -252,7 +253,8 @@ def _total(x: LoopExpander, found: Total) -> str:
 
 
 def _ranged(total: Total) -> Iterator[_Guarded]:
-    """Yields the parts of a total, each with its index ranges. Omits a constant of 0."""
+    """Yields the constant, the sums and the double sums of a Total as (index ranges, summand).
+    Leaves out a constant of 0."""
     if total.constant != ZERO:
         yield (), total.constant
     yield from (((part.lo, part.hi), part.node) for part in total.parts)

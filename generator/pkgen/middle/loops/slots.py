@@ -1,5 +1,5 @@
-"""The table of the slots (the meanings of symbols, see indexed_ir.py) of a graph in models with
-loops, with functions that replace slots in expressions or shift their indices."""
+"""The table of symbols of a graph in models with loops. A Slot (indexed_ir.py) is the meaning of a
+symbol, such as q[m+1]. Has functions that replace symbols in expressions or shift their indices."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from .indexed_ir import Slot
 
-# The kind of symbol for each kind of slot. Expressions of parameters alone are computed before the
-# loops.
+# The kind of the graph's symbol for each kind of Slot. Expressions of parameters alone are computed
+# before the loops.
 _KINDS = {
     "q": Kind.COORDINATE,
     "s": Kind.STATE,
@@ -27,14 +27,14 @@ _KINDS = {
 
 
 def _domain(slot: Slot) -> str:
-    """Returns the kind of symbol for a slot."""
+    """Returns the kind of the graph's symbol for a Slot."""
     if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
         return Kind.INPUT  # its value depends on a loop variable: to be computed inside the loop
     return _KINDS[slot.kind]
 
 
 class Slots:
-    """The slots of one graph. `node` adds new slots."""
+    """The symbols of one graph and their meanings (Slot). `node` adds new ones."""
 
     def __init__(self, g: Graph, slots: Iterable[Slot] = ()):
         self.graph = g
@@ -42,7 +42,7 @@ class Slots:
         self.all = list(self._places)
 
     def node(self, kind: str, name: str, at: Affine | None = None) -> Node:
-        """Returns the symbol (node) of the slot with this kind, name and index."""
+        """Returns the symbol with this kind, name and index, as a node."""
         slot = Slot(kind, name, at)
         if slot not in self._places:
             self._places[slot] = len(self.all)
@@ -50,21 +50,22 @@ class Slots:
         return self.graph.symbol(Symbol(_domain(slot), self._places[slot]))
 
     def of(self, node: Node) -> Slot | None:
-        """Returns the slot of a symbol; None for any other node."""
+        """Returns the meaning of a symbol; None for any other node."""
         data = self.graph.data[node]
         if isinstance(data, Symbol) and data.kind not in (Kind.PI, Kind.TIME):
             return self.all[data.index]
         return None
 
     def below(self, *nodes: Node) -> list[Slot]:
-        """Returns the slots in the given nodes, in the order of their symbols' node numbers."""
+        """Returns the meanings of the symbols in the given nodes, in the order of the symbols' node
+        numbers."""
         g = self.graph
         found = (self.of(n) for n in reachable(g, nodes) if g.op[n] is Op.SYMBOL)
         return [slot for slot in found if slot is not None]
 
     def swapped(self, node: Node, swap: Callable[[Slot], Node | None]) -> Node:
-        """Returns the node after replacing each slot in it by the node that `swap` returns. A slot
-        for which `swap` returns None is kept."""
+        """Returns the node after replacing each symbol in it by the node that `swap` returns for
+        its meaning. A symbol for which `swap` returns None is kept."""
         values = {}
         for slot in self.below(node):
             value = swap(slot)
@@ -85,8 +86,9 @@ class Slots:
         return self.swapped(node, swap)
 
     def inside(self, node: Node, carried: Container[str]) -> Node:
-        """Returns the node as it is in the interior, where it contains no given members: slots of
-        kind "d" become "v", slots of kind "w" become 0. Slots of carried values are kept."""
+        """Returns the node for an index m far from the ends of families (in the interior), where it
+        contains no members with prescribed values: symbols of kind "d" become "v", symbols of kind
+        "w" become 0. Symbols of recurrences (names in `carried`) are kept."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.name in carried:

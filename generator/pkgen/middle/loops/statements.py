@@ -19,8 +19,8 @@ from .rows import Gather
 
 
 class Outputs:
-    """Converts the expressions of `observe`, `conserve` and `event` statements to nodes. Sums in
-    them become totals."""
+    """Converts the expressions of `observe`, `conserve` and `event` statements to nodes. Sums over
+    members in them are computed before (see totals.py)."""
 
     def __init__(self, x, gather, kinetic, potential, lagrangian, energy, momenta):
         self.x, self.gather = x, gather

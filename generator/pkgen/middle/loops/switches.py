@@ -93,7 +93,7 @@ class Members:
 
 
 def _loops(slots: list[Slot]) -> set[str]:
-    """Returns the loop variables that occur in the slots, as indices or as numbers."""
+    """Returns the loop variables that occur in symbols, as indices or as numbers."""
     found = {v for s in slots if s.at is not None for v in LOOPS if s.at.factor(v)}
     return found | {s.name for s in slots if s.kind == "index"}
 
@@ -234,7 +234,8 @@ class _Switches:
         return {at for at in found if not moves(x, self._beyond(node, at))}
 
     def _beyond(self, node: Node, at: Affine) -> Node:
-        """Returns the argument for m = `at`, with given members replaced by their values."""
+        """Returns the argument for m = `at`, with members beyond fixed ends replaced by their
+        prescribed values."""
         x = self.x
 
         def swap(slot: Slot) -> Node | None:
@@ -255,8 +256,8 @@ class _Switches:
         return x.slots.swapped(node, swap)
 
     def _keep_apart(self, node: Node) -> None:
-        """Adds conditions on sizes: each family is so long that different slots in `node` are
-        different members."""
+        """Adds conditions on sizes: each family is so long that symbols with different indices in
+        `node` are different members."""
         x = self.x
         places: dict[str, list[int]] = {}
         for slot in x.slots.below(node):

@@ -16,7 +16,8 @@ from .expand import LoopExpander, around, has_sum, independent
 from .indexed_ir import Unrolled
 from .indices import Loop
 
-SHORT = 8  # the largest number of indices of a sum that is written out, if it is constant
+# A sum over a constant number of indices up to this is written out term by term.
+SHORT = 8
 
 
 @record
@@ -100,8 +101,8 @@ def _terms(x: LoopExpander, expr: Expr, at: _Within) -> Iterator[Term]:
 
 
 def _term(expr: Expr, at: _Within) -> Term:
-    """Returns the expression as a single term. Sums in it, such as inside a function, become totals
-    (totals.py)."""
+    """Returns the expression as a single term. Sums in it, such as inside a function, are computed
+    before the equations (see totals.py)."""
     product = sorted([*at.factors, Factor(expr, 1, at.loop)], key=lambda f: -f.exponent)
     return Term(tuple(product), at.ranges)
 
@@ -122,7 +123,7 @@ def _of_sum(x: LoopExpander, body: Expr, at: _Within, ranges: Sequence[Range]) -
         return
     if len(at.ranges) == 2:
         raise Unrolled("a sum over three indices")
-    own = f"{item.variable}#{len(at.ranges)}"  # cannot be equal to a name in the model
+    own = f"{item.variable}#{len(at.ranges)}"  # a name with # cannot occur in a model
     loop = {**at.loop, item.variable: variable(own)}
     inner = replace(at, loop=loop, ranges=(*at.ranges, (own, lo, hi)))
     yield from _of_sum(x, body, inner, left)

@@ -1,7 +1,7 @@
 """Totals: sums over members inside expressions, as in `cos(sum(q[i], i = 1..N))`.
 
 Totals are computed before the equations that contain them, in the order of their numbers. In an
-expression, a total is a slot of kind "sum". The derivative of F(S) by a member is F'(S) dS/dq[m].
+expression, a total is a symbol S. The derivative of F(S) by a member is F'(S) dS/dq[m].
 The sum of F'(S) over all terms with S is a total too, so that a gradient takes about as many
 operations as the sums.
 """
@@ -23,7 +23,7 @@ from .indices import Loop
 from .pair_sums import pair_body
 from .terms import Term, terms
 
-FELT = BIT[Kind.INPUT]  # the kind of the symbols of totals
+FELT = BIT[Kind.INPUT]  # the kind of the symbols that stand for sums over members
 FIXED = ("param", "size", "index")
 
 
@@ -65,7 +65,8 @@ class _Rate:
 
 
 class Totals:
-    """The totals of one model, collected while expressions are converted to nodes."""
+    """The totals (sums over members inside expressions) of one model, collected while expressions
+    are converted to nodes."""
 
     def __init__(self, x: LoopExpander, gather: Gather):
         self.x, self.g, self.gather = x, x.graph, gather
@@ -76,8 +77,8 @@ class Totals:
     # -- conversion of sums -------------------------------------------------------------------
 
     def of(self, expr: Sum, loop: Loop) -> Node:
-        """Returns the node of a sum. If all its terms were written out, this is a plain sum of
-        nodes, else the slot of a total."""
+        """Returns a node with the value of a sum: a sum of nodes if all its terms are written out,
+        else the symbol of a total."""
         same = independent(self.x, expr, loop)
         if same:
             loop = {name: loop[name] for name in loop.keys() - around(self.x, loop)}
@@ -89,16 +90,16 @@ class Totals:
         return self._entered(found)
 
     def _entered(self, found: list[Term]) -> Node:
-        """Returns the slot of the total of some terms. The list of members recorded so far is not
-        changed."""
+        """Returns the symbol of the total of the given terms. The list of members recorded so far
+        is not changed."""
         met, self.x.members = self.x.members, []
         total = self.gather.total([(term, 1) for term in found])
         self.x.members = met
         return self.node(total, found)
 
     def node(self, total: Total, found: Iterable[Term] = ()) -> Node:
-        """Returns the slot of a total. A total that is just a number or a scalar's symbol is
-        returned as this node."""
+        """Returns the symbol of a total. If the total is just a number or a scalar, returns the
+        node of this number or scalar."""
         constant = total.constant
         if not (total.parts or total.pairs) and self._plain(constant):
             return constant
@@ -110,8 +111,8 @@ class Totals:
         return self.x.slots.node("sum", str(self._numbers[total]))
 
     def throughout(self, body: Node) -> Node:
-        """Returns the summand of a sum, in which each member with a fixed index, such as `q[1]`, is
-        replaced by the slot of a total."""
+        """Returns the summand of a sum after replacing each member with a fixed index, such as
+        `q[1]`, by the symbol of a total that consists of this member."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind not in REACHED or slot.at is None or any(map(slot.at.factor, LOOPS)):
@@ -129,7 +130,7 @@ class Totals:
         return self.g.op[node] is Op.SYMBOL and (slot is None or slot.at is None)
 
     def rate(self, slot: Slot) -> Node:
-        """Returns the time derivative of the total with this slot."""
+        """Returns the time derivative of the total with the symbol `slot`."""
         total, by, inner = self.all[int(slot.name)], self.x.derivative, self.gather.inner
         rates = [_Rate(term) for term in self._terms[int(slot.name)]]
         if rates:
@@ -142,7 +143,8 @@ class Totals:
     # -- contents of totals -------------------------------------------------------------------
 
     def below(self, *nodes: Node) -> Iterator[Slot]:
-        """Yields the slots in the given nodes, and those in totals that occur in them."""
+        """Yields the meanings of the symbols in the given nodes, and of the symbols in totals that
+        occur in them."""
         waiting, seen = list(nodes), set()
         while waiting:
             for slot in self.x.slots.below(waiting.pop()):
@@ -167,7 +169,7 @@ class Totals:
         return found
 
     def is_fixed(self, slot: Slot) -> bool:
-        """Returns whether the total with this slot depends only on parameters, sizes and
+        """Returns whether the total with the symbol `slot` depends only on parameters, sizes and
         indices."""
         nodes = nodes_of(self.all[int(slot.name)])
         if any(self.g.depends[node] & BIT[Kind.TIME] for node in self.nodes(*nodes)):
@@ -180,7 +182,8 @@ class Totals:
         return frozenset(int(slot.name) for slot in slots if self.is_fixed(slot))
 
     def moving(self, *nodes: Node) -> list[Slot]:
-        """Returns the slots of the totals in the given nodes that may vary with time."""
+        """Returns those totals in the given nodes that may vary with time, as the meanings of their
+        symbols."""
         return [s for s in self.below(*nodes) if s.kind == "sum" and not self.is_fixed(s)]
 
     # -- derivatives --------------------------------------------------------------------------

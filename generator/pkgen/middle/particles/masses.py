@@ -52,7 +52,7 @@ def masses_of(g: Graph, mass: Entries, squares: list[Entries], given: Given) -> 
     return solved and list(zip(chosen, solved, strict=True))
 
 
-# -- in numbers ----------------------------------------------------------------------------------
+# -- numerical solution --------------------------------------------------------------------------
 
 
 def _states(
@@ -153,7 +153,7 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
     return every[:, :-1], every[:, -1]
 
 
-# -- as expressions ------------------------------------------------------------------------------
+# -- symbolic solution ---------------------------------------------------------------------------
 
 
 def _as_expressions(

@@ -18,7 +18,8 @@ from ...graph.ranges import Ranges
 from ...graph.substitute import substituted
 from .squares import bounds_of
 
-PI = Fraction(355, 113)  # replaces pi, since terms cancel for any value
+# A rational number that is used instead of pi: whether terms cancel does not depend on its value.
+PI = Fraction(355, 113)
 
 
 def jumping_angles(g: Graph, nodes: Sequence[Node], ranges: Ranges) -> Iterator[Node]:

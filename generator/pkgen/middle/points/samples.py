@@ -29,8 +29,10 @@ LEAST, MOST = 1e-3, 1e6
 @record
 class Sample:
     values: dict[Symbol, Ball]
-    chosen: dict[Symbol, Fraction]  # The values that are not defaults.
-    varied: bool  # Whether a parameter has another value than its default.
+    # The values in `values` except parameters at their defaults and accelerations.
+    chosen: dict[Symbol, Fraction]
+    # Whether a parameter has another value than its default.
+    varied: bool
 
 
 def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:

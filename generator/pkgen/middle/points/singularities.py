@@ -39,8 +39,8 @@ WIDE = 1e3
 # The number of random states from which the usual ratio of a pivot to its diagonal entry of M is
 # found.
 USUAL = 4
-# M counts as singular if a ratio, at its minimum over states, is less than the usual ratio times
-# this.
+# M counts as singular if the smallest ratio of a pivot to its diagonal entry that the search finds
+# is at most this factor times the usual ratio.
 NEARLY = 1e-4
 
 

@@ -120,8 +120,8 @@ def outputs(state: State, needs: Needs) -> State:
 
 
 def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tuple]:
-    """Yields for each kind of output: its field, its name in messages, the requested names, and why
-    the others are dropped."""
+    """Yields for each kind of output: its field in the equations, its name in messages, the
+    requested names, and the reason for dropping outputs that are not requested."""
     for field, why in _OUTPUTS.items():
         yield field, field, columns, why
     asked = needs.events | {event.name for event in model.events if event.stop}
