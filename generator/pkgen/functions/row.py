@@ -1,7 +1,7 @@
 """The table row of a function of the language, with all that the compiler needs to know of it.
 
-Each field has a default that is valid for any function: the interval of all real numbers, no ball,
-and no exact value, so that a call with constant arguments is not evaluated.
+Most fields have defaults that are valid for any function: for example, the interval of all real
+numbers, no ball, and no exact value, so that a call with constant arguments is not evaluated.
 """
 
 from __future__ import annotations

@@ -25,8 +25,8 @@ def evaluate(g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, float]) ->
 
 
 class Evaluator:
-    """Evaluates nodes in floating point at many states. Up to COMPILED nodes are compiled once to a
-    Python function; for more nodes compilation would take longer than it saves."""
+    """Evaluates nodes in floating point at many states. Fewer than COMPILED nodes are compiled once
+    to a Python function; for more nodes compilation would take longer than it saves."""
 
     def __init__(self, g: Graph, nodes: Iterable[Node]):
         self.graph, self.nodes = g, list(nodes)

@@ -28,8 +28,9 @@ def merged(left: Factors, right: Factors) -> Factors:
 def without_reciprocals(
     factors: Factors, reciprocals: Mapping[Node, tuple[Node, Fraction | int]]
 ) -> Factors:
-    """Simplifies x^k reciprocal(x) to x^(k-1), except for k = 1: since reciprocal(0) is 0, the two
-    differ at x = 0 then. `reciprocals` maps each node reciprocal(x) to x as (base, exponent)."""
+    """Simplifies x^k reciprocal(x) to x^(k-1). The case k = 1 is left out: since reciprocal(0) is
+    0, the two differ at x = 0. `reciprocals` maps each node reciprocal(x) to x, as (base,
+    exponent)."""
     powers = dict(factors)
     for reciprocal, times in factors:
         found = reciprocals.get(reciprocal)

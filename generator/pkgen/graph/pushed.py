@@ -30,8 +30,8 @@ NODES = 2000
 @record
 class _Eliminated:
     """The equation of an eliminated rate: its acceleration is (force - sum of coupling * tangent) *
-    inverse, where the sum is over nodes that were live, with their tangents along the
-    accelerations."""
+    inverse. The sum is over the nodes that were live at the elimination. A tangent is the
+    derivative of a node along the accelerations."""
 
     rate: Node
     inverse: Node

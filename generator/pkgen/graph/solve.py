@@ -25,7 +25,7 @@ UNROLLED_OPERATIONS = 4_000
 
 
 class SingularMass(Exception):
-    """M is singular at every state; `coordinate` is the index of one with pivot zero."""
+    """M is singular at every state; `coordinate` is the index of a coordinate whose pivot is 0."""
 
     def __init__(self, coordinate: int):
         super().__init__(coordinate)

@@ -27,7 +27,7 @@ STATES = BIT[Kind.STATE]
 
 
 class Circular(Exception):
-    """A cycle of states, each of whose time derivatives contains that of the next state in the
+    """States form a cycle: the time derivative of each state contains that of the next state in the
     cycle."""
 
     def __init__(self, cycle: Sequence[int]):

@@ -77,7 +77,8 @@ def switches_of(
 
 
 def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
-    """Returns the calls that must not be held on one branch, though steps end at their zeros.
+    """Returns the calls that must not be kept on one branch within a step, though steps end at the
+    zeros of their arguments.
 
     An example is max(0, x) in max(0, x)^(3/2), where the kink is at the end of the domain of the
     power. A step goes a little beyond x = 0, where the branch x would give an undefined power."""
@@ -120,9 +121,9 @@ def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
 def sides(
     g: Graph, switches: Sequence[Switch], positions: Iterable[Node]
 ) -> dict[Node, tuple[int, int]]:
-    """Returns for each held call the index of its switch, and 1 if the call's argument has the sign
-    of the switch, -1 if it has the opposite sign. Calls in the nodes `positions` whose switch has
-    an impulse are held in any case."""
+    """Returns for each call that is kept on one branch within a step the index of its switch, and 1
+    if the call's argument has the sign of the switch, -1 if it has the opposite sign. All calls in
+    the nodes `positions` whose switch has an impulse are included."""
     surfaces, found = Surfaces(g.copy()), {}
     places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
     loose = free(g, range(len(g))) if places else set()

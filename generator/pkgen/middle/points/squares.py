@@ -73,8 +73,8 @@ class Positive:
 
 
 def _degrees_and_rates(g: Graph, output: Node) -> tuple[dict[Node, float], dict[Node, int]]:
-    """Returns two maps of all nodes with rates: to the degree in the rates (inf if the node, as
-    written, is no polynomial in them), and to the set of rates as a bit mask."""
+    """Returns two maps from the nodes with rates: to their degree in the rates (inf if a node, as
+    written, is no polynomial in the rates), and to their rates as a bit mask."""
     degree: dict[Node, float] = {}
     rates: dict[Node, int] = {}
     for node in reachable(g, [output], RATES):
