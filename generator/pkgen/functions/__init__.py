@@ -1,7 +1,7 @@
-"""The table of scalar functions of the language: one row per function, for all stages.
+"""The table of scalar functions of the language: one row per function, for all compiler stages.
 
-To add a function, add a row to `smooth.py` or `kinked.py`; `row.py` explains the fields. The
-functions in a row get a graph, balls or polynomials as arguments, so rows import no compiler code.
+To add a function, add a row to `smooth.py` or `kinked.py`; `row.py` explains the fields. A row's
+callables get the graph, balls or polynomials as arguments, so that rows import no compiler code.
 """
 
 from __future__ import annotations
@@ -16,16 +16,20 @@ FUNCTIONS: dict[str, Function] = {
     **{name: row for name, row in SMOOTH.items() if row.internal},
 }
 
-SIDE = "side_"  # prefix of C functions with an argument `side` (back/c/helpers.py)
-WRITTEN_OUT = {"ln": 1, "clamp": 3}  # numbers of arguments; become log(x), min(max(x, a), b)
-# Foreign names, for hints in messages.
+# The prefix of C functions with an argument `side` (back/c/helpers.py).
+SIDE = "side_"
+# Numbers of arguments of ln(x), which becomes log(x), and of clamp(x, a, b), which becomes
+# min(max(x, a), b).
+WRITTEN_OUT = {"ln": 1, "clamp": 3}
+# Names of functions in other languages; error messages suggest the name in this language.
 MEANT = {
     **dict.fromkeys(("heaviside", "Heaviside", "theta", "Theta", "H"), "step"),
     **dict.fromkeys(("sgn", "signum"), "sign"),
     **{"fabs": "abs", "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2"},
 }
 
-VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}  # and `rot`, of front/check/vectors.py
+# The number of arguments of each vector function except `rot`, which is in front/check/vectors.py.
+VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}
 
 __all__ = [
     "FUNCTIONS",

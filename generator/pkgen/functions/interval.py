@@ -10,15 +10,15 @@ import math
 from ..record import record
 
 INF = math.inf
-ROUND = 1e-12  # allowance for rounding of the ends
+ROUND = 1e-12  # tolerance for rounding errors of the end points
 
 
 @record
 class Range:
     lo: float = -INF
     hi: float = INF
-    above: bool = False  # lo itself is excluded
-    below: bool = False  # hi itself is excluded
+    above: bool = False  # Whether `lo` itself is excluded.
+    below: bool = False  # Whether `hi` itself is excluded.
 
     @property
     def positive(self) -> bool:
@@ -58,8 +58,8 @@ class Range:
 
 
 def _corner(x: float, x_excluded: bool, y: float, y_excluded: bool) -> tuple[float, bool]:
-    """Returns the product of two ends, and whether it is excluded."""
-    if x == 0 or y == 0:  # also 0 times infinity: an infinite end is not a value
+    """Returns the product of two end points, and whether the product is excluded."""
+    if x == 0 or y == 0:  # 0 times infinity is 0 too: an infinite end is never attained
         return 0.0, (x != 0 or x_excluded) and (y != 0 or y_excluded)
     return x * y, x_excluded or y_excluded
 

@@ -1,7 +1,8 @@
-"""The functions with a kink or a jump, a row each.
+"""The table rows of the functions with a kink or a jump.
 
-In C each has a version with the prefix `side_` and an argument `side`. A nonzero side selects a
-smooth branch, on which a run holds the function (see middle/derive/switches.py).
+In C each such function has a version with the prefix `side_` and an argument `side`. A nonzero
+`side` selects one smooth branch, whatever the sign of the argument: within a step the integrator
+keeps each function on one branch (see middle/derive/switches.py).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ _NAN = "a + b: one of them is not a number"
 
 
 def _less(g, a, b):
-    """Returns the node of 1 where a < b, else 0."""
+    """Returns a node whose value is 1 where a < b, else 0."""
     return g.subtract(g.number(1), g.call("step", g.subtract(a, b)))
 
 
@@ -74,7 +75,7 @@ KINKED: dict[str, Function] = {
         branched=True,
         sympy="Max",
     ),
-    "step": Function(  # 0 below 0, 1 from 0 on
+    "step": Function(  # 0 for x < 0, 1 for x >= 0
         units="any",
         body="x >= 0 ? 1 : x < 0 ? 0 : x",
         kinked=Kinked("0", "1"),
@@ -89,7 +90,7 @@ KINKED: dict[str, Function] = {
         jump="step jumps",
         sympy=lambda sp, x: sp.Heaviside(x, 1),
     ),
-    "sign": Function(  # -1, 0 or 1: the derivative of abs
+    "sign": Function(  # the derivative of abs, with values -1, 0 and 1
         units="any",
         body="x > 0 ? 1 : x < 0 ? -1 : x",
         kinked=Kinked("-1", "1"),

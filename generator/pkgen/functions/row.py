@@ -1,7 +1,7 @@
-"""The row of a function of the language: a field for each use by the compiler.
+"""The table row of a function of the language, with all that the compiler needs to know of it.
 
-Defaults of fields are correct but weak: the default interval is all real numbers, the default ball
-proves nothing, and without an exact value the call stays as it is.
+Most fields have defaults that are valid for any function: for example, the interval of all real
+numbers, no ball, and no exact value, so that a call with constant arguments is not evaluated.
 """
 
 from __future__ import annotations
@@ -12,76 +12,95 @@ from fractions import Fraction
 from ..record import record
 from .interval import ANY, Range
 
-# How the equations use an expression that must not vanish, `Singularity.use`.
+# Values of `Singularity.use`: why an expression of the equations must not vanish.
 COORDINATES, DIVISOR, ROOT, LOGARITHM, ARC = "COORDINATES", "DIVISOR", "ROOT", "LOGARITHM", "ARC"
-CUT = "CUT"  # L jumps there
+CUT = "CUT"  # The Lagrangian jumps where the expression vanishes.
 
 
 def at(point: int, value: int) -> Callable[[Fraction], Fraction | None]:
-    """Returns the field `exact` of a function with a rational value at one point only."""
+    """Returns a value of the field `exact`, for a function with one rational point: f(point) =
+    value."""
     return lambda x: Fraction(value) if x == point else None
 
 
 @record
 class Kinked:
-    """A function with a smooth branch on either side of its switch, the zero of its argument or of
-    the first argument minus the second."""
+    """The two smooth branches of a function with a kink or a jump, as C expressions in the names of
+    its arguments. The function changes branch where its argument x, or a - b, is zero."""
 
-    below: str  # C of the branches, in the names of the arguments
+    below: str
     above: str
 
 
 @record(kw_only=True)
 class Function:
-    """One row. `g` is the graph, `n` the call's node, `a` and `b` its arguments' nodes."""
+    """One row of the table. In the signatures below, `g` is the graph, `n` the node of the call,
+    `a` and `b` the nodes of its arguments."""
 
-    # The language. `units`: "none": arguments and value are dimensionless; "same": all have one
-    # dimension; "any": the arguments have one, the value none; "root": halves the dimension.
+    # The names of the arguments.
     arguments: tuple[str, ...] = ("x",)
+    # "none": arguments and value are dimensionless. "same": arguments and value have the same
+    # dimension. "any": the arguments have the same dimension, the value is dimensionless. "root":
+    # the value has the square root of the argument's dimension.
     units: str = "none"
-    internal: bool = False  # made by differentiation, not available in a model
+    # Whether only the compiler calls the function, in derivatives. Models cannot use its name.
+    internal: bool = False
 
-    # Values. `real`: of floats. `array`: of arrays, a NumPy name if it differs from the function's,
-    # or (numpy module, arrays) -> array.
+    # The function on floats.
     real: Callable[..., float]
+    # The function on arrays: its name in NumPy, if that differs from the name in the language, or
+    # a callable (numpy module, arrays) -> array.
     array: str | Callable = ""
-    exact: Callable[..., Fraction | None] = lambda *_: None  # of Fractions; None: no rational value
-    undefined: Callable[..., str] = lambda *_: ""  # reason why there is no value at these numbers
+    # The function on Fractions. Returns None where the value is not rational.
+    exact: Callable[..., Fraction | None] = lambda *_: None
+    # Returns the reason why the function is undefined at the given numbers, or "".
+    undefined: Callable[..., str] = lambda *_: ""
 
-    # Calculus: (g, n, a, b) -> the partial derivatives.
+    # A callable (g, n, a, b) -> the partial derivatives by the arguments.
     derivative: Callable[..., tuple]
-    parity: str = ""  # "odd" or "even"
+    # "odd", "even", or "" for neither.
+    parity: str = ""
 
-    # Proofs. `interval`: of Ranges. `ball`: (Balls, a, b) -> Ball or None. `opened`: (Exact,
-    # polynomials) -> polynomial in other functions (graph/exact.py), which reveals identities.
+    # The function in interval arithmetic.
     interval: Callable[..., Range] = lambda *x: ANY
+    # The function in ball arithmetic: a callable (Balls, a, b) -> Ball or None.
     ball: Callable = lambda *_: None
+    # Rewrites a call in simpler functions, which reveals identities (graph/exact.py): a callable
+    # (Exact, polynomials) -> polynomial.
     opened: Callable = lambda *_: None
-    # (a domain such as Floats of graph/written.py, a, b) -> the value in that domain; smooth
-    # functions also take power series. None: no bounds.
+    # A callable (domain, a, b) -> the value in a domain such as Floats of graph/written.py. Smooth
+    # functions also accept power series. None: the function has no bounds in these domains.
     enclosed: Callable | None = None
-    branched: bool = False  # has branches: a zero derivative does not exclude jumps
-    jump: str = ""  # text: how it jumps
+    # Whether the function has several branches: it may jump though its derivative is zero.
+    branched: bool = False
+    # A text that describes the jump of the function, or "".
+    jump: str = ""
 
-    # The domain. `ends`: end points of the domain. `singular`: (g, a, b) -> (node that must not
-    # vanish, its use). `like_argument`: it vanishes exactly where its argument does.
+    # The end points of the domain.
     ends: tuple[int, ...] = ()
+    # A callable (g, a, b) -> (a node that must not vanish, the reason as in `Singularity.use`).
     singular: Callable | None = None
+    # Whether the function vanishes exactly where its argument vanishes.
     like_argument: bool = False
-    # Constant, 0 or huge up to rounding where |short x| > 36 (middle/derive/marks.py); 0: not so.
+    # If not 0: where |short x| > 36, the function is constant, 0 or huge, up to rounding
+    # (middle/derive/marks.py).
     short: int = 0
 
-    # C: a name of <math.h>, if it differs; or the body of a helper, which must propagate NaN.
+    # The name in <math.h>, if it differs from the name in the language.
     c: str = ""
+    # The body of a C helper function, which must propagate NaN; "" if <math.h> has the function.
     body: str = ""
-    remark: str = ""  # a comment on the line of the body
-    note: str = ""  # a comment above the helper
+    # A C comment on the line of `body`.
+    remark: str = ""
+    # A C comment above the helper function.
+    note: str = ""
+    # The branches of a function with a kink or a jump.
     kinked: Kinked | None = None
-    cut: Kinked | None = None  # smooth except at a branch cut, where y vanishes
+    # The branches of atan2(y, x) beside its branch cut, where y vanishes.
+    cut: Kinked | None = None
 
-    sympy: Callable | str = (
-        ""  # a SymPy name, if it differs; or (sympy module, arguments) -> expression
-    )
+    # The name in SymPy, if it differs, or a callable (sympy module, arguments) -> expression.
+    sympy: Callable | str = ""
 
     @property
     def arity(self) -> int:

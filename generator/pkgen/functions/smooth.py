@@ -1,4 +1,4 @@
-"""The smooth functions, a row each."""
+"""The table rows of the smooth functions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _QUARTER = Range(-math.pi / 2, math.pi / 2)
 
 
 def _one_and_square(g, a, sign: int = 1):
-    """Returns 1 + a^2 or 1 - a^2."""
+    """Returns 1 + a^2 for sign 1, 1 - a^2 for sign -1."""
     square = g.power(a, 2)
     return g.add(g.number(1), square if sign > 0 else g.negate(square))
 
@@ -29,8 +29,9 @@ def _pow(g, n, a, b):
 
 
 def where_positive(g, base, exponent):
-    """Returns |x|^max(n, 0), which vanishes at x = 0 exactly if x^-n is singular there: n is a
-    parameter, known only at run time. A power of a negative x is NaN, and reported as such."""
+    """Returns |base|^max(exponent, 0). It vanishes where base^-exponent is singular: at base = 0,
+    if the exponent, a parameter known only at run time, is positive. The power of a negative base
+    is NaN, which is reported elsewhere."""
     return g.call("pow", g.call("abs", base), g.call("max", exponent, g.number(0)))
 
 
@@ -188,7 +189,7 @@ SMOOTH: dict[str, Function] = {
         ends=(0,),
         singular=lambda g, a: (a, LOGARITHM),
     ),
-    # The derivative is 0 at 0: 1/sqrt is written with `reciprocal`, which is 0 there.
+    # The derivative 1/(2 sqrt(x)) is taken as 0 at x = 0, since reciprocal(0) is 0.
     "sqrt": Function(
         units="root",
         real=math.sqrt,
@@ -203,7 +204,7 @@ SMOOTH: dict[str, Function] = {
         singular=lambda g, a: (a, ROOT),
         like_argument=True,
     ),
-    # A base to a power that is not a constant.
+    # pow(x, y) is x^y with an exponent that is not a constant number.
     "pow": Function(
         arguments=("x", "y"),
         internal=True,
@@ -218,7 +219,7 @@ SMOOTH: dict[str, Function] = {
         singular=lambda g, a, b: (where_positive(g, a, g.negate(b)), DIVISOR),
         sympy="Pow",
     ),
-    # 1/x, and 0 at 0: with it sqrt, norm and abs have derivative 0 at 0.
+    # reciprocal(x) is 1/x, but 0 at x = 0: then the derivatives of sqrt, norm and abs are 0 at 0.
     "reciprocal": Function(
         units="any",
         internal=True,

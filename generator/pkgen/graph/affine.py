@@ -1,6 +1,6 @@
-"""Affine index expressions, whose values are known only at run time: an integer plus multiples of
-names. Ranges and conditions of loops are affine in sizes and loop variables: `q[i+1]` in
-`sum(..., i = 0..N)` ranges from 1 to N+1, for every N.
+"""Affine index expressions: an integer plus integer multiples of names, which are sizes of families
+and loop variables. Their values are known only at run time. For example, the index i+1 of `q[i+1]`
+in `sum(q[i+1], i = 0..N)` ranges from 1 to N+1, for every N.
 """
 
 from __future__ import annotations
@@ -11,14 +11,15 @@ from ..indices import NotAnInteger
 from ..record import record
 from ..tree import Add, Expr, Multiply, Name, Negate, Number
 
-ROW = "m"  # the row of the equations of motion that is being computed
-OTHER = "j"  # the second index of a sum over pairs
+ROW = "m"  # The loop variable over the rows of the equations of motion.
+OTHER = "j"  # The second loop variable of a sum over pairs.
 LOOPS = (ROW, OTHER)
 
 
 @record
 class Affine:
-    """constant + sum of factor * name, the names sorted, no factor zero."""
+    """The expression constant + sum of factor * name; `terms` holds pairs (name, nonzero factor),
+    sorted by name."""
 
     constant: int = 0
     terms: tuple[tuple[str, int], ...] = ()
@@ -64,7 +65,7 @@ class Affine:
         return self.constant + sum(f * values[n] for n, f in self.terms)
 
     def text(self, names: Mapping[str, str] | None = None) -> str:
-        """Returns the text, valid in C and readable: `N + 1`, `m - 1`, `2 * N`."""
+        """Returns the expression as C text, such as `N + 1` or `2 * N`."""
         parts: list[str] = []
         for name, factor in sorted(self.terms, key=lambda x: (x[1] < 0, x[0] not in LOOPS)):
             shown = names[name] if names and name in names else name
@@ -111,9 +112,9 @@ def affine(expr: Expr, values: Mapping[str, Affine]) -> Affine:
 
 
 def extremes(index: Affine, at: dict[str, tuple[Affine, Affine]]) -> tuple[Affine, Affine]:
-    """Returns the least and the greatest value of an index over its loop variables' ranges."""
+    """Returns the least and the greatest value of an index; `at` maps loop variables to ranges."""
     first = last = index
-    for name, (lo, hi) in at.items():  # inner loop first: its ends use the outer variable
+    for name, (lo, hi) in at.items():  # inner loops come first: their ends contain outer variables
         for low in (True, False):
             end = first if low else last
             factor = end.factor(name)

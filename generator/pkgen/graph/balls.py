@@ -1,9 +1,10 @@
 """Ball arithmetic on the graph: each value is a midpoint and a radius that bounds its error.
 
-An operation adds its own rounding error to the error propagated from its arguments, so the true
-value lies in the ball. There is no value (None) where no bound exists: a division by a ball that
-contains 0, a logarithm across 0, a step at its jump. Refs.: S. M. Rump, Fast and parallel interval
-arithmetic, BIT 39 (1999) 534-554; F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
+Each operation adds its rounding error to the error propagated from its arguments, so the true
+value lies in the ball. The value is None where no bound exists: for a division by a ball that
+contains 0, a logarithm of such a ball, a step at its jump.
+References: S. M. Rump, Fast and parallel interval arithmetic, BIT 39 (1999) 534-554; F. Johansson,
+Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from .differentiate import swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
 BITS = 200
-LARGE = 10_000  # a larger integer exponent has no value
+LARGE = 10_000  # the largest integer exponent of a power that is evaluated
 
 
 class Ball(NamedTuple):
@@ -26,17 +27,17 @@ class Ball(NamedTuple):
 
     @property
     def least(self) -> Any:
-        """A lower bound of |x| over the ball."""
+        """A lower bound of |x| for all x in the ball."""
         return max(abs(self.mid) - self.rad, 0)
 
     @property
     def most(self) -> Any:
-        """An upper bound of |x| over the ball."""
+        """An upper bound of |x| for all x in the ball."""
         return abs(self.mid) + self.rad
 
 
 class Balls:
-    """Ball arithmetic of a fixed precision; a result of None means that there is no value."""
+    """Ball arithmetic of a fixed precision. Operations return None where no bound exists."""
 
     def __init__(self, bits: int = BITS):
         from mpmath import MPContext
@@ -64,7 +65,7 @@ class Balls:
     def values(
         self, g: Graph, nodes: Iterable[Node], symbols: Mapping[Symbol, Ball]
     ) -> list[Ball | None]:
-        """Evaluates the nodes at the given values of the symbols."""
+        """Evaluates the nodes in ball arithmetic at the given values of the symbols."""
         return swept(g, nodes, lambda node, args: self._value(g, node, args, symbols))
 
     def _value(
@@ -116,7 +117,8 @@ class Balls:
         return self._rounded(function(x.mid), x.rad * steepest)
 
     def turning(self, function: Callable, x: Ball) -> Ball | None:
-        return self.slope(function, x, 1) if x.rad < 1 else None  # else the sine takes any value
+        # For a radius of 1 or more, a sine or cosine has no useful bounds.
+        return self.slope(function, x, 1) if x.rad < 1 else None
 
     def growing(self, function: Callable, slope: Callable, x: Ball) -> Ball | None:
         if x.rad > 1:
@@ -142,7 +144,7 @@ class Balls:
         return self.slope(self.mp.sqrt, x, 1 / self.mp.sqrt(x.least))
 
     def atan2(self, y: Ball, x: Ball) -> Ball | None:
-        """Returns None where the box may contain the origin or touch the branch cut."""
+        """Returns atan2(y, x); None if (x, y) may be the origin or lie on the branch cut."""
         from_origin = self.mp.hypot(y.mid, x.mid) - y.rad - x.rad
         if not from_origin > 0 or (x.mid <= x.rad and abs(y.mid) <= y.rad):
             return None

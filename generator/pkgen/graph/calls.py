@@ -1,4 +1,4 @@
-"""Tests for calls of functions with kinks or jumps."""
+"""Tests whether nodes call functions with kinks or jumps."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""Rewrites outputs with fewer operations: a policy limits their expansion, then they are factored.
+"""Rewrites expressions with fewer operations: expands them to sums of products, then factors.
 
-Expanding lets terms cancel that come from different parts of a computation (the Coriolis terms
-in dL/dq and in dp/dt). Factoring is greedy: among all monomials common to two terms, it takes the
-one that saves most out of every term that has it, then continues within the bracket. The form
-with the fewest operations is used.
+After expansion, terms from different parts of a computation may cancel (the Coriolis terms in dL/dq
+and in dp/dt). A policy (policies.py) selects sums that are not expanded. Factoring is greedy: of
+all monomials common to two terms, it takes the one that saves most operations out of every term
+that has it, and repeats this within the bracket and among the remaining terms. The form with the
+fewest operations is used.
 """
 
 from __future__ import annotations
@@ -18,20 +19,25 @@ from .monomials import merged
 from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
 from .residues import Varying
 
-Term = tuple[Node, Monomial]  # a constant scale and a monomial of variable factors
+# A term of a sum, as (constant scale, monomial of variable factors).
+Term = tuple[Node, Monomial]
 
-FACTORED = 80  # most terms of an output that is factored; more are only added up
-SHARED_WORK = 50_000  # limit of work where shared sums stay closed: little is left to expand
-THOROUGH = 400  # up to so many nodes below the outputs, all rewritings are tried
+# The largest number of terms of an output that is factored; larger sums are not.
+FACTORED = 80
+# The limit of work (term products) of the policy `shared`, which expands few sums.
+SHARED_WORK = 50_000
+# The largest number of nodes below the outputs for which all policies are tried.
+THOROUGH = 400
 
 
 def fewest(g: Graph, outputs: list[Node], thorough: bool = True) -> list[Node]:
-    """Returns the cheapest of the unchanged outputs and their rewritings by each policy."""
+    """Returns the outputs in the cheapest form: unchanged, or rewritten by one of the policies."""
     return min(forms(g, outputs, thorough), key=lambda form: operations(g, form))
 
 
 def shortened(g: Graph, outputs: Iterable[Node]) -> list[Node]:
-    """Returns the settled outputs in the fewest operations; large outputs stay unchanged."""
+    """Returns the outputs in the form of fewest operations, after `settled`. Returns them unchanged
+    if they are large."""
     outputs = list(outputs)
     thorough = len(reachable(g, outputs)) <= THOROUGH
     return fewest(g, settled(g, outputs)) if thorough else outputs
@@ -40,9 +46,10 @@ def shortened(g: Graph, outputs: Iterable[Node]) -> list[Node]:
 def forms(
     g: Graph, outputs: list[Node], thorough: bool = True, short_kept: bool = False
 ) -> list[list[Node]]:
-    """Returns the unchanged outputs first, then each rewritten form within the limits of work.
+    """Returns the unchanged outputs, followed by the outputs as rewritten by each policy. A form
+    that takes too much work to find is left out.
 
-    With `short_kept`, an output in which nothing can be saved is not rewritten, to save time.
+    With `short_kept`, outputs in which nothing can be saved are not rewritten, to save time.
     """
     tried = [(policies.shared, SHARED_WORK)] + ([(policies.shifts, WORK)] if thorough else [])
     found = [rewritten(g, outputs, policy, work, short_kept) for policy, work in tried]
@@ -50,7 +57,8 @@ def forms(
 
 
 def settled(g: Graph, outputs: list[Node]) -> list[Node]:
-    """Replaces outputs that are constant (or zero) by an identity with that constant."""
+    """Replaces each output whose value is constant, though it contains variables, by this
+    constant."""
     normal = Normal(g)
     seen = Varying(g)
     seen.learn(outputs, VARIABLE)
@@ -75,7 +83,7 @@ def rewritten(
     work: int,
     short_kept: bool = False,
 ) -> list[Node] | None:
-    """Returns the outputs expanded and factored; None if that is too much work."""
+    """Returns the outputs expanded and factored; None if that exceeds `work`."""
     normal = Normal(g, policy(g, outputs), canonical=False, work=work)
     result: dict[Node, Node] = {}
     for output in outputs:
@@ -92,7 +100,8 @@ def rewritten(
 
 
 def _is_short(g: Graph, output: Node) -> bool:
-    """Whether the terms share no factor and have no power: nothing cancels or factors out."""
+    """Whether the output's terms share no factor and contain no powers, sums or rates, so that
+    nothing can cancel or be factored out."""
     if g.depends[output] & BIT[Kind.RATE]:
         return False
     bases: set[Node] = set()
@@ -113,7 +122,8 @@ def factored(g: Graph, normal: Normal, polynomial: Polynomial) -> Node:
 
 
 def grouped(g: Graph, normal: Normal, polynomial: Polynomial) -> list[Term]:
-    """Gathers the constant parts of the terms into one scale for each variable monomial."""
+    """Returns the polynomial as terms in which each monomial of variable factors occurs once, with
+    a scale that consists of numbers and parameters."""
     scales: dict[Monomial, Polynomial] = {}
     for monomial in sorted(polynomial):
         fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
@@ -146,7 +156,8 @@ def _factored(g: Graph, terms: list[Term]) -> Node:
 
 
 def _best_factor(g: Graph, terms: list[Term]) -> tuple[Node, Monomial, list[int]] | None:
-    """Returns the scale and monomial whose extraction saves most, and the terms that have it."""
+    """Returns the scale and monomial that save most operations when factored out, and the indices
+    of the terms that contain both; None if nothing can be saved."""
     best_found = None
     best_saving = 0
     signs = {ONE, MINUS_ONE}
@@ -194,7 +205,8 @@ def _has(monomial: Monomial, part: Monomial) -> bool:
 
 
 def _monomial(g: Graph, monomial: Monomial) -> Node:
-    """Returns the product with factors without rates first, so that terms in rates share it."""
+    """Returns the product of the factors. The factors without rates are multiplied first, so that
+    terms that differ only in rates share this partial product."""
     rates = BIT[Kind.RATE]
     slow = [f for f in monomial if not g.depends[f[0]] & rates]
     fast = [f for f in monomial if g.depends[f[0]] & rates]

@@ -6,16 +6,17 @@ from fractions import Fraction
 
 from ..functions import FUNCTIONS
 
-NUMBER_BITS = 512  # longer numbers stay products, which the C evaluates
+# The largest number of bits of a constant. A product with more bits is computed by the C code.
+NUMBER_BITS = 512
 
 
 def fits(value: Fraction) -> bool:
-    """Whether a number is short enough to be one exact constant."""
+    """Whether a number is short enough to be stored as one exact constant."""
     return max(value.numerator.bit_length(), value.denominator.bit_length()) <= NUMBER_BITS
 
 
 def raised(value: Fraction, exponent: Fraction) -> Fraction | None:
-    """Returns the exact power, or None if it is irrational, undefined or too long."""
+    """Returns value^exponent exactly, or None if it is irrational, undefined or too long."""
     if exponent.denominator == 2:
         value, exponent = FUNCTIONS["sqrt"].exact(value), Fraction(exponent.numerator)
     if value is None or exponent.denominator != 1 or (value == 0 and exponent < 0):
@@ -25,7 +26,8 @@ def raised(value: Fraction, exponent: Fraction) -> Fraction | None:
 
 
 def square_part(value: Fraction) -> Fraction:
-    """Returns a product s of powers of 2, 3 and 5 such that s^2 divides a positive value."""
+    """Returns the largest product s of powers of 2, 3 and 5 (also negative powers) such that s^2
+    divides the positive value."""
     result = Fraction(1)
     for prime in (2, 3, 5):
         n, d = value.numerator, value.denominator

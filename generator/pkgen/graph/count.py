@@ -1,4 +1,4 @@
-"""Counts the operations that a set of outputs costs at run time."""
+"""Counts the run-time operations that compute a set of expressions."""
 
 from __future__ import annotations
 
@@ -9,16 +9,19 @@ from .graph import MINUS_ONE, VARIABLE, Graph, Node, Op
 
 
 def operations(g: Graph, outputs: Iterable[Node]) -> int:
-    """Counts + - * / and function calls: each shared node once, parameter expressions free.
+    """Returns the number of additions, subtractions, multiplications, divisions and function calls.
 
-    A sign in front of a term of a sum is free. An inverse used by a single product is free: the
-    product is a division.
+    A shared node counts once. Expressions of parameters alone do not count: they are computed once
+    per run. A sign in front of a term of a sum does not count. An inverse whose only use is in one
+    product does not count: the product is a division.
     """
     outputs = [n for n in outputs if g.depends[n] & VARIABLE]
     order = reachable(g, outputs, VARIABLE)
     total = 0
-    signs: dict[Node, bool] = {}  # whether a node other than a sum uses it
-    inverses: dict[Node, list[str | None]] = {}  # operations that use it
+    # For each negation: whether a node other than a sum has it as an argument.
+    signs: dict[Node, bool] = {}
+    # For each inverse: the operations that have it as an argument.
+    inverses: dict[Node, list[str | None]] = {}
     for node in order:
         op = g.op[node]
         if op is Op.SYMBOL:

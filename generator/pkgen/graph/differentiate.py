@@ -1,6 +1,6 @@
-"""Derivatives on the expression graph: sparse forward sweeps and reverse sweeps.
+"""Derivatives on the expression graph, by sparse forward sweeps and by reverse sweeps.
 
-The partial derivatives of a function are in its row (functions/).
+The partial derivatives of each function are in the table in functions/.
 Reference: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 7.
 """
 
@@ -30,8 +30,8 @@ def partials(g: Graph, node: Node) -> tuple[Node, ...]:
 
 
 def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
-    """Returns the outputs and nodes below them that depend on kinds in the mask, topologically
-    sorted."""
+    """Returns the outputs and all nodes below them in topological order; only nodes that depend on
+    symbols of the kinds in `mask`."""
     args, depends = g.args.__getitem__, g.depends
     seen: set[Node] = set()
     found = set(outputs)
@@ -39,14 +39,15 @@ def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
         if mask != -1:
             found = {n for n in found if depends[n] & mask}
         seen |= found
-        found = set().union(*map(args, found)) - seen  # sets are faster than a loop over nodes
+        found = set().union(*map(args, found)) - seen  # set operations are faster than a loop
     return sorted(seen)
 
 
 def swept(
     g: Graph, nodes: Iterable[Node], value: Callable[[Node, list[Value]], Value]
 ) -> list[Value]:
-    """Evaluates the nodes bottom-up: `value(node, values of its arguments)` gives each value."""
+    """Returns the values of the nodes, computed from the leaves up; `value` computes a node's value
+    from the node and the values of its arguments."""
     nodes, args = list(nodes), g.args
     known: dict[Node, Value] = {}
     for node in reachable(g, nodes):
@@ -55,15 +56,15 @@ def swept(
 
 
 def symbols_in(g: Graph, nodes: Iterable[Node], mask: int = -1) -> list[Symbol]:
-    """Returns the symbols below the nodes, of the kinds in the mask, sorted."""
+    """Returns the symbols in the nodes that are of the kinds in `mask`, sorted."""
     return sorted(g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
 
 
 class Forward:
-    """Tangents (forward derivatives) of nodes along one direction.
+    """Tangents (directional derivatives) of nodes, by forward differentiation.
 
-    `leaf` returns the tangent of a symbol's node; symbols of kinds outside `mask` have tangent 0.
-    Tangents are kept, so later calls on larger expressions reuse them.
+    `leaf` returns the tangent of a symbol; symbols of kinds outside `mask` have tangent 0. Tangents
+    are cached, so that later calls for other nodes reuse them.
     """
 
     def __init__(self, g: Graph, mask: int, leaf: Callable[[Node], Node]):
@@ -105,7 +106,7 @@ class Forward:
 
 
 def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
-    """Returns the derivative of a node, given the derivatives of its arguments."""
+    """Returns the tangent of a node, given the tangents of its arguments."""
     op = g.op[node]
     if op is Op.MULTIPLY:
         (a, b), (of_a, of_b) = g.args[node], of_arguments
@@ -123,9 +124,9 @@ def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
 
 
 class Columns:
-    """Jacobian columns of some outputs: one sparse forward sweep for each symbol.
+    """The columns of the Jacobian of some outputs: one sparse forward sweep for each symbol.
 
-    A sweep visits only the nodes between the symbol and the outputs.
+    A sweep visits only the nodes on paths from the symbol to the outputs.
     """
 
     def __init__(self, g: Graph, outputs: Iterable[Node], mask: int):
@@ -138,7 +139,7 @@ class Columns:
             for a in dict.fromkeys(g.args[node]):
                 if a in self.users:
                     self.users[a].append(node)
-        # The number of the last output that needs a node.
+        # For each node, the number of the last output that depends on it.
         self.last = dict.fromkeys(self.order, -1)
         self.last.update((node, i) for i, node in enumerate(outputs))
         for node in reversed(self.order):
@@ -147,9 +148,9 @@ class Columns:
                     self.last[a] = max(self.last[a], self.last[node])
 
     def column(self, symbol: Node, from_output: int = 0) -> Mapping[Node, Node]:
-        """Returns the derivatives by `symbol` of all nodes that depend on it.
+        """Returns the derivatives by `symbol` of the nodes that depend on it.
 
-        Nodes that no output from number `from_output` on needs are left out.
+        Leaves out nodes that only outputs with numbers below `from_output` depend on.
         """
         g, users, last = self.graph, self.users, self.last
         if symbol not in users:
@@ -174,7 +175,8 @@ class Columns:
 
 
 def gradient(g: Graph, output: Node, mask: int) -> dict[Node, Node]:
-    """Returns the derivatives of a scalar by every symbol in the mask, by one reverse sweep."""
+    """Returns the derivatives of a node by all symbols of the kinds in `mask`, by one reverse
+    sweep."""
     adjoint: dict[Node, Node] = {output: ONE}
     result: dict[Node, Node] = {}
     torques, entries = Torques(g), g.frames.turning(mask)

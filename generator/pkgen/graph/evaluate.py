@@ -1,4 +1,4 @@
-"""Values of nodes: floats at a state, or exact fractions where all operations are rational."""
+"""Evaluates nodes at given values of the symbols, in floats or, where possible, in fractions."""
 
 from __future__ import annotations
 
@@ -11,19 +11,22 @@ from .differentiate import reachable, swept
 from .graph import Graph, Kind, Node, Op, Symbol
 from .written import text_of
 
-COMPILED = 5_000  # graphs of fewer nodes are compiled to a Python function
-_PLAIN = 1e300  # a larger number may overflow a double
-BITS = 100_000  # most bits of an exact power
+# Expressions with fewer nodes than this are compiled to a Python function.
+COMPILED = 5_000
+# Numbers from this magnitude on may overflow a double, and are not written as literals.
+_PLAIN = 1e300
+# The largest number of bits of a power that is evaluated exactly.
+BITS = 100_000
 
 
 def evaluate(g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, float]) -> list[float]:
-    """Evaluates the nodes in floating point; nan where a node has no value, inf on overflow."""
+    """Returns the values of the nodes as floats; nan where a node is undefined, inf on overflow."""
     return swept(g, nodes, lambda node, args: value_of(g, node, args, values))
 
 
 class Evaluator:
-    """Evaluates nodes in floating point at many states. Graphs of fewer than COMPILED nodes are
-    compiled once to a Python function; compiling larger ones would take longer than it saves."""
+    """Evaluates nodes in floating point at many states. Fewer than COMPILED nodes are compiled once
+    to a Python function; for more nodes compilation would take longer than it saves."""
 
     def __init__(self, g: Graph, nodes: Iterable[Node]):
         self.graph, self.nodes = g, list(nodes)
@@ -50,7 +53,7 @@ class Evaluator:
         return used["evaluated"]
 
     def __call__(self, values: Mapping[Symbol, float]) -> list[float]:
-        """Returns the same values as evaluate()."""
+        """Returns the values of the nodes, as evaluate() does."""
         if self._evaluated is None:
             return evaluate(self.graph, self.nodes, values)
         try:
@@ -64,7 +67,7 @@ def _power(base: str, exponent: Fraction) -> str:
 
 
 def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, float]) -> float:
-    """Returns the value of one node, given the values of its arguments."""
+    """Returns the value of a node as a float, given the values of its arguments."""
     op, data = g.op[node], g.data[node]
     try:
         if op is Op.NUMBER:
@@ -87,7 +90,7 @@ def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, fl
 def exact(
     g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, Fraction]
 ) -> list[Fraction | None]:
-    """Evaluates the nodes as fractions; None where a node is not rational or has no value."""
+    """Returns the values of the nodes as fractions; None for an irrational or undefined value."""
     return swept(g, nodes, lambda node, args: _fraction(g, node, args, values))
 
 

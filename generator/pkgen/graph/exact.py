@@ -1,13 +1,12 @@
-"""Finer normal forms than `normal.py`, which recognize more equalities: angles, exponents and
-roots are taken apart.
+"""Normal forms that recognize more equal expressions than `normal.py`: functions are expanded.
 
-The atoms of `normal.py` are sines of whole arguments and inverses of whole sums. Here sin(x + y)
-is written in sin(x), cos(x), sin(y) and cos(y), tan as sin/cos, sinh and the like in exp,
-pow(x, n - 1) as pow(x, n)/x, abs, min, max and step in sign; several expressions get one common
-denominator. The results are polynomials in generators with the relations sin^2 = 1 - cos^2,
-sign^2 = 1 and (x^(1/n))^n = x. An expression is zero wherever it is defined if its numerator is 0.
-Both reciprocal(x) and sign(x) count as divisions by x: all results hold only where no divisor is
-zero, away from kinks and jumps.
+In `normal.py`, sin(x + y) is an indivisible atom. Here it is expanded in sin(x), cos(x), sin(y) and
+cos(y). Likewise tan becomes sin/cos; sinh, cosh and tanh become sums and quotients of exp;
+pow(x, n - 1) becomes pow(x, n)/x; abs, min, max and step are written with sign. Several expressions
+get one common denominator. The results are polynomials in generators with the relations
+sin^2 = 1 - cos^2, sign^2 = 1 and (x^(1/n))^n = x. An expression is zero wherever it is defined if
+its numerator is 0. All results hold only where no divisor is zero, and away from kinks and jumps:
+reciprocal(x) and sign(x) are treated as if they were divisions by x.
 """
 
 from __future__ import annotations
@@ -21,23 +20,31 @@ from .graph import Graph, Kind, Node, Op, Symbol
 from .normal import POWERS, Monomial, Normal, Polynomial, TooMuch
 from .ranges import Ranges
 
-WORK = 60_000  # limit of products of two terms, about half a second
-TERMS = 3_000  # most terms of one polynomial
-SUMMANDS = 4  # most summands of an angle or an exponent that is taken apart
+# The limit of work for a normal form: products of two terms, which take about half a second.
+WORK = 60_000
+# The largest number of terms of one polynomial.
+TERMS = 3_000
+# The largest number of summands of an angle or exponent that is expanded.
+SUMMANDS = 4
 
 
 class _Finer(Exception):
-    """A smaller fraction of a base angle is needed than the one in use: start again."""
+    """An angle is no integer multiple of its base angle, such as x/2 after x. All normal forms are
+    computed again with a smaller base angle."""
 
 
 class Exact(Normal):
-    """Normal forms of nodes of one graph, to which new nodes are added; see above."""
+    """Normal forms of nodes of one graph. Adds nodes to the graph."""
 
     def __init__(self, g: Graph, work: int = WORK, ranges: Ranges | None = None):
         super().__init__(g, work=work, terms=TERMS)
-        self.ranges = ranges  # to drop signs of positive factors
-        self.parts: dict[Monomial, int] = {}  # a base angle or exponent is monomial / parts
-        self.roots: dict[Node, tuple[int, Node]] = {}  # (n, x) of an atom x^(1/n), n > 2
+        # The ranges show which factors are positive: their signs are 1.
+        self.ranges = ranges
+        # For each monomial in an angle or exponent, a denominator: the base angle is the monomial
+        # divided by it, so that all multiples in use are integers.
+        self.parts: dict[Monomial, int] = {}
+        # The pair (n, x) of each atom x^(1/n) with n > 2.
+        self.roots: dict[Node, tuple[int, Node]] = {}
         self.pi = g.symbol(Symbol(Kind.PI))
 
     def __call__(self, output: Node) -> Polynomial | None:
@@ -48,7 +55,8 @@ class Exact(Normal):
                 self.known.clear()
 
     def all(self, nodes: Sequence[Node]) -> list[Polynomial] | None:
-        """Returns normal forms of several nodes in the same atoms; None if it is too much work."""
+        """Returns the normal forms of the nodes, with common base angles; None if they take too
+        much work."""
         while True:
             if any(self(node) is None for node in nodes):
                 return None
@@ -56,12 +64,13 @@ class Exact(Normal):
                 return [self.known[node] for node in nodes]
 
     def is_zero(self, node: Node) -> bool:
-        """True proves that the node is zero; False proves nothing."""
+        """Returns True only if the node is proved to be zero."""
         numerators = self.numerators([node])
         return numerators is not None and not numerators[0]
 
     def numerators(self, nodes: Sequence[Node]) -> list[Polynomial] | None:
-        """Returns the nodes times one common factor that makes each a polynomial; None as above."""
+        """Returns the nodes times a common denominator, as polynomials; None if they take too much
+        work."""
         try:
             found = self.all(nodes)
             return None if found is None else self.cleared(found)
@@ -69,7 +78,8 @@ class Exact(Normal):
             return None
 
     def cleared(self, polynomials: list[Polynomial]) -> list[Polynomial]:
-        """Returns the polynomials times one product of powers, without negative exponents."""
+        """Returns the polynomials times a common denominator: the results have no negative
+        exponents."""
         while True:
             least: dict[Node, int] = {}
             for polynomial in polynomials:
@@ -79,11 +89,12 @@ class Exact(Normal):
                             least[base] = e
             if not least:
                 return polynomials
-            base = max(least)  # an outer base first: it may contain others
+            base = max(least)  # the node added last, since its expansion may contain the others
             polynomials = [self._times(p, base, -least[base]) for p in polynomials]
 
     def _times(self, polynomial: Polynomial, base: Node, power: int) -> Polynomial:
-        """Returns the polynomial times base^power, with the base expanded."""
+        """Returns the polynomial times base^power; remaining powers of a base that is a sum are
+        expanded."""
         by_exponent: dict[int, Polynomial] = {}
         for monomial, coefficient in polynomial.items():
             exponents = dict(monomial)
@@ -99,7 +110,7 @@ class Exact(Normal):
         return result
 
     def _opened(self, base: Node) -> Polynomial:
-        """Returns the polynomial of a base that is a sum; any other base stays an atom."""
+        """Returns a base that is a sum as its polynomial, any other base as an atom."""
         if self.graph.op[base] is not Op.ADD:
             return {((base, 1),): 1}
         found = self(base)
@@ -128,8 +139,8 @@ class Exact(Normal):
         return self.graph.op[node] is Op.CALL and self.graph.data[node] == "sign"
 
     def sign(self, of: Polynomial) -> Polynomial:
-        """Returns the sign of a monomial as the product of its factors' signs, and the sign of a
-        sum after division by its first coefficient."""
+        """Returns sign(polynomial). For a monomial it is the product of the signs of its factors; a
+        sum is first divided by its leading coefficient."""
         if not of:
             return {}
         first, g = of[min(of)], self.graph
@@ -164,7 +175,8 @@ class Exact(Normal):
         return self._power(polynomial, Fraction(-1))
 
     def multiples(self, polynomial: Polynomial) -> list[tuple[Node, int]] | None:
-        """Returns a sum as (base angle, integer multiple) pairs; None if they are too many."""
+        """Returns pairs (base angle, integer) whose products add up to the polynomial; None if it
+        has too many terms or too large integers."""
         if len(polynomial) > SUMMANDS:
             return None
         found = []
@@ -181,7 +193,8 @@ class Exact(Normal):
         return found
 
     def circle(self, polynomial: Polynomial) -> tuple[Polynomial, Polynomial] | None:
-        """Returns the cosine and the sine of a sum, by the addition theorems."""
+        """Returns the cosine and the sine of the polynomial, expanded by the addition theorems;
+        None if the expansion is too large."""
         quarter = Fraction(polynomial.get(((self.pi, 1),), 0)) * 2
         turned = {m: c for m, c in polynomial.items() if m != ((self.pi, 1),)}
         if quarter.denominator > 1:
@@ -203,10 +216,10 @@ class Exact(Normal):
         return real, imaginary
 
     def minus(self, a: Polynomial, b: Polynomial) -> Polynomial:
-        """Returns -a b."""
+        """Returns the product -a b."""
         return {m: -c for m, c in self.multiplied(a, b).items()}
 
-    # -- called by `opened` of the function table; None where the expansion is too large --------
+    # -- functions for `opened` of the function table; None if the expansion is too large --------
 
     def cos(self, angle: Polynomial) -> Polynomial | None:
         found = self.circle(angle)
@@ -227,21 +240,21 @@ class Exact(Normal):
         return {tuple(sorted(powers.items())): 1}
 
     def hyperbolic(self, exponent: Polynomial, sign: int) -> Polynomial | None:
-        """Returns cosh for sign 1, sinh for sign -1."""
+        """Returns cosh(exponent) for sign 1, sinh(exponent) for sign -1, written with exp."""
         up, down = self.exp(exponent), self.exp(exponent, -1)
         if up is None or down is None:
             return None
         return self.halved(self.added(up, {m: c * sign for m, c in down.items()}))
 
     def pow(self, base: Polynomial, exponent: Polynomial) -> Polynomial | None:
-        """Returns base^exponent, with the integer part of the exponent as a power of its own."""
+        """Returns base^exponent as the product of an integer power and pow(base, rest)."""
         whole = Fraction(exponent.get((), 0)) // 1
         rest = self.added(exponent, {(): -whole}) if whole else exponent
         power: Polynomial = {((self.graph.call("pow", self.plain(base), self.plain(rest)), 1),): 1}
         return self.multiplied(power, self._power(base, Fraction(whole))) if whole else power
 
     def larger(self, a: Polynomial, b: Polynomial, sign: int) -> Polynomial:
-        """Returns max(a, b) = (a + b + |a - b|)/2 for sign 1, min(a, b) for sign -1."""
+        """Returns (a + b + sign |a - b|)/2: max(a, b) for sign 1, min(a, b) for sign -1."""
         apart = self.added(a, {m: -c for m, c in b.items()})
         size = {m: sign * c for m, c in self.multiplied(apart, self.sign(apart)).items()}
         return self.halved(self.added(self.added(a, b), size))

@@ -1,4 +1,4 @@
-"""The table of nodes that are entries of turned frames; frames.py makes and uses it."""
+"""The table of nodes that are entries of rotation matrices; frames.py fills and uses it."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ from ..record import record
 from .nodes import CONSTANT, Node
 
 Vector3 = tuple[Node, Node, Node]
-Turn = tuple[Vector3, Node]  # an axis (unit vector) fixed in the previous frame, and an angle
-ROOT = -1  # the frame that does not turn
+# A rotation, as (axis, angle). The axis is a unit vector in the parent frame.
+Turn = tuple[Vector3, Node]
+# The index of the space-fixed frame.
+ROOT = -1
 
 
 @record
 class Frame:
-    """`axis` is the axis of the last turn, in coordinates of the root frame. `first` is the least
-    of the frame's entries that no earlier frame has."""
+    """A frame that is rotated relative to its parent frame by an angle about an axis. `axis` is in
+    space-fixed coordinates. `first` is the lowest entry (node number) of the frame's rotation
+    matrix that is in no earlier frame."""
 
     parent: int
     axis: Vector3
@@ -24,8 +27,8 @@ class Frame:
 
 
 class Frames:
-    """The frames of a graph. `entries` maps a node to its frame, a vector fixed in that frame, and
-    the index of the vector's component that is the node."""
+    """The frames of a graph. `entries` maps each node that is a component of a vector fixed in a
+    frame to (index of the frame, the vector, index of the component)."""
 
     def __init__(self) -> None:
         self.all: list[Frame] = []
@@ -34,8 +37,8 @@ class Frames:
         self.known: dict[tuple[Turn, ...], tuple[int | None, tuple[Vector3, ...]]] = {}
 
     def turning(self, mask: int) -> Mapping[Node, tuple[int, Vector3, int]]:
-        """Returns the entries for derivatives by symbols in the mask. Returns none where the mask
-        has parameters: these may be in axes and in fixed angles."""
+        """Returns `entries` for derivatives by symbols of the kinds in `mask`. Returns an empty map
+        if the mask includes parameters: axes, taken as constant, may contain parameters."""
         return {} if mask & CONSTANT else self.entries
 
     def copy(self) -> Frames:

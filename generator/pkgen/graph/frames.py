@@ -1,9 +1,11 @@
-"""Turned frames: chains of rotations about fixed axes, and derivatives by their angular velocity.
+"""Derivatives of rotation matrices R = R_1 R_2 ... R_k, a chain of rotations about fixed axes, by
+means of the angular velocity.
 
-The columns of R = R_1 R_2 ... R_k are ordinary nodes of the graph. The table of frames records that
-they turn together: along any direction a column c has the tangent w x c, where w is the sum of the
-axes times the tangents of their angles. In reverse, adjoints of the columns add up to a torque; its
-component along an axis is the derivative by that angle. The cost per link is independent of depth.
+The entries of R are ordinary nodes of the graph. The table of frames records which nodes form a
+matrix. In a forward sweep, a column c of R has the tangent w x c, where w, the angular velocity, is
+the sum over rotations of the axis times the tangent of the angle. In a reverse sweep, the adjoints
+of the columns add up to a torque, whose component along an axis is the derivative by the angle. The
+cost of each rotation is independent of the length of the chain.
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 2.
 """
 
@@ -14,7 +16,9 @@ from collections.abc import Callable
 from .frame_table import ROOT, Frame, Turn, Vector3
 from .graph import ONE, ZERO, Graph, Node
 
-DEEP = 3  # least turns of a frame in the table; entries of fewer turns are short expressions
+# The least number of rotations of a frame whose entries are in the table: entries of shorter chains
+# are short expressions, which are differentiated term by term.
+DEEP = 3
 UNITS: tuple[Vector3, ...] = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
 
@@ -34,7 +38,7 @@ def added(g: Graph, a: Vector3, b: Vector3) -> Vector3:
 
 
 def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
-    """Returns the sum of the columns times the components of a."""
+    """Returns the product of the matrix with these columns and the vector a."""
     rows = zip(*columns, strict=True)
     return tuple(g.sum(g.multiply(c, i) for c, i in zip(row, a, strict=True)) for row in rows)
 
@@ -42,7 +46,8 @@ def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
 def columns(
     g: Graph, turns: tuple[Turn, ...], turned: Callable[..., Vector3]
 ) -> tuple[Vector3, ...]:
-    """Returns the columns of the product of the turns; `turned` rotates a vector by one turn."""
+    """Returns the columns of the rotation matrix of a chain of rotations. `turned` rotates a vector
+    about an axis by an angle."""
     frame: int | None = ROOT
     found, known = UNITS, g.frames.known
     for k, (axis, angle) in enumerate(turns):
@@ -65,8 +70,10 @@ def _frame(
     columns: tuple[Vector3, ...],
     before: int,
 ) -> int | None:
-    """Adds the frame of the last turn; returns its index, the parent's if the angle is constant.
-    Returns None if an entry existed before, so a reverse sweep frame by frame is impossible."""
+    """Adds the frame after `before` rotations and one more to the table. Returns its index, or the
+    parent's index if the angle of the last rotation is constant. Returns None if one of the nodes
+    existed before the angle or the parent frame, so that a reverse sweep cannot go frame by
+    frame."""
     frames, fixed = g.frames, g.is_constant(angle)
     places = {
         node: (parent if fixed else len(frames.all), column, i)
@@ -87,7 +94,7 @@ def _frame(
 
 
 class Turning:
-    """Tangents of frame entries along one direction; `change` gives the tangents of angles."""
+    """Tangents of the entries of rotation matrices; `change` returns the tangent of an angle."""
 
     def __init__(self, g: Graph, change: Callable[[Node], Node]):
         self.graph = g
@@ -95,7 +102,7 @@ class Turning:
         self.known: dict[int, Vector3] = {ROOT: (ZERO, ZERO, ZERO)}
 
     def __call__(self, entry: Node) -> Node:
-        """Returns the tangent of an entry."""
+        """Returns the tangent of an entry of a rotation matrix."""
         g = self.graph
         frame, vector, i = g.frames.entries[entry]
         return cross(g, self._rate(frame), vector)[i]
@@ -115,7 +122,7 @@ class Turning:
 
 
 class Torques:
-    """Adjoints of frame entries in a reverse sweep, collected as torques, deepest frame first."""
+    """Collects the adjoints of the entries of rotation matrices in a reverse sweep as torques."""
 
     def __init__(self, g: Graph):
         self.graph = g
@@ -127,8 +134,8 @@ class Torques:
         self.pulls.setdefault(frame, {}).setdefault(vector, [ZERO] * 3)[i] = bar
 
     def angles(self, above: Node) -> list[tuple[Node, Node]]:
-        """Returns (angle, derivative) of all frames whose entries are later nodes than `above`, and
-        passes their torques on to their parents."""
+        """Returns pairs (angle, derivative by the angle) for all frames whose entries have higher
+        node numbers than `above`, and adds the torque of each frame to that of its parent."""
         g, frames, found = self.graph, self.graph.frames.all, []
         while waiting := self.pulls.keys() | self.torque.keys():
             k = max(waiting, key=lambda x: frames[x].first)

@@ -1,15 +1,16 @@
-"""The expression graph: hash-consed, append-only, its nodes plain integers.
+"""The expression graph: hash-consed and append-only; nodes are plain integers.
 
-A node's arguments always have smaller numbers, so going through the numbers in order is a
-topological sweep; nothing here recurses over the graph, and nothing depends on the hash seed.
+A node's arguments always have smaller numbers than the node, so that the order of the numbers is a
+topological order. Nothing here recurses over the graph, and nothing depends on the hash seed.
 
-Every node is stored as a product `scale * rest`. There are three domains: numbers, expressions of
-parameters alone, and all others. The scale is the part of the product from a lower domain: a
-number in a parameter expression, a parameter expression in any other node. It is always the first
-factor. The rule a x + b x -> (a + b) x adds scales; the C hoists them: it computes them once.
-A node whose scale is 1 also has `factors`, its canonical monomial ((base, exponent), ...): products
-equal up to order and association have the same monomial. The node keeps the structure in which it
-was built, with its shared parts.
+Every node is stored as a product `scale * rest`. There are three domains, from the lowest to the
+highest: numbers, expressions of parameters alone, and all other expressions. The scale contains the
+factors from a lower domain: a parameter expression has a number as scale, an expression with
+variables has a parameter expression. The scale is always the first factor. The rule
+a x + b x -> (a + b) x adds scales; the C code computes scales once per run. A node whose scale is 1
+also has `factors`, its canonical monomial ((base, exponent), ...): two products that are equal up
+to order and association have the same monomial. The arguments of a node are kept as they were
+given, so that subexpressions stay shared.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ _HALF = Fraction(1, 2)
 
 
 class Graph(Nodes):
-    """Constructors of nodes; each returns the existing node if there is an equal one."""
+    """Constructors of nodes with simplification. Each returns an existing node if it is equal."""
 
     def __init__(self, limit: int | None = None) -> None:
         super().__init__(limit)
@@ -110,7 +111,7 @@ class Graph(Nodes):
         return result
 
     def total(self, nodes: Iterable[Node]) -> Node:
-        """Returns the sum from left to right, without a search for like terms."""
+        """Returns the sum of the nodes, from left to right, without merging like terms."""
         result = ZERO
         for node in nodes:
             if node == ZERO:
@@ -125,7 +126,7 @@ class Graph(Nodes):
         return reduce(self.add, nodes, ZERO)
 
     def _join(self, a: Node, b: Node, domain: int) -> Node:
-        """Returns a + b, with a common scale factored out."""
+        """Returns a + b without merging like terms; a common scale is factored out."""
         if domain == 0:
             return self.add(a, b)
         scales, rests, domains = self._scale, self._rest, self._domain
@@ -135,7 +136,7 @@ class Graph(Nodes):
             if p == s:
                 return self._scaled(p, self._sum_node(r, u))
             if self.negate(s) == p:
-                # This sign saves a negation: (a - b) c rather than -(b - a) c.
+                # Chooses the sign that needs no negation: (a - b) c rather than -(b - a) c.
                 if self._negative(p):
                     return self._scaled(s, self._sum_node(u, self.negate(r)))
                 return self._scaled(p, self._sum_node(r, self.negate(u)))
@@ -159,7 +160,7 @@ class Graph(Nodes):
 
     def _multiplied(self, a: Node, b: Node) -> Node:
         domain, other = self._domain[a], self._domain[b]
-        if domain != other:  # the factor from the lower domain belongs to the scale
+        if domain != other:  # the factor from the lower domain becomes a part of the scale
             if domain > other:
                 a, b = b, a
             scale, rest = self._scale[b], self._rest[b]
@@ -182,7 +183,8 @@ class Graph(Nodes):
         return self.multiply(a, self.power(b, -1))
 
     def _scaled(self, scale: Node, rest: Node) -> Node:
-        """Returns scale * rest; simplification may have moved the rest to the scale's domain."""
+        """Returns scale * rest. Simplification may have left in `rest` a scale, or only numbers and
+        parameters; both are then merged into the scale."""
         if rest == ONE or scale == ZERO:
             return scale
         if scale == ONE:
@@ -192,7 +194,7 @@ class Graph(Nodes):
         return self._scaled_node(scale, rest)
 
     def _product(self, a: Node, b: Node) -> Node:
-        """Returns the product of two nodes of one domain, each of scale 1."""
+        """Returns the product of two nodes of the same domain with scale 1."""
         args = (a, b) if a < b else (b, a)
         known = self._products.get(args)
         if known is not None:
@@ -211,7 +213,7 @@ class Graph(Nodes):
     # -- powers -------------------------------------------------------------------------------
 
     def power(self, base: Node, exponent: Fraction | int) -> Node:
-        """Returns base^exponent; the base is assumed nonzero where the exponent is negative."""
+        """Returns base^exponent. With a negative exponent, the base is assumed to be nonzero."""
         if exponent.denominator == 1:
             exponent = exponent.numerator
         elif exponent == _HALF:
@@ -237,7 +239,7 @@ class Graph(Nodes):
         return self._integer_power(rest, exponent)
 
     def _power_of(self, base: Node, exponent: Fraction | int) -> Node:
-        """Returns the power of a base of a monomial."""
+        """Returns base^exponent for a base of a monomial."""
         if exponent.denominator == 1:
             exponent = exponent.numerator
             if self._factors[base] != ((base, 1),):
@@ -248,7 +250,8 @@ class Graph(Nodes):
         return self._power_node(base, exponent)
 
     def _integer_power(self, base: Node, exponent: int) -> Node:
-        """Returns an integer power; negative ones are powers of the inverse, to share divisions."""
+        """Returns an integer power. A negative power is a power of 1/base, so that several powers
+        share one division."""
         if exponent < 0:
             base, exponent = self._power_node(base, -1), -exponent
         return base if exponent == 1 else self._power_node(base, exponent)
@@ -285,7 +288,7 @@ class Graph(Nodes):
         return self._call_node("sqrt", (argument,))
 
     def _negative(self, node: Node) -> bool:
-        """Whether the node has a leading minus sign; exactly one of a - b and b - a has."""
+        """Whether the node has a leading minus sign. Exactly one of a - b and b - a has it."""
         while self._domain[node] > 0 and self._scale[node] != ONE:
             node = self._scale[node]
         if self._domain[node] == 0:
@@ -296,7 +299,7 @@ class Graph(Nodes):
         return False
 
     def _opposite(self, node: Node) -> Node:
-        """Returns -node; for a sum of scale 1 the sign is distributed to its terms."""
+        """Returns -node. In a sum, each term is negated."""
         if self.op[node] is Op.ADD:
             a, b = self.args[node]
             return self._sum_node(self.negate(a), self.negate(b))

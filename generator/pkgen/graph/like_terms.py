@@ -1,4 +1,4 @@
-"""Merges like terms of a sum: a x + b x -> (a + b) x, and R sin^2 + R cos^2 -> R for any R."""
+"""Merges terms of a sum: a x + b x -> (a + b) x, and R sin(x)^2 + R cos(x)^2 -> R for any R."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from .monomials import Factors, Node, merged
 from .nodes import TERMS, ZERO, Nodes, Terms
 
-Found = dict[Factors, tuple[Node, Node]]  # scale and rest by the monomial of the rest
+Found = dict[Factors, tuple[Node, Node]]  # Maps a term's monomial to the term, as (scale, rest).
 
 
 def merge(g: Nodes, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
-    """Adds two sums with like terms merged; None if more terms remain than the longer sum has."""
+    """Returns the terms of left + right after merging; None if they are more than the terms of the
+    longer sum."""
     if not _may_merge(g, left, right):
         return None
     terms = {g._factors[r]: (p, r) for p, r in left}
@@ -32,7 +33,7 @@ def merge(g: Nodes, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None
 
 
 def _may_merge(g: Nodes, left: Terms, right: Terms) -> bool:
-    """Whether the sums share a monomial, or one of them has a square of a sine or cosine."""
+    """Whether the sums have a common monomial, or one of them contains a squared sine or cosine."""
     factors = g._factors
     known = [factors[r] for _, r in left]
     for _, r in right:
@@ -43,14 +44,15 @@ def _may_merge(g: Nodes, left: Terms, right: Terms) -> bool:
 
 def _squared(g: Nodes, rest: Node) -> bool:
     partner = g._partner
-    for base, exponent in g._factors[rest]:  # noqa: SIM110 (the most frequent call)
+    for base, exponent in g._factors[rest]:  # noqa: SIM110 (a loop is faster than any() here)
         if exponent >= 2 and base in partner:
             return True
     return False
 
 
 def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
-    """Merges a term by R sin^2 + R cos^2 -> R or R - R sin^2 -> R cos^2; returns whether it did."""
+    """Merges a term with another one by R sin^2 + R cos^2 -> R or R - R sin^2 -> R cos^2, and
+    returns True; returns False if neither rule applies."""
     for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, scale, rest):
         if other_key in terms and terms[other_key][0] == wanted_scale:
             del terms[other_key]
@@ -70,7 +72,8 @@ def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
 def _square_partners(
     g: Nodes, scale: Node, rest: Node
 ) -> Iterator[tuple[Factors, Node, Node, Node]]:
-    """Yields (key, scale, sum's scale, sum's rest) for each term that merges with this one."""
+    """Yields each term that could be merged with scale * rest, as (its monomial, its scale, scale
+    of the sum, rest of the sum)."""
     factors = g._factors[rest]
     for base, exponent in factors:
         partner = g._partner.get(base) if exponent >= 2 else None
@@ -83,7 +86,7 @@ def _square_partners(
 
 
 def _merge_into(g: Nodes, terms: Found, scale: Node, rest: Node) -> None:
-    """Adds a term, which may itself merge with like terms."""
+    """Adds a term to `terms`, merging it with like terms."""
     scale, rest = g.multiply(scale, g._scale[rest]), g._rest[rest]
     key = g._factors[rest]
     if key in terms:

@@ -1,7 +1,7 @@
-"""Finds constants that overflow or underflow a double as expressions are entered into the graph.
+"""Finds constants in the graph that overflow or underflow a double.
 
-The checker has already tested the constants in the text. Constants made from a loop variable of a
-sum or family, and products of constants that are each in range, exist only in the graph.
+The checker has already tested the constants in the model's text. This module tests constants that
+exist only in the graph: those computed from loop variables, and products of constants.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ NO_VALUE = "this constant has no real value"
 
 
 class Magnitudes:
-    """Caches the floating-point value of each constant, the value that the C computes too."""
+    """Tests constants of one graph. Caches their values, computed in doubles like in C."""
 
     def __init__(self, g: Graph):
         self.graph = g
@@ -27,7 +27,7 @@ class Magnitudes:
         self._wrong: dict[Node, str] = {ONE: ""}
 
     def wrong(self, node: Node) -> str:
-        """Returns the error message for the constant in front of a node (its scale), or ""."""
+        """Returns the error message for the constant factor of a node (its scale), or ""."""
         scale, _ = self.graph.split(node)
         found = self._wrong.get(scale)
         if found is None:
@@ -38,7 +38,7 @@ class Magnitudes:
         g = self.graph
         if not g.depends[scale] & _PARAMETER:
             return self._of(scale)
-        # a * 1e200 * 1e200: the constant factors of a parameter are tested too.
+        # In a * 1e200 * 1e200 with a parameter a, the product of the numbers is tested too.
         product = 1.0
         for base, exponent in g.factors(scale):
             if not g.depends[base] & _PARAMETER:
@@ -49,7 +49,7 @@ class Magnitudes:
         return limits.lost(1, product) if math.isfinite(product) else LARGE
 
     def _of(self, constant: Node) -> str:
-        """Returns the error message for a constant without symbols, or ""."""
+        """Returns the error message for a constant without parameters, or ""."""
         g, values = self.graph, self._values
         for node in reachable(g, [constant]):
             if node not in values:
@@ -64,5 +64,6 @@ class Magnitudes:
 
 
 def may_vanish(g: Graph, node: Node, args: list[float]) -> bool:
-    """Whether 0 is a valid value: sums and calls may vanish, nonzero numbers and products not."""
+    """Whether a value of 0 is exact rather than an underflow. It may be exact for a sum, a call, or
+    an operation with an argument 0."""
     return node == ZERO or g.op[node] in (Op.ADD, Op.CALL) or not all(args)

@@ -1,4 +1,4 @@
-"""Products as monomials: each base once, with its exponent, in order."""
+"""Products as monomials: tuples of (base, exponent), sorted by base, each base once."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ def merged(left: Factors, right: Factors) -> Factors:
 def without_reciprocals(
     factors: Factors, reciprocals: Mapping[Node, tuple[Node, Fraction | int]]
 ) -> Factors:
-    """Simplifies x^k reciprocal(x) -> x^(k-1), equal at x = 0 too unless k is 1. `reciprocals`
-    maps the node of each reciprocal(x) to (base, exponent) of x."""
+    """Simplifies x^k reciprocal(x) to x^(k-1). The case k = 1 is left out: since reciprocal(0) is
+    0, the two differ at x = 0. `reciprocals` maps each node reciprocal(x) to x, as (base,
+    exponent)."""
     powers = dict(factors)
     for reciprocal, times in factors:
         found = reciprocals.get(reciprocal)

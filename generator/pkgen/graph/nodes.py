@@ -1,6 +1,6 @@
 """The nodes of the expression graph: storage, leaves, and the monomial of each node.
 
-`graph.py` adds the arithmetic and explains the parts of a node.
+`graph.py` adds the arithmetic, and explains the scale, the rest and the monomial of a node.
 """
 
 from __future__ import annotations
@@ -13,18 +13,19 @@ from typing import NamedTuple
 from ..system.resources import ResourcesExceeded
 from .monomials import Factors, Node
 
-Terms = tuple[tuple[Node, Node], ...]  # (scale, rest) of each term of a sum
+Terms = tuple[tuple[Node, Node], ...]  # The terms of a sum, each as (scale, rest).
 
 
 class Op:
-    """Operations of nodes. Not an Enum, because Python 3.11 looks up Enum members slowly."""
+    """The operations of nodes. A node has `args`, its arguments, and `data`. The class is no Enum,
+    because lookup of Enum members is slow in Python 3.11."""
 
-    NUMBER = "number"  # data: its Fraction
-    SYMBOL = "symbol"  # data: its Symbol
-    ADD = "add"  # args: two nodes
-    MULTIPLY = "multiply"  # args: two nodes; a constant factor comes first, -1 stands for a sign
-    POWER = "power"  # args: the base; data: the exponent, a Fraction other than 0 and 1
-    CALL = "call"  # args: one or two nodes; data: a name of functions/
+    NUMBER = "number"  # A number, whose data is a Fraction.
+    SYMBOL = "symbol"  # A symbol, whose data is a Symbol.
+    ADD = "add"  # The sum of two arguments.
+    MULTIPLY = "multiply"  # The product of two arguments; a constant, such as -1, comes first.
+    POWER = "power"  # The power of one argument; the data is the exponent, not 0 or 1.
+    CALL = "call"  # A function of one or two arguments; the data is its name in functions/.
 
 
 class Kind:
@@ -34,22 +35,25 @@ class Kind:
     PARAMETER = "parameter"
     COORDINATE = "coordinate"
     RATE = "rate"
-    STATE = "state"  # a first-order variable; larger indices are their rates (states.py)
+    STATE = "state"  # a first-order variable; with n variables, index n + k is the rate of index k
     TIME = "time"
     INPUT = "input"
-    ACCELERATION = "acceleration"  # given, in a linearisation
-    MOMENTUM = "momentum"  # given, in the canonical form
+    ACCELERATION = "acceleration"  # an independent variable in linearised equations
+    # A momentum is an independent variable in Hamilton's equations.
+    MOMENTUM = "momentum"
 
 
 KINDS = tuple(value for name, value in vars(Kind).items() if name.isupper())
-# `Nodes.depends` holds masks of these bits.
+# The bit of each kind in the masks of `Nodes.depends`.
 BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
 VARIABLE = ~CONSTANT & ((1 << len(KINDS)) - 1)
 
-FACTORS = 16  # a product of more factors is one base in any larger product
-TERMS = 4  # a sum of more terms is not searched for like terms
-# Domains as bits: the higher of two domains is their bitwise or.
+# The largest number of factors of a monomial: a longer product counts as a single base.
+FACTORS = 16
+# The largest number of terms of a sum in which like terms are merged.
+TERMS = 4
+# The domains (see graph.py). The higher of two domains is their bitwise or.
 _NUMBERS, _PARAMETERS, WORLD = 0b00, 0b01, 0b11
 ZERO: Node = 0
 ONE: Node = 1
@@ -57,27 +61,27 @@ MINUS_ONE: Node = 2
 
 
 class Symbol(NamedTuple):
-    """`index` counts the flattened quantities of its kind from 0."""
+    """A symbol: its kind, and its index (from 0) among the scalar quantities of this kind."""
 
-    kind: str  # of Kind
+    kind: str  # one of Kind
     index: int = 0
 
 
 class TooLarge(ResourcesExceeded):
-    """The graph has reached its limit of nodes."""
+    """The graph has reached its largest allowed number of nodes."""
 
 
 SQUARES = {"sin": "cos", "cos": "sin"}
 
 
 class Nodes:
-    """Hash-consed nodes; `Graph` adds the constructors that simplify: add, multiply, negate."""
+    """Stores hash-consed nodes. `Graph` adds constructors that simplify, such as `multiply`."""
 
     def __init__(self, limit: int | None = None) -> None:
         self.op: list[str] = []  # one of Op
         self.args: list[tuple[Node, ...]] = []
         self.data: list[object] = []
-        self.depends: list[int] = []  # a mask of BIT
+        self.depends: list[int] = []  # the kinds of symbols in each node, as a mask of BIT
         self.limit = maxsize if limit is None else limit
         self._numbers: dict[tuple[int, int], Node] = {}
         self._symbols: dict[Symbol, Node] = {}
@@ -89,9 +93,11 @@ class Nodes:
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
-        self._terms: dict[Node, Terms | None] = {}  # cache of _terms_of
-        self._partner: dict[Node, Node] = {}  # sin(x) <-> cos(x), where both exist
-        # Caches of frequent operations: sums and products without variables, negations.
+        # A cache of the results of `_terms_of`.
+        self._terms: dict[Node, Terms | None] = {}
+        # Maps sin(x) to cos(x) and cos(x) to sin(x), where both nodes exist.
+        self._partner: dict[Node, Node] = {}
+        # Results of frequent operations: sums and products without variables, and negations.
         self._constant_sums: dict[tuple[Node, Node], Node] = {}
         self._constant_products: dict[tuple[Node, Node], Node] = {}
         self._negatives: dict[Node, Node] = {}
@@ -103,7 +109,7 @@ class Nodes:
         return len(self.op)
 
     def copy(self) -> Nodes:
-        """Returns a graph with the same node numbers; nodes added to it do not appear in this."""
+        """Returns a copy of the graph, with the same node numbers."""
         result = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, dict | list):
@@ -111,8 +117,9 @@ class Nodes:
         return result
 
     def tables(self) -> dict[str, dict[object, Node]]:
-        """Returns, for each op, a copy of the map from key to node. The key is (numerator,
-        denominator) for numbers, (args, data) for powers and calls, args for the others."""
+        """Returns the tables that find existing nodes: for each operation except symbols a map from
+        key to node. The key is (numerator, denominator) for numbers, args for sums and products,
+        (args, data) for powers and calls."""
         return {
             Op.NUMBER: dict(self._numbers),
             Op.ADD: dict(self._sums),
@@ -144,11 +151,12 @@ class Nodes:
         return self.data[node] if self.op[node] is Op.NUMBER else None
 
     def is_constant(self, node: Node) -> bool:
-        """Whether the node depends on no symbols but parameters and pi."""
+        """Whether the node depends on no symbols except parameters and pi."""
         return not self.depends[node] & VARIABLE
 
     def factors(self, node: Node) -> Factors:
-        """Returns the whole product, scale included, as (base, exponent); a number is a base."""
+        """Returns all factors of the node, including its scale, as (base, exponent). A number
+        counts as a base with exponent 1."""
         found: list[tuple[Node, Fraction | int]] = []
         while node != ONE:
             rest = self._rest[node]
@@ -160,7 +168,8 @@ class Nodes:
         return tuple(found)
 
     def split(self, node: Node) -> tuple[Node, Node]:
-        """Returns the node as (scale, rest); the scale is constant."""
+        """Returns (scale, rest) with scale * rest = node. The scale has numbers and parameters
+        only; the rest is 1 or contains variables."""
         if self._domain[node] < WORLD:
             return node, ONE
         return self._scale[node], self._rest[node]
@@ -170,10 +179,10 @@ class Nodes:
         return self._factors[rest]
 
     def terms(self, rest: Node) -> Terms | None:
-        """Returns the terms of a node whose scale is 1; None if there are more than TERMS."""
+        """Returns the terms of a node whose scale is 1; None if they are more than TERMS."""
         return self._terms_of(rest, self._domain[rest])
 
-    # -- a node as terms and as scale times rest ------------------------------------------------
+    # -- terms of a node ------------------------------------------------------------------------
 
     def _terms_of(self, node: Node, domain: int) -> Terms | None:
         if self._domain[node] < domain:
@@ -194,10 +203,10 @@ class Nodes:
         left, right = self._terms_of(a, domain), self._terms_of(b, domain)
         if left is None or right is None or len(left) + len(right) > TERMS:
             return None
-        if len(left) == len(right) == 1:  # as most sums are
+        if len(left) == len(right) == 1:  # the most frequent case, treated first for speed
             same = self._factors[left[0][1]] == self._factors[right[0][1]]
             return None if same else left + right
-        # Merging would lose a rest that occurs twice, as x in (x + y) + (x + z).
+        # If a monomial occurs twice, such as x in (x + y) + (x + z), merge() would lose a term.
         both = left + right
         return both if len({self._factors[r] for _, r in both}) == len(both) else None
 
@@ -211,7 +220,8 @@ class Nodes:
         depends: int,
         factors: Factors | None = None,
     ) -> Node:
-        """Appends a node of scale 1; without factors, its monomial is ((node, 1),)."""
+        """Appends a node of scale 1. Its monomial is `factors`; if None, the node itself to the
+        power 1."""
         node = len(self.op)
         if node >= self.limit:
             raise TooLarge(
@@ -234,12 +244,12 @@ class Nodes:
         if node is None:
             node = self._append(Op.ADD, args, None, self.depends[a] | self.depends[b])
             self._sums[args] = node
-            # Terms are found at once: later, a long sum would need a deep recursion.
+            # The terms are computed now: later, for a long sum, the recursion would be deep.
             self._terms[node] = self._found_terms(node, self._domain[node])
         return node
 
     def _product_node(self, args: tuple[Node, Node], factors: Factors | None = None) -> Node:
-        """Returns the product of two nodes of one domain; `factors` is its monomial."""
+        """Returns the product of two nodes of the same domain; `factors` is its monomial."""
         node = self._products.get(args)
         if node is None:
             depends = self.depends[args[0]] | self.depends[args[1]]
@@ -286,7 +296,7 @@ class Nodes:
         return node
 
     def _remember(self, node: Node, function: str, arguments: tuple[Node, ...]) -> None:
-        """Records the partner of a sine or cosine, and the argument of a reciprocal."""
+        """Records which sine and cosine share an argument, and the argument of a reciprocal."""
         if function in SQUARES:
             partner = self._calls.get((arguments, SQUARES[function]))
             if partner is not None:

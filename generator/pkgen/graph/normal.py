@@ -1,10 +1,12 @@
-"""Normal forms: expressions as polynomials over atoms, equal if the polynomials are equal.
+"""Normal forms: expressions are written as polynomials. Two expressions with the same polynomial
+are equal.
 
-Atoms are symbols, functions of canonical arguments, inverses of sums, and sums that a policy
-keeps closed (unexpanded). sin^2 becomes 1 - cos^2, and an even power of a square root becomes a
-power of its argument, so terms cancel by these identities: a Cartesian position that rotates with
-Omega t leaves no t in the normal form. Coefficients are fractions; parameters are atoms. The work
-is bounded: an expression that needs more has no normal form (None).
+The variables of the polynomials, called atoms, are symbols (parameters included), function calls
+whose arguments are in normal form, inverses of sums, and sums that a policy leaves unexpanded. The
+coefficients are fractions. sin^2 becomes 1 - cos^2, and an even power of a square root becomes a
+power of its argument, so that terms cancel by these identities: for example, the kinetic energy of
+a point that rotates with the angle Omega t has no t in its normal form. The work is bounded: for an
+expression that needs more, the normal form is None.
 """
 
 from __future__ import annotations
@@ -15,20 +17,25 @@ from .graph import Graph, Node, Op
 from .monomials import merged
 
 Monomial = tuple[tuple[Node, int], ...]
-Polynomial = dict[Monomial, Fraction | int]  # mostly int, which is ten times as fast
+# Integer coefficients are stored as int, which is ten times as fast as Fraction.
+Polynomial = dict[Monomial, Fraction | int]
 
-WORK = 5_000  # most products of two terms
-TERMS = 500  # most terms of one polynomial
-BITS = 4_096  # most bits of a coefficient
-POWERS = 12  # the largest power of a sum that is expanded
+# The limit of work for normal forms: products of two terms.
+WORK = 5_000
+# The largest number of terms of one polynomial.
+TERMS = 500
+# The largest number of bits of a coefficient.
+BITS = 4_096
+# The largest exponent for which the power of a sum is expanded.
+POWERS = 12
 
 
 class TooMuch(Exception):
-    """The limit of work is reached."""
+    """A limit of work is reached, or a polynomial that is 0 is inverted."""
 
 
 class Normal:
-    """Normal forms of nodes of one graph; `closed` holds sums that stay atoms."""
+    """Normal forms of nodes of one graph. `closed` holds the sums that are not expanded."""
 
     def __init__(
         self,
@@ -40,13 +47,13 @@ class Normal:
     ):
         self.graph = g
         self.closed = closed
-        self.canonical = canonical  # whether sin^2 -> 1 - cos^2
+        self.canonical = canonical  # whether sin^2 is replaced by 1 - cos^2
         self.work = work
         self.terms = terms
         self.known: dict[Node, Polynomial] = {}
 
     def __call__(self, output: Node) -> Polynomial | None:
-        """Returns the normal form, or None if it would take too much work."""
+        """Returns the normal form of the node, or None if it would take too much work."""
         try:
             for node in self._below(output):
                 if node not in self.known:
@@ -56,7 +63,8 @@ class Normal:
         return self.known[output]
 
     def _below(self, output: Node) -> list[Node]:
-        """Returns the nodes whose normal forms are needed, sorted; none below closed sums."""
+        """Returns the nodes whose normal forms are needed first, sorted. Nodes below unexpanded
+        sums are not needed."""
         g = self.graph
         seen: set[Node] = set()
         stack = [output]
@@ -86,7 +94,8 @@ class Normal:
         return self._of(g.call(data, *arguments))
 
     def _of(self, node: Node) -> Polynomial:
-        """Returns the polynomial of a call node, which the graph may have scaled or simplified."""
+        """Returns the polynomial of a function call or a root, which the graph may have simplified
+        to another node, such as a product."""
         g = self.graph
         coefficient: Fraction | int = 1
         monomial: dict[Node, int] = {}
@@ -143,7 +152,8 @@ class Normal:
         return result
 
     def _reduced(self, monomial: Monomial) -> Polynomial | None:
-        """Applies sin^2 = 1 - cos^2 or sqrt(u)^2 = u to the monomial; None if neither applies."""
+        """Returns the monomial after replacing sin^2 by 1 - cos^2 or sqrt(u)^2 by u; None if it
+        contains neither."""
         g = self.graph
         for base, exponent in monomial:
             if exponent < 2 or g.op[base] is not Op.CALL:
@@ -194,7 +204,7 @@ class Normal:
         return {((inner, n),): first**n}
 
     def plain(self, polynomial: Polynomial) -> Node:
-        """Converts the polynomial to a node, with the terms in canonical order."""
+        """Converts the polynomial to a node. The terms are in canonical order."""
         g = self.graph
         return g.total(self.term(m, polynomial[m]) for m in sorted(polynomial))
 
@@ -207,13 +217,13 @@ def _plain_number(value: Fraction) -> Fraction | int:
     return value.numerator if value.denominator == 1 else value
 
 
-# -- merging of sin^2 + cos^2 where it saves a term ------------------------------------------------
+# -- merging of squared sines and cosines ----------------------------------------------------------
 
 
 def squares_merged(g: Graph, polynomial: Polynomial) -> Polynomial:
-    """Applies R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2 as long as possible.
+    """Applies R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2 as often as possible.
 
-    Unlike the canonical 1 - cos^2, this never subtracts nearly equal terms.
+    Unlike the replacement of sin^2 by 1 - cos^2, this never subtracts nearly equal terms.
     """
     terms = dict(polynomial)
     pending = sorted(terms, reverse=True)

@@ -1,8 +1,9 @@
 """The null space of a matrix whose entries are polynomials in parameters.
 
-A cheap elimination modulo a prime, with random residues for the parameters, finds the dimension
-and the rows and columns that matter. Only these are solved exactly, over the field of fractions of
-the parameters. A vector is returned only if it solves every row exactly.
+A fast elimination modulo a prime, with pseudorandom residues for the parameters, finds the
+dimension of the null space, independent rows, and the columns in which solutions are nonzero. This
+smaller matrix is solved exactly, over the field of rational functions of the parameters. A vector
+is returned only if it solves all rows exactly.
 Reference: J. von zur Gathen, J. Gerhard, Modern Computer Algebra, 3rd edition, chapter 5.
 """
 
@@ -17,17 +18,18 @@ from .nodes import Node
 from .normal import Polynomial
 from .residues import PRIME
 
-Row = dict[int, Polynomial]  # by column
+Row = dict[int, Polynomial]  # the nonzero entries by column
 Vector = dict[int, Polynomial]
 Residues = dict[int, int]
 
 
 @dataclass
 class Eliminated:
-    """Rows in reduced echelon form modulo PRIME, with the first nonzero column as pivot."""
+    """A matrix in reduced row echelon form modulo PRIME. The pivot of a row is its first nonzero
+    entry."""
 
-    rows: dict[int, Residues]  # by pivot column
-    origin: list[int]  # numbers of the given rows that are independent of the earlier ones
+    rows: dict[int, Residues]  # The rows by the column of their pivot.
+    origin: list[int]  # The numbers of the added rows that depend on no rows added before.
 
     def reduce(self, row: Residues) -> Residues:
         for column in sorted(self.rows):
@@ -51,7 +53,7 @@ class Eliminated:
 
 
 def _combined(a: Residues, b: Residues, factor: int) -> Residues:
-    """Returns a + factor b."""
+    """Returns the row a + factor * b modulo PRIME."""
     result = dict(a)
     for column, value in b.items():
         total = (result.get(column, 0) + factor * value) % PRIME
@@ -63,13 +65,13 @@ def _combined(a: Residues, b: Residues, factor: int) -> Residues:
 
 
 def null_space(rows: list[Row], columns: int) -> list[Vector]:
-    """Returns a basis; each vector has no denominators or common factors, and its last entry has a
-    positive leading coefficient."""
+    """Returns a basis of the null space. The entries of each vector are polynomials without a
+    common factor, and the last nonzero one has a positive leading coefficient."""
     done = _eliminated(rows)
     free = {c for c in range(columns) if c not in done.rows}
     if not free:
         return []
-    # All solutions are zero in the other columns.
+    # In columns outside `support`, all vectors of the null space are zero.
     support = sorted(free | {p for p, row in done.rows.items() if not free.isdisjoint(row)})
     place = {column: k for k, column in enumerate(support)}
     inside = [{place[c]: entry for c, entry in row.items() if c in place} for row in rows]
@@ -129,10 +131,10 @@ def _solved(needed: list[Row], every: list[Row], width: int) -> list[Vector]:
     table = [[element(row.get(c, {})) for c in range(width)] for row in needed]
     matrix = DomainMatrix(table, (len(table), width), polynomials.to_domain())
     found = []
-    # Over the field of fractions: SymPy 1.11 has no null space over a ring.
+    # The field of fractions is used because SymPy 1.11 has no null space over a ring.
     for vector in matrix.to_field().nullspace().to_list():
         whole = _without_common_factors(polynomials, _without_denominators(polynomials, vector))
-        # Test every row, not only the rows that were solved.
+        # Each vector is tested with all rows, also with rows that were left out as dependent.
         if all(sum((x * whole[c] for c, x in row.items()), polynomials.zero) == 0 for row in rows):
             found.append({k: polynomial_of(x) for k, x in enumerate(whole) if x})
     return found
@@ -151,7 +153,7 @@ def _without_common_factors(ring, vector: list) -> list:
         divisor = divisor.gcd(x)
     whole = [x.exquo(divisor) for x in vector]
     sign = -1 if next(x for x in reversed(whole) if x).LC < 0 else 1
-    # A greatest common divisor over the rationals does not remove numeric factors.
+    # A greatest common divisor over the rationals does not contain numeric factors.
     numbers = [c for x in whole for c in x.coeffs()]
     scale = lcm(*(int(c.denominator) for c in numbers))
     scale = Fraction(scale, gcd(*(int(c.numerator * (scale // c.denominator)) for c in numbers)))

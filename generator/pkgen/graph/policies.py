@@ -1,4 +1,4 @@
-"""Policies of expansion: each function returns the sums that stay closed (unexpanded)."""
+"""Policies of expansion: each function returns the sums that normal forms leave unexpanded."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ Policy = Callable[[Graph, Iterable[Node]], frozenset[Node]]
 
 
 def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
-    """Returns the sums used more than once, to keep common subexpressions."""
+    """Returns the sums used more than once, so that common subexpressions are kept, and sums raised
+    to a power."""
     outputs = list(outputs)
     order = reachable(g, outputs)
     uses = dict.fromkeys(order, 0)
@@ -20,7 +21,7 @@ def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
     for node in order:
         for a in g.args[node]:
             uses[a] += 1
-    # Each use of a scaled sum is a use of the sum.
+    # Each use of scale * sum counts as a use of the sum.
     for node in reversed(order):
         rest = g.split(node)[1]
         if rest not in (node, ONE) and uses[node] > 1:
@@ -30,7 +31,8 @@ def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
-    """Returns sums like l0 + s, of parameters and coordinates without function calls."""
+    """Returns sums of parameters and coordinates without function calls, such as l0 + s, and sums
+    raised to a power."""
     order = reachable(g, outputs)
     closed = _squared(g, order)
 
@@ -42,8 +44,8 @@ def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
-    """Returns sums of scaled symbols, like q_2 - q_1, and sums raised to a power: their expansion
-    would cancel nearly equal values and lose digits."""
+    """Returns linear combinations of symbols, such as q_2 - q_1, and sums raised to a power. If
+    they were expanded, nearly equal terms would cancel, with a loss of digits."""
     order = reachable(g, outputs)
     plain: dict[Node, bool] = {}
     for node in order:
@@ -58,13 +60,14 @@ def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def _sums(g: Graph, order: list[Node], plain: Iterable[bool]) -> set[Node]:
-    """Returns the variable sums among the nodes marked as plain."""
+    """Returns the nodes marked in `plain` that are sums with variables."""
     found = (node for node, is_plain in zip(order, plain, strict=True) if is_plain)
     return {n for n in found if g.op[n] is Op.ADD and g.depends[n] & VARIABLE}
 
 
 def _squared(g: Graph, order: list[Node]) -> set[Node]:
-    """Returns rate-free bases of powers: expanded, (a - b)^2 loses digits where a is near b."""
+    """Returns sums without rates that are bases of powers. If expanded, (a - b)^2 would lose digits
+    where a is near b."""
     found = set()
     for node in order:
         if g.op[node] is Op.POWER and not g.depends[node] & BIT[Kind.RATE]:

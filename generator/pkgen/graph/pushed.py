@@ -1,10 +1,11 @@
-"""Solves M a = f without M: the second derivatives of L by the rates are pushed down its graph.
+"""Solves M a = f without computing M, by a reverse sweep over the graph of the Lagrangian.
 
-L is swept from the top. The swept part is kept as a quadratic form in the live values, the
-arguments not yet swept. A rate on which no unswept node depends is eliminated at once. In a tree of
-links few values are live at a time, so the work is linear in the number of links: the sweep then
-is the articulated-body algorithm. The pivots are those of M = L D L^T in the order of elimination,
-since no live value depends on an eliminated rate.
+M is the matrix of second derivatives of the Lagrangian by the rates. The sweep visits the nodes
+from the Lagrangian down to the rates, and keeps the second derivatives by the live nodes, which are
+arguments of visited nodes and not visited themselves. A rate is eliminated when it is visited: no
+other live node depends on it. For a tree of links few nodes are live at a time, so that the work
+is linear in the number of links; the sweep is then the articulated-body algorithm. The pivots are
+those of M = L D L^T in the order of elimination.
 References: R. Gower, M. Mello, A new framework for the computation of Hessians, Optimization
 Methods and Software 27 (2012); R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008.
 """
@@ -21,12 +22,16 @@ from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
 from .solve import Row, Solution
 
 RATES = BIT[Kind.RATE]
-NODES = 2000  # most new nodes per rate: a spatial link takes 300 to 1,300, dense coupling far more
+# The largest number of new nodes per rate. A link in space takes 300 to 1,300, systems in which all
+# coordinates are coupled far more.
+NODES = 2000
 
 
 @record
 class _Eliminated:
-    """a = (force - sum of couplings times tangents of the live values) * inverse."""
+    """The equation of an eliminated rate: its acceleration is (force - sum of coupling * tangent) *
+    inverse. The sum is over the nodes that were live at the elimination. A tangent is the
+    derivative of a node along the accelerations."""
 
     rate: Node
     inverse: Node
@@ -35,16 +40,17 @@ class _Eliminated:
 
 
 class _Form:
-    """A sparse quadratic form in the live values, and forces, which are linear in them."""
+    """A sparse symmetric matrix of second derivatives by the live nodes, and the force on each."""
 
     def __init__(self, g: Graph):
         self.graph = g
         self.rows: dict[Node, dict[Node, Node]] = {}
         self.forces: dict[Node, Node] = {}
-        self.sizes: dict[Node, Node] = {}  # diagonals without elimination, up to a factor
+        # Diagonal entries as they would be without elimination, to judge the size of a pivot.
+        self.sizes: dict[Node, Node] = {}
 
     def add(self, a: Node, b: Node, value: Node) -> None:
-        """Adds to the entry (a, b) and, where a and b differ, to (b, a)."""
+        """Adds a value to the entries (a, b) and (b, a); once if a is b."""
         for row, column in {(a, b), (b, a)}:
             entries = self.rows.setdefault(row, {})
             entries[column] = self.graph.add(entries.get(column, ZERO), value)
@@ -56,7 +62,8 @@ class _Form:
         self.sizes[node] = self.graph.add(self.sizes.get(node, ZERO), value)
 
     def taken(self, node: Node) -> tuple[dict[Node, Node], Node, Node]:
-        """Removes a live node; returns its row without the diagonal, its diagonal and its force."""
+        """Removes a live node from the matrix. Returns its row without the diagonal entry, its
+        diagonal entry and its force."""
         row = self.rows.pop(node, {})
         diagonal = row.pop(node, ZERO)
         for other in row:
@@ -65,7 +72,7 @@ class _Form:
         return live, diagonal, self.forces.pop(node, ZERO)
 
     def replace(self, node: Node, slopes: Mapping[Node, Node]) -> None:
-        """Replaces the node in the form by its linearisation in its arguments."""
+        """Replaces a node in the matrix by its arguments; `slopes` are its derivatives by them."""
         g = self.graph
         row, diagonal, force = self.taken(node)
         size = self.sizes.pop(node, ZERO)
@@ -95,8 +102,8 @@ class _Form:
 
 
 def pushed(g: Graph, lagrangian: Node, rates: Row, force: Row) -> Solution | None:
-    """Returns the accelerations and the pivots; None where a call depends on rates, where a pivot
-    vanishes, or where the sweep makes too many nodes."""
+    """Returns the accelerations and the pivots; None if a function call depends on rates, a pivot
+    vanishes, or the sweep makes too many nodes."""
     order = reachable(g, [lagrangian], RATES)
     if not set(rates) <= set(order) or any(g.op[node] is Op.CALL for node in order):
         return None
@@ -121,8 +128,9 @@ def pushed(g: Graph, lagrangian: Node, rates: Row, force: Row) -> Solution | Non
 
 
 def _from_the_leaves(g: Graph, order: list[Node]) -> Iterator[Node]:
-    """Yields each node after all its users. A node with at most one argument comes at once, since
-    it adds no live values; the others come by the depth of their rates, outermost first."""
+    """Yields each node after all nodes that use it. A node with at most one argument comes as soon
+    as possible, since it does not increase the number of live nodes. Other nodes come in the order
+    of the depth of their rates, outermost first."""
     arguments = {node: {a for a in g.args[node] if g.depends[a] & RATES} for node in order}
     users = Counter(a for node in order for a in arguments[node])
     outermost = _outermost(order, arguments)
@@ -138,9 +146,9 @@ def _from_the_leaves(g: Graph, order: list[Node]) -> Iterator[Node]:
 
 
 def _outermost(order: list[Node], arguments: Mapping[Node, set[Node]]) -> dict[Node, int]:
-    """Returns for each node the depth of the outermost rate below it. The depth of a rate is the
-    least number of rates below any node that combines it with another rate."""
-    below: dict[Node, int] = {}  # the rates below a node, one bit each
+    """Returns for each node the largest depth of the rates that it depends on. The depth of a rate
+    is the least number of rates on which a node depends that combines this rate with others."""
+    below: dict[Node, int] = {}  # the rates that a node depends on, one bit each
     out: dict[int, int] = {}
     for node in order:
         below[node] = 0 if arguments[node] else 1 << len(below)
@@ -158,7 +166,7 @@ def _outermost(order: list[Node], arguments: Mapping[Node, set[Node]]) -> dict[N
 
 
 def _sweep(form: _Form, node: Node, bars: dict[Node, Node]) -> None:
-    """Sweeps one node: rewrites the form and the adjoints `bars` in terms of its arguments."""
+    """Visits one node: replaces it in the matrix and in the adjoints `bars` by its arguments."""
     g = form.graph
     slopes: dict[Node, Node] = {}
     for a, p in zip(g.args[node], partials(g, node), strict=True):
@@ -183,7 +191,7 @@ def _sweep(form: _Form, node: Node, bars: dict[Node, Node]) -> None:
 
 
 def _backward(g: Graph, steps: list[_Eliminated], rates: Row) -> Row:
-    """Returns the accelerations by back-substitution, from the rate that was eliminated last."""
+    """Returns the accelerations by back-substitution, starting with the rate eliminated last."""
     known: dict[Node, Node] = {}
     moves = Forward(g, RATES, known.__getitem__)
     for step in reversed(steps):

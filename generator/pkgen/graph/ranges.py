@@ -1,8 +1,8 @@
 """Ranges of expressions by interval arithmetic on the graph.
 
-Coordinates, rates, time and inputs are unbounded; parameters have the bounds of their declarations.
-An end may be excluded: m > 0 makes m x^2 + m positive, not only nonnegative. A range is an
-enclosure and may be too wide: interval arithmetic does not see that x - x is 0.
+Coordinates, rates, time and inputs are unbounded; parameters have their declared bounds. An end
+point may be excluded: with m > 0, m x^2 + m is positive, not only nonnegative. A range contains all
+values, but may be too wide: interval arithmetic does not detect that x - x is 0.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .graph import Graph, Kind, Node, Op
 
 
 class Ranges:
-    """The range of any node; `parameters` holds the ranges of the parameters, by index."""
+    """Computes the ranges of nodes. `parameters` holds the ranges of the parameters, by index."""
 
     def __init__(self, g: Graph, parameters: Sequence[Range]):
         self.graph = g

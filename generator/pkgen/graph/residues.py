@@ -1,11 +1,11 @@
-"""Proofs that an expression varies: its values modulo a prime, at two assignments of its symbols.
+"""Proves that an expression depends on a symbol, by its values modulo a prime at two assignments.
 
-Symbols get pseudorandom residues. The sine and cosine of an angle get a point of the circle
-x^2 + y^2 = 1, a function of the residue of the angle; any other function gets a residue that is a
-function of its arguments' residues. Every identity of `normal.py` holds between such values. Two
-assignments ("worlds") that differ only in some symbols may give an expression different values.
-Then its normal form contains one of these symbols and need not be computed; equal values prove
-nothing.
+An assignment gives each symbol a pseudorandom residue. The sine and cosine of an angle are the
+coordinates of a point on the circle x^2 + y^2 = 1, which is a hash of the residue of the angle. The
+value of any other function is a hash of the residues of its arguments. All identities that
+`normal.py` uses hold between such values. If an expression has different values at two assignments
+that differ only in certain symbols, its normal form contains one of these symbols. Equal values
+prove nothing.
 Reference: J. T. Schwartz, Fast probabilistic algorithms for verification of polynomial
 identities, J. ACM 27 (1980) 701-717.
 """
@@ -19,15 +19,17 @@ from ..functions import FUNCTIONS
 from .graph import BIT, Graph, Node, Op
 from .nodes import SQUARES
 
-PRIME = 2**61 - 1  # 3 modulo 4, so that -1 has no square root and 1 + x^2 is never 0
-_PLAIN = {0, 1, PRIME - 1}  # arguments at which a function may have an exact value
+# The prime is 3 modulo 4: then -1 has no square root, and 1 + x^2 is never 0.
+PRIME = 2**61 - 1
+# Arguments at which a function may have an exact value, which differs from the hash.
+_PLAIN = {0, 1, PRIME - 1}
 
 
 class Residues:
-    """Values of nodes of one graph modulo PRIME; None where a node has no value.
+    """Values of nodes of one graph modulo PRIME, or None for a node without value.
 
-    Symbols of the kinds in `moved` have other values than with moved = 0; with `only`, just the
-    symbols of this index have.
+    Symbols of the kinds in the mask `moved` have different values than with moved = 0; if `only` is
+    an index, this holds only for symbols with this index.
     """
 
     def __init__(self, g: Graph, moved: int = 0, only: int | None = None):
@@ -42,7 +44,7 @@ class Residues:
         return self.known[output]
 
     def learn(self, outputs: Iterable[Node]) -> None:
-        """Computes and keeps the values of many nodes, in one sweep."""
+        """Computes and caches the values of many nodes in one sweep."""
         known, args, ops, data = self.known, self.graph.args, self.graph.op, self.graph.data
         missing = {output for output in outputs if output not in known}
         stack = list(missing)
@@ -75,14 +77,15 @@ class Residues:
 
 
 class Varying:
-    """Tests whether nodes of one graph vary with symbols of some kinds."""
+    """Tests whether nodes of one graph depend on symbols of given kinds."""
 
     def __init__(self, g: Graph):
         self.graph = g
         self.worlds: dict[int, Residues] = {0: Residues(g)}
 
     def __call__(self, node: Node, mask: int) -> bool:
-        """True proves that the normal form has a symbol of the mask; False proves nothing."""
+        """Returns True only if the node's normal form is proved to contain a symbol of the kinds in
+        `mask`."""
         if not self.graph.depends[node] & mask:
             return False
         here = self.worlds[0](node)
@@ -92,7 +95,8 @@ class Varying:
         return there is not None and here != there
 
     def learn(self, nodes: list[Node], mask: int) -> None:
-        """Computes the values of these nodes for later calls, in one sweep per world."""
+        """Computes and caches the values of many nodes for later calls, in one sweep for each
+        assignment."""
         self.worlds[0].learn(nodes)
         self._world(mask).learn(nodes)
 
@@ -102,7 +106,7 @@ class Varying:
         return self.worlds[mask]
 
     def is_nonzero(self, node: Node) -> bool:
-        """True proves that the normal form is not 0; False proves nothing."""
+        """Returns True only if the node's normal form is proved to be nonzero."""
         return bool(self.worlds[0](node))
 
 
@@ -113,7 +117,7 @@ def _fraction(value: Fraction) -> int | None:
 
 
 def _mixed(*values: int) -> int:
-    """Returns a residue that is a hash of the values, without a simple relation to them."""
+    """Returns a residue that is a hash of the given integers."""
     result = 2385
     for value in values:
         result = pow(result * 48271 + value, 5, PRIME)
@@ -122,12 +126,13 @@ def _mixed(*values: int) -> int:
 
 def _power(base: int, exponent: Fraction) -> int | None:
     if exponent.denominator != 1 or (base == 0 and exponent < 0):
-        return None  # roots have no residues here
+        return None  # roots and divisions by 0 have no value
     return pow(base, exponent.numerator, PRIME)
 
 
 def _call(function: str, arguments: list[int]) -> int | None:
-    """Returns the residue of a call; odd and even functions keep their parity, as in the graph."""
+    """Returns the value of a function call modulo PRIME. The values of odd and even functions have
+    the same parity as the functions."""
     if function == "sqrt" or not _PLAIN.isdisjoint(arguments):
         return None
     argument, sign = arguments[0], 1
@@ -137,7 +142,7 @@ def _call(function: str, arguments: list[int]) -> int | None:
     if function == "reciprocal":
         return sign * pow(argument, -1, PRIME) % PRIME
     if function in SQUARES:
-        half = _mixed(0, argument)  # the tangent of half the angle
+        half = _mixed(0, argument)  # stands for tan(angle / 2)
         scale = pow(1 + half * half, -1, PRIME)
         value = 2 * half if function == "sin" else 1 - half * half
         return sign * value * scale % PRIME

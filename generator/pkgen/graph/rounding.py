@@ -1,15 +1,17 @@
-"""Sizes of expressions: first-order bounds of the rounding error, in units of eps.
+"""First-order bounds of the rounding errors of expressions, here called sizes, in units of the
+machine epsilon.
 
-A sum that should vanish has terms that do not, and its rounding error must not count as a
-residual. A leaf x rounded to half a unit in its last place has the size |x|. Sizes propagate like
-errors:
+They show whether a sum that should vanish differs from 0 by more than rounding. A symbol x,
+rounded to half a unit in the last place, has the size |x|. Sizes propagate like errors:
 
-    of a + b    size a + size b            of f(a)    |f'(a)| size a + |f(a)|
-    of a b      |a| size b + |b| size a
+    size(a + b) = size(a) + size(b)
+    size(a b) = |a| size(b) + |b| size(a)
+    size(f(a)) = |f'(a)| size(a) + |f(a)|
 
-This is a running error bound that counts the rounding of leaves and calls, not of + and *. A
-constant expression is rounded alike at every evaluation, so it counts as a leaf. Reference:
-N. J. Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, 3.3.
+This running error bound includes the rounding of symbols, constants and function calls, but not
+that of + and *. A constant expression counts as a symbol: it has the same rounding error at every
+evaluation.
+Reference: N. J. Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, section 3.3.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from .graph import VARIABLE, ZERO, Graph, Node, Op
 
 
 def sizes(g: Graph, nodes: Iterable[Node]) -> tuple[Node, ...]:
-    """Returns the sizes of the nodes, as nonnegative nodes of the same graph."""
+    """Returns the sizes (error bounds) of the nodes, as nonnegative nodes of the same graph."""
     nodes = tuple(nodes)
     known: dict[Node, Node] = {}
 
@@ -44,7 +46,8 @@ def sizes(g: Graph, nodes: Iterable[Node]) -> tuple[Node, ...]:
 
 
 def _absolute(g: Graph, node: Node) -> Node:
-    """Returns |node| as a product of the absolute values of its factors, so these are shared."""
+    """Returns |node| as the product of the absolute values of its factors, so that products with
+    common factors share these."""
     return g.product(_of_factor(g, base, exponent) for base, exponent in g.factors(node))
 
 

@@ -1,9 +1,10 @@
-"""Solves M a = f on the graph by an unrolled, sparse L D L^T factorization without square roots.
+"""Solves M a = f symbolically, by an unrolled, sparse L D L^T factorization without square roots.
 
-The constructors of nodes exploit structure: a constant M makes L and D parameter expressions, which
-the C computes once; a diagonal M leaves one division per row. M is positive definite, so any order
-of elimination is stable, and the cheapest is taken: constant pivots first, then the row with the
-fewest entries left (minimum degree), so that a star or a tree causes no fill-in.
+The simplification of nodes makes use of structure: if M is constant, L and D contain only
+parameters and the C code computes them once; if M is diagonal, each row takes one division. M is
+positive definite, so that any order of elimination is stable. The order is chosen for few
+operations: constant pivots first, then the row with the fewest entries (minimum degree), so that a
+star or a tree causes no fill-in.
 Reference: G. Golub, C. Van Loan, Matrix Computations, 4th edition, sections 4.1 and 11.1.
 """
 
@@ -14,15 +15,17 @@ from .graph import ZERO, Graph, Node
 from .residues import PRIME, Residues
 
 Row = tuple[Node, ...]
-Pivots = tuple[tuple[Node, Node], ...]  # (pivot, its reference size, such as M's diagonal entry)
+# Each pivot with the value to which its size is compared, such as the diagonal entry of M.
+Pivots = tuple[tuple[Node, Node], ...]
 
-# About 20 coordinates with a dense M. The loop in C is as fast for one state, but unrolled code is
-# several times as fast with SIMD lanes; beyond this size it takes too long to compile.
+# The largest number of operations of unrolled code: about 20 coordinates with a dense M. More takes
+# too long to compile; a loop in C is then used. For one state at a time the loop is as fast, but
+# with SIMD lanes unrolled code is several times as fast.
 UNROLLED_OPERATIONS = 4_000
 
 
 class SingularMass(Exception):
-    """M is singular at every state; `coordinate` is one whose pivot is zero."""
+    """M is singular at every state; `coordinate` is the index of a coordinate whose pivot is 0."""
 
     def __init__(self, coordinate: int):
         super().__init__(coordinate)
@@ -31,7 +34,7 @@ class SingularMass(Exception):
 
 @record
 class Solution:
-    """Accelerations and pivots, both by coordinate."""
+    """Accelerations and pivots, both in the order of the coordinates."""
 
     accelerations: Row
     pivots: Pivots
@@ -39,7 +42,8 @@ class Solution:
 
 @record
 class Factors:
-    """M = L D L^T, in the order of elimination: l_ij below the diagonal, d_i and their inverses."""
+    """The factorization M = L D L^T: `lower` has the entries of L below the diagonal, `pivots` and
+    `inverses` the entries of D and their inverses, all in the order of elimination."""
 
     order: list[int]
     lower: list[list[Node]]
@@ -47,7 +51,7 @@ class Factors:
     inverses: list[Node]
 
     def forward(self, g: Graph, force: Row) -> list[Node]:
-        """Returns z with L z = f, in the order of elimination."""
+        """Returns the solution z of L z = f, in the order of elimination."""
         found: list[Node] = []
         for i, row in enumerate(self.order):
             entry = force[row]
@@ -57,12 +61,12 @@ class Factors:
         return found
 
     def beside(self, mass: tuple[Row, ...]) -> Pivots:
-        """Returns (pivot, diagonal entry of M) by coordinate."""
+        """Returns pairs (pivot, diagonal entry of M), in the order of the coordinates."""
         pivots = dict(zip(self.order, self.pivots, strict=True))
         return tuple((pivots[i], row[i]) for i, row in enumerate(mass))
 
     def backward(self, g: Graph, z: list[Node]) -> Row:
-        """Returns a with D L^T a = z, by coordinate."""
+        """Returns the solution a of D L^T a = z, in the order of the coordinates."""
         result: list[Node] = [ZERO] * len(z)
         for i in reversed(range(len(z))):
             entry = g.multiply(z[i], self.inverses[i])
@@ -73,7 +77,8 @@ class Factors:
 
 
 def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
-    """Returns accelerations and pivots; None if M is too large to unroll or `factors` has none."""
+    """Returns accelerations and pivots; None if M is too large for unrolled code or cannot be
+    factorized."""
     order, cost = elimination_order(g, mass)
     if cost > UNROLLED_OPERATIONS:
         _check_residues(g, mass)
@@ -85,12 +90,12 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
 
 
 def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None:
-    """Returns the factors of M, or None where a pivot is zero at every state though M is regular.
-    Raises SingularMass where M is singular at every state."""
+    """Returns the factors of M, or None if a pivot is zero at every state though M is regular.
+    Raises SingularMass if M is singular at every state."""
     n = len(mass)
     inverses: list[Node] = []
     pivots: list[Node] = []
-    # By position in the order: lower[i][j] = l_ij and scaled[i][j] = l_ij d_j.
+    # In the order of elimination: lower[i][j] = l_ij, scaled[i][j] = l_ij d_j.
     lower: list[list[Node]] = [[ZERO] * n for _ in range(n)]
     scaled: list[list[Node]] = [[ZERO] * n for _ in range(n)]
     for i in range(n):
@@ -102,8 +107,8 @@ def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None
                 scaled[i][j] = entry
                 lower[i][j] = g.multiply(entry, inverses[j])
             elif entry == ZERO:
-                # If the rest of the column is zero too, M is singular at every state. Otherwise M
-                # is indefinite, and a pivot fails at run time.
+                # If all entries below this pivot are zero too, M is singular at every state.
+                # Otherwise M is indefinite, which the check of pivots at run time reports.
                 if all(rest == ZERO for rest in _below(g, mass, order, lower, i)):
                     raise SingularMass(order[i])
                 return None
@@ -120,7 +125,8 @@ def _below(
     lower: list[list[Node]],
     column: int,
 ) -> list[Node]:
-    """Returns the entries of a column below its diagonal after the earlier eliminations."""
+    """Returns the entries of a column below the diagonal, after elimination of the columns to its
+    left."""
     found = []
     for row in range(column + 1, len(order)):
         left: list[Node] = []
@@ -134,7 +140,7 @@ def _below(
 
 
 def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:
-    """Raises SingularMass where M is singular modulo a prime at pseudorandom values."""
+    """Raises SingularMass if M is singular modulo a prime at pseudorandom values of its symbols."""
     residue = Residues(g)
     rows = [[residue(entry) for entry in row] for row in mass]
     if any(None in row for row in rows):
@@ -142,7 +148,7 @@ def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:
     for k, top in enumerate(rows):
         if top[k] == 0:
             if any(row[k] for row in rows[k + 1 :]):
-                return  # indefinite: a pivot fails at run time
+                return  # M is indefinite, which the check of pivots at run time reports
             raise SingularMass(k)
         inverse = pow(top[k], -1, PRIME)
         for row in rows[k + 1 :]:
@@ -165,12 +171,12 @@ def elimination_order(g: Graph, mass: tuple[Row, ...]) -> tuple[list[int], int]:
     order: list[int] = []
     cost = 0
     while left:
-        # A pivot stays constant until something that varies is subtracted from it.
+        # `settled`: the pivot is constant, since only constants were subtracted from M's entry.
         chosen = min(left, key=lambda i: (not settled[i], len(neighbours[i]), i))
         left.remove(chosen)
         order.append(chosen)
         around = sorted(neighbours[chosen])
-        cost += 1 + 4 * len(around)  # of the substitutions
+        cost += 1 + 4 * len(around)  # operations of forward and backward substitution
         for i in around:
             neighbours[i].update(around)
             neighbours[i] -= {i, chosen}

@@ -1,4 +1,4 @@
-"""Simultaneous substitution of nodes of a graph by others."""
+"""Simultaneous substitution of nodes in expressions."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from .graph import Graph, Node, Op
 
 
 def substituted(g: Graph, nodes: Iterable[Node], swap: Mapping[Node, Node]) -> list[Node]:
-    """Returns the nodes with those in `swap` replaced. Replacements are not substituted again, so
-    q_1 and q_2 can be swapped."""
+    """Returns the nodes after replacing each key of `swap` by its value. Nothing is replaced in the
+    values, so that q_1 and q_2 can be exchanged."""
     nodes = list(nodes)
     new = dict(swap)
     for node in reachable(g, nodes):
@@ -23,7 +23,7 @@ def substituted(g: Graph, nodes: Iterable[Node], swap: Mapping[Node, Node]) -> l
 
 
 def rebuilt(g: Graph, node: Node, args: list[Node]) -> Node:
-    """Returns the operation of a node applied to other arguments."""
+    """Returns a node with the operation of `node` and the arguments `args`."""
     op = g.op[node]
     if op is Op.ADD:
         return g.add(*args)

@@ -1,4 +1,4 @@
-"""An expression as a person would write it in a .lag file: "sin(theta)", "l0 + s", "x^2 + y^2"."""
+"""Writes an expression in the syntax of .lag files, such as "sin(theta)" or "x^2 + y^2"."""
 
 from __future__ import annotations
 
@@ -8,20 +8,23 @@ from fractions import Fraction
 from .differentiate import swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
-LONGEST = 60  # characters; a longer text is truncated
-_SUM, _NEGATED, _PRODUCT, _POWER, _ATOM = range(5)  # precedence of a text's outermost operator
+# The largest number of characters of a text; longer texts are truncated.
+LONGEST = 60
+# The precedence of the outermost operator of a text.
+_SUM, _NEGATED, _PRODUCT, _POWER, _ATOM = range(5)
 Worded = tuple[str, int]
 
 
 def wording(g: Graph, node: Node, name: Callable[[Symbol], str]) -> str:
-    """Returns the text, truncated to LONGEST characters; `name` gives the names of symbols."""
+    """Returns the text of a node, truncated to LONGEST characters; `name` returns the name of a
+    symbol."""
     ((text, _),) = swept(g, [node], lambda part, parts: _written(g, part, parts, name))
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _written(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:
     text, tightness = _joined(g, node, parts, name)
-    return text[: 2 * LONGEST], tightness  # longer parts never show in the result
+    return text[: 2 * LONGEST], tightness  # the result is truncated further
 
 
 def _joined(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:

@@ -1,5 +1,6 @@
-"""Nodes compiled to one Python function over any domain with +, * and the functions of the
-language: balls and series (analysis/enclose), expressions of another package (analysis/chart)."""
+"""Compiles nodes to one Python function that computes in any domain with +, * and the functions of
+the language, such as balls and power series (analysis/enclose) or the expressions of another Python
+package (analysis/chart)."""
 
 from __future__ import annotations
 
@@ -16,8 +17,8 @@ MOST_PRODUCTS = 8
 
 
 class Floats:
-    """The default domain: the functions that `enclosed` of functions/row.py calls, on floats, with
-    `number` and `pi` for constants."""
+    """The default domain, floating point numbers. A domain has the functions that the field
+    `enclosed` of functions/row.py calls, and `number` and `pi` for constants."""
 
     sin, cos, exp, log, sqrt = math.sin, math.cos, math.exp, math.log, math.sqrt
     asin, acos, atan, atan2, pi = math.asin, math.acos, math.atan, math.atan2, math.pi
@@ -31,8 +32,8 @@ class Written:
     def __init__(
         self, g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any], domain: Any = Floats
     ):
-        """`constants` holds the parameters' values in `domain`. Expressions of these alone are
-        evaluated once, here."""
+        """Compiles the nodes. `constants` holds the values of the parameters in `domain`;
+        expressions of parameters alone are evaluated here, once."""
         self.nodes = list(nodes)
         used: dict[str, object] = {}
         lines: list[str] = []
@@ -68,9 +69,10 @@ def text_of(
     before: str,
     power: Callable[[str, Fraction], str],
 ) -> str:
-    """Returns the Python text of a node (not a number) in terms of its arguments x0, x1, ... Puts
-    into `scopes` its symbol, or the attribute `function` of its function's row; a call has `before`
-    in front of its arguments."""
+    """Returns the Python text of a node that is no number. Its arguments are named x1, x2, ...
+    after their nodes. The dictionaries `scopes` get the objects that the text names: the symbol, or
+    the attribute `function` of the called function's row. The text `before` is inserted in front of
+    the arguments of a call; `power` returns the text of a power."""
     op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
     if op is Op.ADD:
         return " + ".join(args)
@@ -86,8 +88,9 @@ def text_of(
 
 
 def _power(base: str, exponent: Fraction) -> str:
-    """Returns the text of a power: products and a division for an integer exponent, a root for half
-    an integer. Arb's own power has no value for a ball around 0."""
+    """Returns the text of a power. Powers with integer or half-integer exponents are written as
+    products, divisions and square roots, since the power function of the library Arb is undefined
+    for a ball that contains 0."""
     whole, twice = exponent.denominator == 1, exponent.denominator == 2
     if not (whole or twice):
         return f"e.exp(e.log({base}) * {exponent.numerator} / {exponent.denominator})"

@@ -1,1 +1,2 @@
-"""From a Model to its Equations and facts: `derive`, `analyze`, `reduce`."""
+"""The compiler's middle end: derives the equations of a model, proves facts about them, and reduces
+them."""

@@ -1,15 +1,15 @@
-"""Rotations on the graph: the attitude R in SO(3) by its unit quaternion Q = (w, x, y, z), body to
-space.
+"""Rigid-body rotations: the attitude R in SO(3) is represented by a unit quaternion
+Q = (w, x, y, z), which transforms body axes to space.
 
-With body rates w_i, Q' = Q (0, w)/2. A function f of the attitude has a derivative X_i f along each
-body axis: its rate if w_i is 1 and the other body rates are 0. With p = dL/dw, Hamilton's principle
-gives
+The rates are the angular velocities w_i about the body axes (body rates): Q' = Q (0, w)/2. A
+function f of the attitude has a derivative X_i f along each body axis: its rate if w_i is 1 and the
+other body rates are 0. With p = dL/dw, Hamilton's principle gives
 
     dp/dt = X L + p x w + torque
 
-(Poincare 1901; Marsden and Ratiu, Introduction to Mechanics and Symmetry, section 13.5). Q v Q*
-transforms a body vector v to space, with polynomials of degree 2 in Q. So the equations, and their
-conservation laws, hold for a Q of any length, such as in the stages of a method."""
+(Poincare 1901; Marsden and Ratiu, Introduction to Mechanics and Symmetry, section 13.5). The
+transformation Q v Q* of a vector v is a polynomial of degree 2 in Q. The equations and their
+conservation laws therefore hold for a Q of any length, such as in the stages of an integrator."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from ..equations import Attitude, Row
 from ..graph.frames import cross
 from ..graph.graph import ZERO, Graph, Kind, Node, Symbol
 
-# The components w, x, y, z of Q e_i, each as (index of a component of Q, sign).
+# The components of the quaternion product Q e_i for each body axis i; each component is a component
+# of Q up to sign, given as (its index, the sign).
 _TURNED = (
     ((1, -1), (0, 1), (3, 1), (2, -1)),
     ((2, -1), (3, -1), (0, 1), (1, 1)),
@@ -26,17 +27,17 @@ _TURNED = (
 
 
 def numbers(g: Graph, at: Attitude) -> Row:
-    """Returns Q = (w, x, y, z), or () if a reduction has dropped the quaternion."""
+    """Returns the symbols of Q = (w, x, y, z); () if a reduction has removed the quaternion."""
     return tuple(g.symbol(Symbol(Kind.STATE, k)) for k in at.numbers)
 
 
 def rates(g: Graph, at: Attitude) -> Row:
-    """Returns the body rates about x, y, z."""
+    """Returns the symbols of the body rates about the axes x, y, z."""
     return tuple(g.symbol(Symbol(Kind.RATE, i)) for i in at.rates)
 
 
 def turned(g: Graph, quaternion: Row, axis: int) -> Row:
-    """Returns Q e_i/2 (four components) for the body axis i = 0, 1 or 2."""
+    """Returns the four components of Q e_i/2 for the body axis i = `axis` (0, 1 or 2)."""
     half = g.power(g.number(2), -1)
     return tuple(
         g.multiply(g.multiply(half, g.number(sign)), quaternion[k]) for k, sign in _TURNED[axis]
@@ -44,13 +45,13 @@ def turned(g: Graph, quaternion: Row, axis: int) -> Row:
 
 
 def quaternion_rates(g: Graph, quaternion: Row, w: Row) -> Row:
-    """Returns Q' = Q (0, w)/2."""
+    """Returns the four components of Q' = Q (0, w)/2."""
     along = [turned(g, quaternion, axis) for axis in range(3)]
     return tuple(g.sum(map(g.multiply, w, each)) for each in zip(*along, strict=True))
 
 
 def body_rates(g: Graph, quaternion: Row, rates: Row) -> Row:
-    """Returns w with Q' = Q (0, w)/2, for a Q of length 1 and its rates."""
+    """Returns the body rates w for a quaternion Q of length 1 and its rates Q' = Q (0, w)/2."""
     four = g.number(4)
     return tuple(
         g.multiply(four, g.sum(map(g.multiply, turned(g, quaternion, axis), rates)))
@@ -64,14 +65,16 @@ def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:
 
 
 def along_axes(g: Graph, quaternion: Row, by: Row) -> Row:
-    """Returns X_i f, from the derivatives `by` of f by the components of Q."""
+    """Returns the derivatives X_i f of a function f; `by` are its derivatives by the components of
+    Q."""
     axes = (turned(g, quaternion, axis) for axis in range(3))
     return tuple(g.sum(map(g.multiply, by, to)) for to in axes)
 
 
 def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
-    """Returns X_i f by the index of the coordinate with rate w_i; `by` has the derivatives of f by
-    symbols, including those of quaternions."""
+    """Returns the derivatives X_i f of a function f for all attitudes, by the index of the
+    coordinate whose rate is w_i. `by` maps symbols, including components of quaternions, to
+    derivatives of f."""
     found = {}
     for at in attitudes:
         quaternion = numbers(g, at)
@@ -84,8 +87,8 @@ def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> d
 
 
 def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[int, Node]:
-    """Returns the components of p x w by the index of the coordinate with rate w_i; `momenta` are
-    those of all coordinates."""
+    """Returns the components of p x w for all attitudes, by the index of the coordinate whose rate
+    is w_i. `momenta` has the momenta of all coordinates."""
     found = {}
     for at in attitudes:
         p = tuple(momenta[i] for i in at.rates)
@@ -94,8 +97,9 @@ def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[
 
 
 def on_sphere(g: Graph, attitudes: tuple[Attitude, ...]) -> dict[Node, Node]:
-    """Returns substitutions that make quaternions of length 1 from a, b, c (the symbols x, y, z):
-    w = (1 - s)/(1 + s), x = 2 a/(1 + s), ..., s = a^2 + b^2 + c^2 (stereographic projection)."""
+    """Returns substitutions that give each quaternion the length 1, by stereographic projection.
+    The symbols x, y, z become independent numbers a, b, c: w = (1 - s)/(1 + s), x = 2 a/(1 + s),
+    ... with s = a^2 + b^2 + c^2."""
     found: dict[Node, Node] = {}
     for at in attitudes:
         w, *vector = numbers(g, at)
@@ -107,7 +111,7 @@ def on_sphere(g: Graph, attitudes: tuple[Attitude, ...]) -> dict[Node, Node]:
 
 
 def rotated(g: Graph, quaternion: Row, a: Row) -> Row:
-    """Returns Q a Q* for a vector a of three components."""
+    """Returns the vector Q a Q* (three components) for a vector a."""
     w, x, y, z = quaternion
 
     def twice(*terms: tuple[int, Node, Node]) -> Node:

@@ -1,8 +1,8 @@
 """Removes coordinates and attitudes from expressions whose values do not depend on them.
 
-For example, the inertia of a wheel about its axis contains sin(s)^2 + cos(s)^2, the mass of a
-satellite |Q|^4. Values modulo a prime distinguish such expressions from varying ones
-(graph/residues.py). They are rewritten with the angle 0, or with the unit quaternion 1."""
+For example, the inertia of a wheel about its axis contains sin(s)^2 + cos(s)^2, and the mass matrix
+of a satellite with the attitude quaternion Q contains |Q|^4. Values modulo a prime show that such
+an expression is constant (graph/residues.py). It is rewritten with s = 0, or with Q = 1."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..graph.residues import Residues
 from ..graph.substitute import substituted
 from .attitudes import numbers, on_sphere
 
-MOST = 24  # largest number of coordinates: each takes a sweep of all expressions
+MOST = 24  # the largest number of coordinates: each takes a sweep over all expressions
 
 
 def without_coordinates(g: Graph, nodes: Sequence[Node], count: int) -> list[Node]:
-    """Returns the expressions; each of the first `count` coordinates is removed from those whose
-    values do not depend on it."""
+    """Returns the expressions. Each of the first `count` coordinates is removed from the
+    expressions whose values do not depend on it."""
     found, here = list(nodes), Residues(g)
     for i in range(count if count <= MOST else 0):
         symbol = g.symbol(Symbol(Kind.COORDINATE, i))
@@ -31,7 +31,8 @@ def without_coordinates(g: Graph, nodes: Sequence[Node], count: int) -> list[Nod
 
 
 def without_attitudes(g: Graph, nodes: Sequence[Node], attitudes: Sequence[Attitude]) -> list[Node]:
-    """Returns the expressions without the attitudes that they do not depend on at |Q| = 1."""
+    """Returns the expressions. Each attitude is removed from the expressions whose values do not
+    depend on it if its quaternion has length 1."""
     found, here = list(nodes), Residues(g)
     for at in attitudes:
         if not at.numbers:
@@ -51,8 +52,8 @@ def _without(
     value: Callable[[Node], int | None],
     there: Residues | None,
 ) -> list[Node]:
-    """Substitutes `plain` in a node if that keeps its `value` and saves operations; with `there`,
-    only in nodes whose value there is the same."""
+    """Makes the substitutions `plain` in each node where this leaves the residue `value` unchanged
+    and saves operations. With `there`, only in nodes whose residue `there` is the same too."""
     new = {}
     for node in dict.fromkeys(nodes):
         known = value(node)
@@ -65,7 +66,8 @@ def _without(
 
 
 def to_be_shown(e: Equations) -> Equations:
-    """Returns equations for display, with M and f free of attitudes they do not depend on."""
+    """Returns equations for display. In M and f, attitudes are removed from entries that do not
+    depend on them."""
     if not e.attitudes:
         return e
     n = len(e.force)

@@ -1,7 +1,7 @@
-"""Equations with fewer coordinates, as reductions make them.
+"""Removes coordinates from equations, for the reductions.
 
-Coordinates are renumbered; `swap` replaces the symbols of removed ones, in terms of old symbols.
-lagrange.derived_again() derives the motion again.
+The symbols of removed coordinates are replaced by expressions, and the remaining coordinates are
+renumbered. Afterwards lagrange.derived_again() has to derive the equations of motion again.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from ..model import Coordinate, Model, State
 from ..record import record
 from .quantities import families, indexed, symbols
 
-Start = tuple[str, int]  # a coordinate's name, and 0 for its value, 1 for its rate
+# The key of an initial value: the coordinate's name, and 0 for the coordinate or 1 for its rate.
+Start = tuple[str, int]
 
 
 @record
 class Output:
-    """A former coordinate or rate that is now computed from the others."""
+    """A former coordinate or rate, which is computed from the remaining coordinates."""
 
     quantity: Quantity
     node: Node
@@ -38,11 +39,12 @@ def smaller(
     angles: Mapping[int, tuple[Node, Node]] | None = None,
     kept_states: Sequence[int] | None = None,
 ) -> Equations:
-    """Returns equations of the coordinates `kept`; their motion still has to be derived again.
+    """Returns equations with the coordinates `kept` only. Their motion has to be derived again.
 
-    `lagrangian` and `parts` (T and V, or None) are in the old symbols too. The states are
-    `kept_states` (None: all), followed by `angles`: former coordinates with (rate, start), which
-    no equation uses.
+    `swap` maps symbols of removed coordinates to expressions. `lagrangian` and `parts` (T and V, or
+    None) belong to the remaining coordinates. All of them are written in the old symbols. The
+    states of the result are `kept_states` (None: all), followed by `angles`: former coordinates
+    that no equation uses, each mapped to (rate, initial value).
     """
     g = equations.graph
     count, states = len(equations.coordinates), len(equations.states)
@@ -109,7 +111,8 @@ def smaller(
 def _attitudes(
     attitudes: tuple[Attitude, ...], kept: Sequence[int], of_states: Sequence[int]
 ) -> tuple[Attitude, ...]:
-    """Returns the remaining attitudes with new indices; state -1 if the quaternion is removed."""
+    """Returns the remaining attitudes with new indices. The index `state` is -1 if the quaternion
+    is removed."""
     rates, states = ({old: new for new, old in enumerate(row)} for row in (kept, of_states))
     return tuple(
         Attitude(rates[a.rate], states.get(a.state, -1)) for a in attitudes if a.rate in rates
@@ -117,8 +120,8 @@ def _attitudes(
 
 
 def _fewer(g: Graph, c: Constraints, there, pick) -> Constraints | None:
-    """Returns the constraints without rows that have no rate left; None if no row is left. Only the
-    stated fields are updated: the others are derived again."""
+    """Returns the constraints without rows in which no rate remains; None if no row remains. Fields
+    that follow from the rows are not updated: they are derived again."""
     own = _moving(g, c.stated, there)
     if own is None:
         return None
@@ -143,8 +146,8 @@ def _moving(g: Graph, rows: Rows, there) -> Rows | None:
 
 
 def _model(model: Model, kept: set[str]) -> Model:
-    """Returns the model with the remaining coordinates and states; the members of a family that has
-    lost some are declared one by one."""
+    """Returns the model with the remaining coordinates and states. If a family has lost members,
+    its remaining members are declared one by one."""
     return replace(
         model,
         coordinates=_left(model, model.coordinates, kept),
@@ -165,7 +168,7 @@ def _left(model: Model, declared: tuple, kept: set[str]) -> tuple:
 
 
 class StartParameters:
-    """Turns starts into parameters, for constants of a run that depend on them."""
+    """Adds parameters for initial values, so that constants of the motion can depend on them."""
 
     def __init__(self, equations: Equations):
         self.equations = equations
@@ -175,7 +178,7 @@ class StartParameters:
         self.taken = {slot.quantity.name for slot in self.slots}
 
     def of(self, symbol: Symbol) -> Node:
-        """Returns a new parameter for the start of a coordinate or of a rate."""
+        """Returns a new parameter for the initial value of a coordinate or a rate."""
         rate = symbol.kind is Kind.RATE
         e, i = self.equations, symbol.index
         named = e.rates[i] if rate else e.coordinates[i]

@@ -1,7 +1,7 @@
-"""The equations as y' = F(t, y), y = (coordinates, rates, first-order variables).
+"""The equations of motion as a first-order system y' = F(t, y).
 
-The order is that of the runtime's states. A rotation has body rates and a quaternion; nothing
-depends on its coordinates.
+The vector y has the coordinates, the rates and the first-order variables, in the order of the
+runtime. A rotation contributes only its body rates and its quaternion, no coordinates.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ def variables(e: Equations) -> list[Symbol]:
 
 
 def slopes(g: Graph, e: Equations) -> list[Node]:
-    """Returns F, in `g`, the equations' graph or a copy; `e.acceleration` must not be None."""
+    """Returns F. `g` is the equations' graph or a copy of it. `e.acceleration` must not be None."""
     n = range(len(e.seen))
     found = [g.symbol(Symbol(Kind.RATE, i)) for i in n]
     found += [e.acceleration[i] for i in (*n, *_turning(e))]

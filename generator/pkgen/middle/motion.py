@@ -1,6 +1,7 @@
-"""The equations of motion from L, D and Q, each kernel in the form of fewest operations.
+"""Derives the equations of motion from the Lagrangian L, the dissipation D and the forces Q. The
+expressions of each kernel are rewritten with few operations.
 
-`equations.py` defines the symbols; `collect.py` finds the forms.
+`equations.py` defines the symbols; `collect.py` rewrites expressions.
 """
 
 from __future__ import annotations
@@ -26,19 +27,21 @@ STATE = COORDINATES | RATES
 TIME = BIT[Kind.TIME]
 
 
-# The kernel "linear" has to be requested by name for more than this number of coordinates. For 20
-# links of a pendulum, it has most of the operations, and takes a fifth of the compile time.
+# Models with more coordinates get the kernel "linear" only if it is requested by name. For a
+# pendulum of 20 links, this kernel has most of the operations and takes a fifth of the compile
+# time.
 LINEARISED = 16
-LINEAR_OF_FEW = "linear of few"  # requests "linear" for at most LINEARISED coordinates
-PARTICLES = "particles"  # a kernel requested by diagnostics only
+LINEAR_OF_FEW = "linear of few"  # The request of "linear" for models up to LINEARISED coordinates.
+PARTICLES = "particles"  # A kernel that only diagnostics request.
 
 
-# Fields of Equations for a kernel that is not requested.
+# The fields of Equations with Jacobians, as they are if the kernel "jacobian" is not requested.
 NO_JACOBIANS: dict[str, None] = dict.fromkeys(("p_q", "pdot_q", "pdot_v"))
 
 
 class Wanted:
-    """The requested kernels; a call tests whether any of some kernels is requested."""
+    """The requested kernels (None: all). A call tests whether any of the given kernels is
+    requested."""
 
     def __init__(self, kernels: frozenset[str] | None):
         self.kernels = kernels
@@ -47,7 +50,7 @@ class Wanted:
         return self.kernels is None or not self.kernels.isdisjoint(names)
 
     def named(self, name: str) -> bool:
-        """Whether a costly kernel, which only a command needs, is requested by name."""
+        """Whether a kernel is requested by name: a request of all kernels does not count."""
         return self.kernels is not None and name in self.kernels
 
     def linear(self, count: int) -> bool:
@@ -81,7 +84,7 @@ def motion_of(
     attitudes: tuple[Attitude, ...] = (),
 ) -> Motion:
     """Returns the equations of motion. `rate_of` gives the time derivative of a coordinate, t or an
-    input. For body rates, `gradient` is X L + p x w of attitudes.py: p' without the torque."""
+    input. The field `gradient` is dL/dq; for body rates it is X L + p x w (see attitudes.py)."""
     count = len(forces)
     q, v = symbols(g, Kind.COORDINATE, count), symbols(g, Kind.RATE, count)
     by = gradient(g, energies.lagrangian, STATE | (BIT[Kind.STATE] if attitudes else 0))
@@ -95,7 +98,7 @@ def motion_of(
     applied = tuple(g.subtract(f, drag.get(rate, ZERO)) for f, rate in zip(forces, v, strict=True))
     pdot = tuple(map(g.add, slope, applied))
     mass = _symmetric_matrix(g, momenta, v, RATES)
-    # The time derivative at zero acceleration.
+    # The time derivative of a node if all accelerations are zero.
     coasting = Forward(
         g, VARIABLE, lambda node: ZERO if g.data[node].kind is Kind.RATE else rate_of(node)
     )
@@ -104,7 +107,8 @@ def motion_of(
 
 
 def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
-    """Returns a symmetric matrix of derivatives: only the triangle i >= j is differentiated."""
+    """Returns the derivatives of `rows` by the symbols `by`, a symmetric matrix. Computes only the
+    triangle i >= j."""
     n = len(by)
     matrix: list[list[Node]] = [[ZERO] * n for _ in range(n)]
     columns = Columns(g, rows, mask)
@@ -118,9 +122,10 @@ def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
 def shortest(
     g: Graph, lagrangian: Node, motion: Motion, wanted: Wanted, mass_read: bool = False
 ) -> tuple[Motion, Solution | None]:
-    """Returns the motion in the form of fewest operations, and the solution of M a = f if requested
-    or if a momentum depends on a state, since states.py then needs the solved form. It is solved
-    with M, or from L if that costs less. `mass_read`: whether later solutions use M."""
+    """Returns the motion in the form of fewest operations, and the solution of M a = f; None if the
+    solution is not needed or too large. It is needed if it is requested, or if a momentum depends
+    on a state (see states.py). It is computed with M, or directly from L (pushed.py) if that takes
+    fewer operations. `mass_read`: whether M is needed later in any case."""
     n = len(motion.force)
     triangle = [motion.mass[i][j] for i in range(n) for j in range(i, n)]
     outputs = [*triangle, *motion.force]
@@ -149,7 +154,7 @@ def shortest(
         _, _, mass, force, solution = min(found)
         if solved:
             along = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
-            alone = solution is None and stated  # the solved form cannot use a loop over M
+            alone = solution is None and stated  # a loop in C cannot solve for a in this case
             if along is not None and (
                 alone or _operations(g, along, mass) < _operations(g, solution, mass)
             ):
@@ -171,15 +176,16 @@ def shortest(
 
 
 def with_states(g: Graph, momenta: Row) -> bool:
-    """Whether a momentum depends on a state: dp/dv then has entries for states: see states.py."""
+    """Whether a momentum depends on a state. Then dp/dv has entries for states; see states.py."""
     return any(g.depends[p] & BIT[Kind.STATE] for p in momenta)
 
 
 def _without_mass(
     g: Graph, lagrangian: Node, mass: Matrix, force: Row
 ) -> tuple[Solution | None, Row]:
-    """Solves from L, if that costs less than a loop that solves M a = f, whatever M itself costs:
-    only proofs then use M. Returns None also if a pivot vanishes: solving with M reports why."""
+    """Returns the solution of M a = f computed from L without M, and f in few operations. Returns
+    None as solution if a loop that solves M a = f takes fewer operations, even without those of M,
+    or if a pivot vanishes."""
     n = len(force)
     if not looped(g, mass):
         return None, force
@@ -194,15 +200,15 @@ def _without_mass(
 
 
 def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
-    """Returns the operations of a solution, pivots and their diagonal entries included. For M a = f
-    solved by a loop, whose operations take half the time, half of them."""
+    """Returns the number of operations of a solution, including pivots. If it is None, M a = f is
+    solved by a loop in C; its operations count half, since they take half the time."""
     if solution is None:
         return (operations(g, [x for row in mass for x in row]) + _looped(len(mass))) // 2
     return operations(g, [*solution.accelerations, *sum(solution.pivots, ())])
 
 
 def _looped(n: int) -> int:
-    """Returns the operations of a loop that solves M a = f."""
+    """Returns the number of operations of a loop that solves M a = f for n coordinates."""
     return n**3 // 3
 
 
@@ -216,11 +222,9 @@ def _symmetric(triangle: list[Node], n: int) -> Matrix:
 
 
 def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str, Matrix]:
-    """Returns dp/dq, d(pdot)/dq, d(pdot)/dv. If p and the gradient are derivatives of a
-    `lagrangian`, symmetry saves work:
-
-    d(dL/dq_i)/dq_j is symmetric, and d(dL/dq_i)/dv_j = dp_j/dq_i.
-    """
+    """Returns dp/dq, d(pdot)/dq and d(pdot)/dv. `lagrangian`: whether p = dL/dv and
+    gradient = dL/dq for some L. Then d(dL/dq_i)/dq_j is symmetric, and
+    d(dL/dq_i)/dv_j = dp_j/dq_i, which saves work."""
     n = len(motion.momenta)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     p_q = _matrix(g, motion.momenta, q, COORDINATES)
@@ -234,7 +238,7 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
         applied_q = _matrix(g, motion.applied, q, COORDINATES)
         applied_v = _matrix(g, motion.applied, v, RATES)
         ways = [(_sum(g, second, applied_q), _sum(g, p_q_transposed, applied_v))]
-        # Applied forces may cancel a part of the gradient: then pdot itself is shorter.
+        # If applied forces cancel a part of the gradient, the derivatives of pdot are shorter.
         if len(reachable(g, motion.pdot)) <= THOROUGH:
             direct = _matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES)
             ways.append(direct)
@@ -247,7 +251,7 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
 
 
 def linear_of(g: Graph, motion: Motion) -> Linear:
-    """Returns the derivatives of r = f - M a by q, v and t, with a and inputs held."""
+    """Returns the derivatives of r = f - M a by q, v and t at constant a and inputs."""
     n = len(motion.force)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     a = symbols(g, Kind.ACCELERATION, n)
@@ -273,7 +277,8 @@ def _matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
 
 
 def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> Node:
-    """Returns v.p - L in the cheapest form found; T + V if T is homogeneous of degree 2."""
+    """Returns the energy v.p - L in the form of fewest operations. If T is homogeneous of degree 2
+    in the rates, one candidate is T + V."""
     kinetic, potential = energies.kinetic, energies.potential
     candidates = []
     if kinetic is not None and degree(g, kinetic) == 2 and not g.depends[potential] & RATES:
@@ -289,7 +294,7 @@ def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> N
 
 
 def shorter(g: Graph, energies: Energies, wanted: Wanted) -> Energies:
-    """Returns the energies, each rewritten in few operations if its kernel is requested."""
+    """Returns the energies. Each one whose kernel is requested is rewritten in few operations."""
     found: dict[str, Node | None] = {}
     for name in ("lagrangian", "kinetic", "potential"):
         node = found[name] = getattr(energies, name)
@@ -299,7 +304,8 @@ def shorter(g: Graph, energies: Energies, wanted: Wanted) -> Energies:
 
 
 def degree(g: Graph, output: Node) -> int | None:
-    """Returns the degree in the rates of a homogeneous expression; None if not recognized."""
+    """Returns the degree of an expression that is homogeneous in the rates; None if it is not
+    recognized as homogeneous."""
     found: dict[Node, int | None] = {}
     for node in reachable(g, [output], RATES):
         found[node] = _degree_of(g, node, [found.get(a, 0) for a in g.args[node]])

@@ -1,4 +1,4 @@
-"""Names of symbols."""
+"""Returns the names of symbols, for messages and output."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def naming(e: Named | Equations) -> Callable[[Symbol], str]:
         if symbol.kind is Kind.TIME:
             return "t"
         row = rows[symbol.kind]
-        if symbol.index >= len(row):  # the next derivative of an input's last one
+        if symbol.index >= len(row):  # the derivative of an input that has no index of its own
             return name(Symbol(symbol.kind, symbol.index - len(row))) + "'"
         return row[symbol.index].name
 

@@ -1,4 +1,5 @@
-"""Names and flat indices of a model's quantities, families unrolled, in declaration order."""
+"""Names and indices of a model's scalar quantities in declaration order. Each member of a family
+(an indexed name, such as q[1..N]) is a quantity; its index here is called its flat index."""
 
 from __future__ import annotations
 
@@ -16,8 +17,8 @@ from ..tree import Range
 
 @record
 class Family:
-    """A declared name: one scalar, or NAME[lo..hi]. The flat index of the first member is `first`,
-    and increases by `step` per member."""
+    """A declared name: a scalar (lo is None), or a family NAME[lo..hi]. Member lo has the flat
+    index `first`, each further member a flat index larger by `step`."""
 
     name: str
     first: int
@@ -48,7 +49,7 @@ def error(model: Model, message: str, span: Span, help: str = "") -> ModelError:
 
 
 def too_deep(span: Span) -> tuple[str, Span, str]:
-    """Returns the arguments of error() for expressions nested deeper than Python's stack."""
+    """Returns the arguments of error() for expressions nested too deeply for Python's stack."""
     message = "this is too deep: expressions within expressions, once its vectors are written out"
     return message, span, "give parts of it a name by 'let', or use fewer factors"
 
@@ -85,8 +86,8 @@ def families(
     declarations: tuple[Parameter | Coordinate | State, ...],
     side_by_side: bool = False,
 ) -> dict[str, Family]:
-    """Returns the families by name, with consecutive flat indices. With `side_by_side`, the
-    components of each rotation are adjacent, member by member."""
+    """Returns the families by name, with flat indices assigned in order. With `side_by_side`, all
+    components of one rotation get consecutive flat indices."""
     parts = [names for r in model.rotations for names in (r.turns, r.quaternion)]
     places = {n: (k, len(names)) for names in parts for k, n in enumerate(names) if side_by_side}
     result: dict[str, Family] = {}
@@ -101,7 +102,8 @@ def families(
 
 
 def single_rotations(model: Model) -> tuple[Rotation, ...]:
-    """Returns all rotations, with families split into single rotations with indexed names."""
+    """Returns all rotations; a family of rotations is split into its members, with names such as
+    R[1]."""
     found = []
     for r in model.rotations:
         (family,) = families(model, (r,)).values()
@@ -111,7 +113,7 @@ def single_rotations(model: Model) -> tuple[Rotation, ...]:
     return tuple(found)
 
 
-_NUMBERS = ("quaternion", "rates", "turns", "momenta")  # fields of Rotation with names
+_NUMBERS = ("quaternion", "rates", "turns", "momenta")  # fields of Rotation that contain names
 
 
 def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
@@ -128,8 +130,9 @@ def quantities(
     unit: str,
     own: str = "",
 ) -> tuple[Quantity, ...]:
-    """Returns a quantity for each coordinate or state, in flat order. `form` makes the name, unless
-    the field `own` has one; the field `unit` has the unit."""
+    """Returns a Quantity for each coordinate or state, in the order of flat indices. The name is in
+    the field `own` of the declaration; if that is empty, it is `form` with the declared name
+    inserted. The unit is in the field `unit`."""
     made = {
         found[c.name].flat(i): Quantity(
             indexed(getattr(c, own), i)
@@ -145,7 +148,7 @@ def quantities(
 
 
 def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, ...]:
-    """Returns a quantity for each input, each followed by its derivatives that occur."""
+    """Returns a Quantity for each input, followed by those of its first `order` derivatives."""
     result: list[Quantity] = []
     for item, order in zip(model.inputs, orders, strict=True):
         for k in range(order + 1):
@@ -196,5 +199,5 @@ def symbols(g: Graph, kind: str, count: int) -> tuple[Node, ...]:
 
 
 def rate_of_state(g: Graph, k: int, count: int) -> Node:
-    """Returns the symbol of the rate of state k; `count` is the number of states."""
+    """Returns the symbol of the time derivative of state k; `count` is the number of states."""
     return g.symbol(Symbol(Kind.STATE, count + k))

@@ -1,4 +1,4 @@
-"""The report of reductions: removed coordinates and parameters, with the reasons."""
+"""The report of the reductions: which coordinates and parameters were removed, and why."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .drop_coordinates import Start
 
 @record
 class ReportLine:
-    """The effect of one reduction, or the reason why it has none."""
+    """A line of the report: the effect of one reduction, or the reason why it has no effect."""
 
     reduction: str
     what: str
@@ -24,17 +24,21 @@ class ReportLine:
 
 @record
 class Report:
-    """`starts`: parameters that replace starts. `unused`: coordinates whose starts have no effect,
-    and parameters that nothing reads. `operations`, `coordinates`: numbers before and after."""
+    """The report of all reductions.
+
+    `starts` maps initial values that became parameters to the names of these. `unused` has the
+    coordinates whose initial values have no effect, and the parameters that nothing uses.
+    `operations` and `coordinates` are numbers before and after the reductions.
+    """
 
     lines: tuple[ReportLine, ...] = ()
     starts: dict[Start, str] = field(default_factory=dict)
     unused: frozenset[str] = frozenset()
-    operations: tuple[int, int] = (0, 0)  # of the accelerations and the rates of states
+    operations: tuple[int, int] = (0, 0)  # operations of the accelerations and rates of states
     coordinates: tuple[int, int] = (0, 0)
 
     def unread(self, slots: tuple[ParameterSlot, ...], kept: Collection[int]) -> Report:
-        """Returns the report with a line for the parameters that are not kept."""
+        """Returns the report with a line about the parameters whose index is not in `kept`."""
         gone = [slot for k, slot in enumerate(slots) if k not in kept]
         if not gone:
             return self

@@ -1,8 +1,9 @@
-"""Model -> Model: applies a scene's fixed parameters and held coordinates, before derivation.
+"""Specialises a model to a scene (a run's settings), before the equations are derived: parameters
+that the scene sets become constants, and coordinates that it holds follow a prescribed motion.
 
-A fixed parameter becomes a constant definition, folded into the C code. A held coordinate becomes a
-definition of its motion, whose time derivatives follow from the definition; at an end of a family
-it becomes a fixed end.
+A parameter becomes a constant definition, so that its number is compiled into the C code. A held
+coordinate becomes a definition of its motion as a function of t; if it is the first or last member
+of a family, the family gets a fixed end instead.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from .report import ReportLine
 
 
 def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model, list[ReportLine]]:
-    """Returns the model with parameters that the scene sets as constants, except those in
-    `run_time`, which are set again at run time; and report lines."""
+    """Returns the model in which parameters set by the scene are constants, and report lines.
+    Parameters in `run_time` are left out, since they are set again at run time."""
     parameters = {p.name: p for p in model.parameters}
     fixed: dict[str, Definition] = {}
     for k, item in enumerate(scene.assignments):
@@ -28,9 +29,11 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
         if parameter is None or item.name in run_time:
             continue
         if parameter.range is not None or item.index is not None:
-            continue  # members of a family stay in their array
+            continue  # parameters with an index stay in an array
         if names(item.value) & {later.name for later in scene.assignments[k:]}:
-            continue  # it uses values from before later assignments: known at run time
+            # A later assignment changes a parameter in this expression, so that the value of the
+            # expression is known only at run time.
+            continue
         fixed[item.name] = Definition(
             item.name, None, None, item.value, parameter.unit, parameter.description, item.span
         )
@@ -45,14 +48,17 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
 def held(
     model: Model, scene: Scene, asked_events: frozenset[str] = frozenset()
 ) -> tuple[Model, list[ReportLine]]:
-    """Returns the model without held coordinates and without events that are not requested, and
-    report lines. Raises ModelError for a coordinate that cannot be held."""
+    """Returns the model without the coordinates that the scene holds, and report lines. If any are
+    held, events are left out unless they are requested or stop the run. Raises ModelError for a
+    coordinate that cannot be held."""
     lines = []
     if scene.holds and model.conserved:
         claimed = ", ".join(item.name for item in model.conserved)
         lines.append(ReportLine("hold", claimed, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
-    if scene.holds:  # events on held coordinates may become constant: no error here
+    # A constant event would be an error. Events on held coordinates may become constant: limits of
+    # held coordinates, and events that nothing requests, are left out.
+    if scene.holds:
         held = {_member(item, model) for item in scene.holds}
         gone = {e.name for e in model.events if e.limit and held & _members(e.value, model)}
         lines += [ReportLine("hold", name, "a limit of what is held") for name in sorted(gone)]
@@ -76,7 +82,7 @@ def _member(of: Hold | Name, model: Model) -> tuple[str, int | None]:
 
 
 def _members(value: Expr, model: Model) -> set[tuple[str, int | None]]:
-    """Returns the names in an expression that is not in a loop, with the indices of members."""
+    """Returns the (name, index) pairs in an expression without loop variables."""
     return {_member(part, model) for part in within(value) if isinstance(part, Name)}
 
 
@@ -85,7 +91,7 @@ def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -
     known = sizes(model)
     for part in _asked(scene):
         if not isinstance(part, Name) or part.id != f"p_{name}" or names(part) - {*known, part.id}:
-            continue  # within a sum its index is checked when that is expanded
+            continue  # an index with a loop variable is checked when the sum is expanded
         if (None if part.index is None else integer(part.index, known)) == index:
             momentum, held = indexed(part.id, index), indexed(name, index)
             message = f"'{momentum}': {held} is held here, and has no momentum"
@@ -101,14 +107,14 @@ def _refuse_energy(model: Model, scene: Scene) -> None:
 
 
 def _asked(scene: Scene) -> Iterator[Expr]:
-    """Yields all recorded and expected expressions of a scene, with their subexpressions."""
+    """Yields all expressions that a scene records or expects, with their subexpressions."""
     asked = [column.value for column in scene.record.columns] if scene.record else []
     asked += [side for item in scene.expects for side in (item.a, item.b)]
     return (part for expr in asked for part in within(expr))
 
 
 def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
-    """Returns the index of the held member, and its motion."""
+    """Returns the index of the held coordinate in its family, and its motion as an expression."""
     if item.range is not None:
         raise error(
             model,
@@ -121,7 +127,8 @@ def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
 
 
 def _start(model: Model, item: Hold, index: int | None) -> Expr:
-    """Returns the last start of the coordinate; 0 if it has none."""
+    """Returns the initial value of the coordinate by the last statement about it; 0 if there is
+    none."""
     found: Expr = Number(Fraction(0), item.span)
     for start in model.starts:
         if start.order:
@@ -173,7 +180,8 @@ def _is_of(model: Model, of: object, item: Hold, index: int | None) -> bool:
 def _shorter(
     model: Model, item: Hold, family: Family, declared: Coordinate | State, index: int, value: Expr
 ) -> tuple[Model, Coordinate | State]:
-    """Makes a family's first or last member a fixed end; returns the model and shorter family."""
+    """Replaces the first or last member of a family by a fixed end. Returns the model and the
+    declaration of the shorter family."""
     if index not in (family.lo, family.hi) or family.count == 1:
         why, help = "none would be left", "leave the family out of the model"
         if family.count > 1:
@@ -202,8 +210,9 @@ def _shorter(
 
 
 def _ends(model: Model, old: End, item: Hold, family: Family, fixed: End) -> list[End]:
-    """Returns an end with an explicit index, since `free q` depends on the length, which changes.
-    A free end adjacent to the held member becomes the fixed value of that member."""
+    """Returns an end of a family with its index written out, since without an index it would refer
+    to the shorter family. A free end next to the held member gets the fixed value of that
+    member."""
     if old.name != item.name:
         return [old]
     places = [old.index] if old.index is not None else [family.lo - 1, family.hi + 1]
@@ -219,7 +228,8 @@ def _ends(model: Model, old: End, item: Hold, family: Family, fixed: End) -> lis
 
 
 def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
-    """Returns starts, forces or rates; ranges that begin or end at the held member exclude it."""
+    """Returns the statements `items` about the shorter family: ranges that begin or end at the held
+    member no longer include it."""
     known = sizes(model)
     found = []
     for old in items:
@@ -237,8 +247,8 @@ def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
 
 
 def with_definitions(model: Model, new: list[Definition]) -> Model:
-    """Returns the model with new definitions, which any other may use. Definitions are expanded in
-    order, so those that the new ones use are moved to the front."""
+    """Returns the model with new definitions. All old definitions may use them, so that they are
+    inserted before the old ones; definitions that the new ones use are moved to the front."""
     wanted = frozenset().union(*(names(item.value) for item in new))
     first: list[Definition] = []
     for item in reversed(model.definitions):

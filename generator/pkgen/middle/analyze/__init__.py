@@ -1,1 +1,1 @@
-"""Facts and proofs of equations: what is constant or affine, symmetries, what is conserved."""
+"""Proves facts about equations: constant or affine parts, symmetries, conserved quantities."""

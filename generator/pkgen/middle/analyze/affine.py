@@ -1,4 +1,5 @@
-"""Tests whether the equations of motion are v' = A q + B v + c with constant coefficients."""
+"""Tests whether the equations of motion are linear in the state: v' = A q + B v + c, with constant
+A, B and c."""
 
 from __future__ import annotations
 
@@ -11,8 +12,8 @@ STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def affine(equations: Equations, normal: Normal) -> bool:
-    """Returns whether f and the rates of states, as written or in normal form, are affine in q, v
-    and states with constant coefficients. M has to be constant."""
+    """Returns whether f and the rates of states are affine in q, v and the states, with constant
+    coefficients. Tests each expression as written and in normal form. M has to be constant."""
     g = equations.graph
     moving = [*equations.force, *equations.state_rates]
     varying = {
@@ -24,11 +25,11 @@ def affine(equations: Equations, normal: Normal) -> bool:
 
 
 def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:
-    """Returns whether nodes, as written, are sums of constants and constants times state symbols.
+    """Returns whether the nodes, as written, are affine in the state, with constant coefficients.
 
-    `symbols` has the symbols that vary: True if a symbol belongs to the state.
+    `symbols` maps each symbol that varies to True if it belongs to the state, else to False.
     """
-    affine = dict(symbols)  # for each node that varies: whether it is affine
+    affine = dict(symbols)  # maps each node that varies to whether it is affine in the state
     for node in reachable(g, nodes):
         op = g.op[node]
         varying = [affine[a] for a in g.args[node] if a in affine]
@@ -42,14 +43,15 @@ NONE, CONSTANT, VARYING, MORE = range(4)
 
 
 def of_rates(equations: Equations) -> int:
-    """Returns how the forces of a system with constant M depend on the rates; see in_rates."""
+    """Returns how f and the accelerations depend on the rates, if M is constant; see in_rates."""
     if equations.states or equations.constraints is not None:
         return MORE
     return in_rates(equations.graph, [*equations.force, *(equations.acceleration or ())])
 
 
 def linear(equations: Equations) -> bool:
-    """Returns whether, as written, M v' = A q + B v + c(t) with constant M, A and B."""
+    """Returns whether f and the rates of states, as written, are A q + B v + c(t) with constant A
+    and B."""
     moving = [*equations.force, *equations.state_rates]
     return in_rates(equations.graph, moving, of=STATE) <= CONSTANT
 
@@ -60,9 +62,10 @@ def in_rates(
     constant: frozenset[Node] = frozenset(),
     of: int = BIT[Kind.RATE],
 ) -> int:
-    """Returns how nodes, as written, depend on the rates: NONE; CONSTANT: affine, as C v with a
-    constant C; VARYING: C depends on q, t or inputs; MORE: otherwise. `constant` are inputs that do
-    not vary, such as the index of a loop. `of` is a mask of the kinds that replace rates."""
+    """Returns how the nodes, as written, depend on the rates v. NONE: not at all. CONSTANT: they
+    are affine, C v + d, with a constant C. VARYING: they are affine, and C depends on q, t or
+    inputs. MORE: otherwise. The symbols `constant` are treated as constants. If given, the symbols
+    of the kinds in the mask `of` take the place of the rates."""
     found: dict[Node, int] = {}
     varying: set[Node] = set()
     for node in reachable(g, nodes, VARIABLE):

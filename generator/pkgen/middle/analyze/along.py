@@ -1,8 +1,9 @@
-"""Time derivatives along the equations of motion, on a copy of the equations' graph.
+"""Time derivatives of expressions along the solutions of the equations of motion.
 
-Cramer's rule gives the accelerations of each block of M, with one denominator per block: normal
-forms can cancel that. Larger blocks are solved as in the C code. If that is too large as well, the
-accelerations stay symbols, whose values at a state `solved.py` finds.
+For the accelerations, small blocks of M are solved by Cramer's rule: all accelerations of a block
+then have the same denominator, which normal forms can cancel. Larger blocks are solved by L D L^T
+as in the C code. If the expressions would be too large, the accelerations stay symbols; `solved.py`
+finds their values at a given state.
 """
 
 from __future__ import annotations
@@ -15,20 +16,21 @@ from ...graph.substitute import substituted
 from ..points.squares import determinant
 from .combination import combination
 
-CRAMER = 4  # largest number of coordinates of a block for Cramer's rule
+CRAMER = 4  # the largest number of coordinates of a block that is solved by Cramer's rule
 
 
 class Along:
-    """d/dt of nodes of `graph`; the nodes of the equations have the same numbers there."""
+    """Makes time derivatives of nodes in `graph`, a copy of the equations' graph."""
 
     def __init__(self, equations: Equations, blocks: Indices):
         self.graph = equations.graph.copy()
         self.equations = equations
         self.block = {i: block for block in blocks for i in block}
         self.known: dict[int, Node] = {}
-        self.bound: dict[Node, Node] | None = None  # rates in terms of others, by constraints
-        # Momenta and the energy, whose rates have no accelerations: by node without its scale, the
-        # scale and the index (None: energy). The graph splits scales off powers and products.
+        # The rates that constraints determine, mapped to expressions in the other rates.
+        self.bound: dict[Node, Node] | None = None
+        # The momenta and the energy, whose time derivatives are known without accelerations. Maps
+        # each node without its scale to the scale and the index of the momentum (None: the energy).
         self.leaves: dict[Node, tuple[Node, int | None]] = {}
         known = [*enumerate(equations.momenta), (None, equations.energy)]
         for i, node in known if equations.momenta else []:
@@ -36,7 +38,8 @@ class Along:
             self.leaves[rest] = scale, i
 
     def terms(self, node: Node) -> list[Node]:
-        """Returns the terms of a node's derivative, one by each symbol, momentum and energy."""
+        """Returns the time derivative of a node as a list of terms: one for each symbol, momentum
+        or energy in the node, by the chain rule."""
         g = self.graph
         slopes = self._slopes(node)
         terms = self._of_large_blocks(slopes)
@@ -44,8 +47,9 @@ class Along:
         return [term for term in terms if term != ZERO]
 
     def on_constraints(self, terms: list[Node]) -> list[Node]:
-        """Returns the terms on J v + j0 = 0, with some rates in terms of others; not valid where
-        the divisors of these vanish."""
+        """Returns the terms for motions that satisfy the constraints J v + j0 = 0: some rates are
+        replaced by expressions in the others. Not valid where divisors of these expressions
+        vanish."""
         if self.equations.constraints is None:
             return terms
         if self.bound is None:
@@ -53,8 +57,9 @@ class Along:
         return [x for x in substituted(self.graph, terms, self.bound) if x != ZERO]
 
     def _of_large_blocks(self, slopes: dict[Node, Node]) -> list[Node]:
-        """Returns the terms of rates of large blocks that need no accelerations (combination.py),
-        and removes the slopes by these rates."""
+        """Returns the terms for the rates of large blocks, if these terms can be written without
+        accelerations (combination.py). Removes these rates from `slopes`, the derivatives by
+        them."""
         g, e, terms = self.graph, self.equations, []
         for block in dict.fromkeys(self.block.values()):
             rates = [g.symbol(Symbol(Kind.RATE, i)) for i in block]
@@ -71,7 +76,7 @@ class Along:
         return terms
 
     def _slopes(self, output: Node) -> dict[Node, Node]:
-        """Returns the derivatives of a node by the symbols, momenta and energy in it."""
+        """Returns the partial derivatives of a node by the symbols, momenta and energy in it."""
         g, leaves = self.graph, self.leaves
         bars, found = {output: ONE}, {}
         for node in reversed(reachable(g, [output], VARIABLE)):
@@ -92,7 +97,8 @@ class Along:
         return self.graph.divide(rate, scale)
 
     def energy_rate(self) -> Node:
-        """Returns dh/dt = v.(Q - dD/dv) - dL/dt, plus (J v).lambda for constraints, J v = -j0."""
+        """Returns the time derivative of the energy, dh/dt = v.(Q - dD/dv) - dL/dt. Constraints add
+        (J v).lambda = -j0.lambda."""
         g, e = self.graph, self.equations
         rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied))]
         applied, c = e.applied, e.constraints
@@ -106,8 +112,8 @@ class Along:
         return g.subtract(g.subtract(power, moved), slopes)
 
     def explicit(self, node: Node, first: int = 0) -> Node:
-        """Returns a node's time derivative at fixed coordinates and rates: through t, inputs, and
-        states from index `first` on."""
+        """Returns a node's time derivative at constant coordinates and rates. States with an index
+        below `first` are constant too."""
         g = self.graph
         slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE])
         return g.sum(
@@ -129,7 +135,8 @@ class Along:
         return g.symbol(Symbol(Kind.INPUT, self._next_input(symbol.index)))
 
     def _next_input(self, index: int) -> int:
-        """Returns the index of an input's next derivative; beyond all inputs if it is unknown."""
+        """Returns the index of the time derivative of the input at `index`. The result is larger
+        than all indices of inputs if the equations do not contain the derivative."""
         names = [q.name for q in self.equations.inputs]
         following = names[index] + "'" if index < len(names) else ""
         return index + 1 if following in names[index + 1 : index + 2] else index + len(names)
@@ -154,8 +161,9 @@ class Along:
 
 
 def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
-    """Solves each row of J v + j0 = 0 for one rate; divides by a constant entry of J if possible.
-    A proof extends by continuity to states where the entry is 0."""
+    """Solves each row of J v + j0 = 0 for one rate, and returns the expressions by rate. Divides by
+    a constant entry of J if possible. If the divisor vanishes at some states, a proof still holds
+    there by continuity."""
     c = equations.constraints
     count = len(equations.momenta)
     rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(count)]
@@ -176,7 +184,7 @@ def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
 
 
 def cramer(g: Graph, equations: Equations, block: tuple[int, ...]) -> dict[int, Node]:
-    """Returns the accelerations of one block of M a = f by Cramer's rule."""
+    """Returns the accelerations of the coordinates in one block of M, by Cramer's rule."""
     rows = [[equations.mass[i][j] for j in block] for i in block]
     inverse = g.power(determinant(g, rows), -1)
     found = {}

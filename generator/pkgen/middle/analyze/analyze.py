@@ -1,8 +1,9 @@
-"""Equations -> Structure: proves facts about a system. A False fact is one that is not proved.
+"""Proves facts about a system of equations, such as a constant mass matrix. A fact that is False is
+not proved; it may still hold.
 
-A proof shows that a symbol does not occur: in an expression as written, or in its normal form,
-where identities have cancelled symbols (for a bead on a hoop that turns with Omega t, L has no t).
-For an expression too large for a normal form, only the first proof is tried.
+Most proofs show that a symbol does not occur in an expression, either as written or in its normal
+form, in which symbols may cancel: L of a bead on a hoop that turns with Omega t does not depend on
+t. An expression that is too large has no normal form.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 
 def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = False) -> Structure:
-    """Returns the facts of enum pk_fact and others. Slower proofs are optional: `symmetric` asks
-    for invariants by Noether's theorem, `with_claims` for the outcome of each `conserve`."""
+    """Returns all facts about the equations. Slow proofs are optional: with `symmetric`, constants
+    of the motion by Noether's theorem; with `with_claims`, the proof of each `conserve`
+    statement."""
     seen = _Seen(equations.graph)
     n = len(equations.coordinates)
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
@@ -36,8 +38,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     applied = equations.applied if bound is None else bound.free_applied
     unforced = all(node == ZERO for node in applied)
     of_motion = [equations.lagrangian, *applied]
-    # States make L and the forces vary with time. Quaternions, which come first, do not count:
-    # they are positions.
+    # If first-order variables occur in L or forces, the energy may vary. Quaternions, which are the
+    # first of them, are positions and do not count.
     untouched = not seen.occurs(of_motion, STATES, equations.quaternions)
     steady = not seen.occurs(of_motion, TIME_OR_INPUT)
     kept = [] if bound is None else [*bound.positions, *bound.residual, *equations.applied]
@@ -51,7 +53,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     solvable = solvable and not equations.attitudes and bound is None
     found = None
     if solvable:
-        from .symmetries import symmetries  # imported only if requested
+        from .symmetries import symmetries  # a slow import
 
         found = symmetries(equations, coupled, influence)
     separable = constant and not seen.occurs(moving, RATES | STATES)
@@ -98,15 +100,16 @@ class _Seen:
         self.varying = Varying(g)
 
     def atoms(self, node: Node) -> list[Node]:
-        """Returns the atoms of the node's normal form; the node itself if it has none."""
+        """Returns the atoms (variables) of the node's normal form; the node if it has no normal
+        form."""
         polynomial = self.normal(node)
         if polynomial is None:
             return [node]
         return sorted({base for monomial in polynomial for base, _ in monomial})
 
     def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
-        """Returns whether a symbol of the kinds in `mask`, with an index from `first` on, occurs in
-        any of the nodes."""
+        """Returns whether any of the nodes depends on a symbol of the kinds in `mask` whose index
+        is at least `first`. False is proved."""
         g = self.graph
         nodes = [node for node in nodes if g.depends[node] & mask]
         if first:
@@ -118,11 +121,11 @@ class _Seen:
 
 
 def _jumping(equations: Equations) -> frozenset[int]:
-    """Returns the indices of coordinates, followed by states, inside a step of the Lagrangian, or
-    inside a sign, the derivative of an abs.
+    """Returns the indices of coordinates and states that occur in the argument of a step or sign in
+    the Lagrangian. States are numbered after the coordinates.
 
-    The derivative of a step is taken as 0. The force that does work where L jumps is therefore
-    missing: neither the energy nor the momentum is constant.
+    Where L jumps, the force is infinite; it is left out of the equations, since the derivative of a
+    step is taken as 0. Neither the energy nor the momentum is then constant.
     """
     g = equations.graph
     inside = [node for node in reachable(g, [equations.lagrangian], VARIABLE) if jumps(g, node)]
@@ -133,14 +136,15 @@ def _jumping(equations: Equations) -> frozenset[int]:
 
 
 def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple[bool, ...]:
-    """Returns for each i whether L, up to identities, has no q_i, and no force acts along q_i."""
+    """Returns for each coordinate whether it is proved cyclic: L does not depend on it, and no
+    applied force acts along it."""
     g = equations.graph
     n = len(equations.coordinates)
     free = {i for i in range(n) if equations.applied[i] == ZERO and i not in jumping}
-    free -= ties(equations).keys()  # constraint forces may act on them
+    free -= ties(equations).keys()  # constraint forces may act on these coordinates
     open_ = {i for i in free if equations.gradient[i] != ZERO}
     acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
-    # For a body rate, `gradient` is all of p'; L has no coordinate for it.
+    # For a body rate, `gradient` has the term p x w too, so that it has to be proved zero itself.
     acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
         atoms = seen.atoms(equations.lagrangian)
@@ -149,7 +153,7 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
 
 
 def _smooth(equations: Equations) -> bool:
-    """Returns whether no abs, min, max or step, or derivative of one, occurs in the motion."""
+    """Returns whether the equations of motion contain no function with a kink or a jump."""
     g = equations.graph
     outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]

@@ -1,7 +1,7 @@
-"""Writes a row as a linear combination of the rows of M with numbers, found modulo a prime.
+"""Writes a vector w as M x with rational numbers x, found modulo a prime and then proved.
 
-If w = M x with numbers x, then M a = f gives w.a = x.f without the accelerations. An example is the
-momentum of a body that is rotated or translated as a whole.
+From M a = f follows w.a = x.f, which avoids solving for the accelerations a. For example, the total
+linear or angular momentum has a time derivative of the form w.a + ..., with such a w.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from ...graph.nullspace import Eliminated
 from ...graph.residues import PRIME, Residues
 
 DENOMINATORS = range(1, 13)
-LARGEST = 1_000  # largest numerator tried
+LARGEST = 1_000  # the largest numerator that is tried
 
 
 def combination(g: Graph, rows: list[list[Node]], wanted: list[Node]) -> list[Fraction] | None:
-    """Returns the numbers x with M x = w, proved by normal forms; None if none are found or the
-    proof fails."""
+    """Returns rational numbers x with M x = w, where M is `rows` and w is `wanted`. The equation is
+    proved by normal forms. Returns None if no x is found, or if the proof fails."""
     found = _solved(Residues(g), rows, wanted)
     numbers = [_number(x) for x in found or ()]
     if found is None or None in numbers:

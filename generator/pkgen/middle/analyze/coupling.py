@@ -1,8 +1,8 @@
-"""Couplings of coordinates: through M, and through the equations of motion. States are numbered
-after the coordinates; each is a block of M by itself.
+"""Finds which coordinates are coupled: by entries of M, and by the equations of motion.
 
-If the accelerations are not solved for, or have no normal form within the budget, every coordinate
-that occurs in them counts as an influence, though it may cancel.
+States are numbered after the coordinates; each state is a block of M by itself. Couplings may be
+overestimated: a coordinate that occurs in an acceleration may cancel, which is not detected where
+the accelerations are not solved for, or are too large for normal forms.
 """
 
 from __future__ import annotations
@@ -16,12 +16,15 @@ from ...graph.normal import Normal
 from ...graph.residues import Residues
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
-WORK = 4_000  # budget of normal forms of all rows: products of two terms
-SWEPT = 10_000  # largest number of values modulo a prime: nodes times coordinates
+# The limit of work for all normal forms together: products of two terms.
+WORK = 4_000
+# The limit of nodes times coordinates: the number of values modulo a prime that are computed.
+SWEPT = 10_000
 
 
 def mass_blocks(equations: Equations) -> Indices:
-    """Returns the finest partition of the coordinates such that M has no entry between parts."""
+    """Returns the blocks of M: the finest partition of the coordinates such that all entries of M
+    between different blocks are zero."""
     n = len(equations.coordinates)
     return partition(
         n + len(equations.states),
@@ -38,11 +41,12 @@ def mass_band(equations: Equations) -> int:
 
 
 def influences(equations: Equations, blocks: Indices) -> Indices:
-    """Returns for each coordinate those whose position or rate is in its acceleration, and those
-    that a constraint ties to it, since their inertia acts on it. If rates may jump, every
-    coordinate influences all: an impulse conserves the energy of all together.
+    """Returns for each coordinate the coordinates that influence it: their positions or rates occur
+    in its acceleration, or a constraint contains both. If the system has impulses, all coordinates
+    influence each other, since an impulse conserves only the total energy.
 
-    `blocks` are those of M: each acceleration of a block depends on all its forces and entries.
+    `blocks` are the blocks of M: an acceleration depends on all forces and entries of M of its
+    block.
     """
     found = _in_motion(equations, blocks)
     if equations.impulsive:
@@ -53,7 +57,7 @@ def influences(equations: Equations, blocks: Indices) -> Indices:
 
 
 def ties(equations: Equations) -> dict[int, set[int]]:
-    """Returns for each coordinate those that occur with it in a constraint or its row."""
+    """Returns for each coordinate the coordinates that occur with it in a constraint."""
     c, found = equations.constraints, {}
     if c is None:
         return found
@@ -91,15 +95,16 @@ def _in_motion(equations: Equations, blocks: Indices) -> Indices:
 
 
 def blocks_of(influence: Indices, blocks: Indices) -> Indices:
-    """Returns the finest partition such that no coordinate influences one of another part, or
-    shares an entry of M with it; `blocks` are those of M."""
+    """Returns the finest partition of the coordinates such that coordinates of different parts do
+    not influence each other and are in different blocks of M (`blocks`)."""
     pairs = [(i, j) for i, row in enumerate(influence) for j in row]
     pairs += [(block[0], j) for block in blocks for j in block]
     return partition(len(influence), pairs)
 
 
 def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
-    """Returns the connected components of 0..n-1 with edges `pairs`, all in ascending order."""
+    """Returns the connected components of the graph with vertices 0..n-1 and edges `pairs`, in
+    ascending order."""
     of = list(range(n))
 
     def root(i: int) -> int:
@@ -118,8 +123,9 @@ def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
 
 
 def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
-    """Yields the rows with a coordinate that may cancel: their value modulo a prime does not change
-    with it. Yields nothing if there are too many nodes."""
+    """Yields the numbers of rows in which a coordinate occurs but may cancel: the row's value
+    modulo a prime does not change with the coordinate. Yields nothing if that takes too much
+    work."""
     if n * len(reachable(g, rows, STATE)) > SWEPT:
         return
     here = Residues(g)
@@ -131,7 +137,7 @@ def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
 
 
 def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
-    """Returns the atoms of a node's normal form; the node itself if it has none."""
+    """Returns the atoms (variables) of a node's normal form; the node if it has no normal form."""
     polynomial = normal(node) if g.depends[node] & STATE else {}
     if polynomial is None:
         return [node]
@@ -139,7 +145,8 @@ def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
 
 
 def _occurring(g: Graph, rows: list[list[Node]], n: int) -> list[tuple[int, ...]]:
-    """Returns for each row of nodes which of n coordinates (or rates) and states occur in it."""
+    """Returns for each row the numbers of the coordinates and states that occur in its nodes. A
+    coordinate also occurs if its rate does; states are numbered from n on."""
     bits: dict[Node, int] = {}
     for node in reachable(g, [node for row in rows for node in row], STATE):
         if g.op[node] is Op.SYMBOL:

@@ -9,7 +9,8 @@ from ..points.squares import Positive, definite_by_squares
 
 
 def definite(equations: Equations) -> bool:
-    """Returns whether M is proved positive definite everywhere, for parameters in their bounds."""
+    """Returns whether M is proved positive definite at all states, for all parameters within their
+    bounds."""
     e = equations
     if definite_by_squares(e.graph, e.parameters, e.written, len(e.coordinates)):
         return True
@@ -18,7 +19,8 @@ def definite(equations: Equations) -> bool:
 
 
 def singular(equations: Equations) -> tuple[str, ...]:
-    """Returns the expressions at whose zeros M may be singular; see `singularities.py`."""
+    """Returns the names of the expressions at whose zeros M may be singular; see
+    points/singularities.py."""
     return tuple(
         singularity.quantity.name
         for singularity in equations.singularities

@@ -1,8 +1,9 @@
-"""`conserve`: proves or refutes each claim that a quantity is constant.
+"""Proves or refutes the claims of `conserve` statements, that a quantity is constant.
 
-Proved: its time derivative along the equations of motion is zero by exact arithmetic alone.
-Refuted: at a reported state the derivative differs from zero by more than a rounding error bound.
-Not proved: neither; the report has the largest derivative at the states tried.
+The claim is proved if exact arithmetic shows that the time derivative of the quantity along the
+equations of motion is zero. It is refuted if the derivative at a sample state differs from zero by
+more than a bound of the rounding error. Otherwise it is "not proved", and the report has the
+largest derivative found at the sample states.
 """
 
 from __future__ import annotations
@@ -32,14 +33,18 @@ from ..points.squares import bounds_of
 from .along import Along
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
-SHOWN = 12  # largest number of values in a counterexample
+# The largest number of values shown in a counterexample.
+SHOWN = 12
 VISIBLE = 1e-300
-OFF = 1e-6  # relative to the terms: above the errors of rounding and of a start on constraints
+# A derivative larger than this, relative to its terms, refutes a claim at the start. Rounding
+# errors, and the allowed errors of a start that has to satisfy constraints, are smaller.
+OFF = 1e-6
 NOWHERE = "states at which the constraints hold, other than the start, were not looked for"
 
 
 def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Claim, ...]:
-    """Returns the outcome of each `conserve`. `blocks` are those of M; `jumping`: L has a step."""
+    """Returns the outcome for each `conserve` statement. `blocks` are the blocks of M; `jumping`:
+    whether L contains a step."""
     if not equations.conserved:
         return ()
     along = Along(equations, blocks)
@@ -60,7 +65,7 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
     proof = "" if obstacle else vanishes(g, exact, terms)
     attitudes = tuple(a for a in along.equations.attitudes if a.numbers)
     if not proof and attitudes:
-        # Quaternions have length 1: other values neither prove nor refute a claim.
+        # The claim needs to hold only for quaternions of length 1.
         terms = substituted(g, terms, on_sphere(g, attitudes))
         proof = "" if obstacle else vanishes(g, exact, terms)
     if proof:
@@ -75,7 +80,8 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
 
 
 def vanishes(g: Graph, exact: Exact, terms: list[Node]) -> str:
-    """Returns the method that proves the sum of terms to be zero, or "" if none does."""
+    """Returns a text that names the method by which the sum of terms was proved zero; "" if it was
+    not proved."""
     total = g.sum(terms)
     if total == ZERO:
         return "term by term"
@@ -87,8 +93,8 @@ def vanishes(g: Graph, exact: Exact, terms: list[Node]) -> str:
 
 
 def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
-    """Returns the reason why a quantity may jump, or "". A zero derivative proves it constant only
-    if it is continuous: |x|/x and atan(1/x) + atan(x) are not."""
+    """Returns the reason why a quantity may be discontinuous, or "". The derivatives of |x|/x and
+    of atan(1/x) + atan(x) are zero too, but these functions jump at x = 0."""
     g = along.graph
     below = reachable(g, [node], VARIABLE)
     calls = [FUNCTIONS[g.data[n]] for n in below if g.op[n] is Op.CALL]
@@ -108,8 +114,9 @@ def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
 
 
 def _jolted(along: Along, node: Node) -> str:
-    """Returns the reason why a quantity may jump where rates jump, or "". Momenta without impulse
-    do not jump, nor does the energy if surfaces and constraints do not depend on t."""
+    """Returns the reason why a quantity may jump at an impulse, where rates jump, or "". Momenta
+    without a component of the impulse do not jump. The energy does not jump either if the surfaces
+    of impulses and the constraints do not depend on t."""
     g, e = along.graph, along.equations
     if not e.impulsive:
         return ""
@@ -140,19 +147,20 @@ def _jolted(along: Along, node: Node) -> str:
 
 
 def _divisors(g: Graph, ranges: Ranges, nodes: list[Node]) -> set[Node]:
-    """Returns the divisors in nodes that may vanish. A motion ends at zeros of its divisors."""
+    """Returns the divisors in the nodes that may vanish."""
     divisors = [base for base, use in dangerous(g, ranges, nodes) if use == DIVISOR]
     found = {zero for base in divisors for zero, _ in zeros(g, ranges, base)}
     return found | {square for zero in found for square in squared(g, zero)}
 
 
 def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> Claim:
-    """Returns an outcome by the start alone: other states need not satisfy the constraints."""
+    """Returns the outcome from the derivative at the initial state only, because no other states
+    that satisfy the constraints are known."""
     e = along.equations
     try:
         start = started(e.graph, e.parameters, (e.start_q, e.start_v, e.state_start))
         rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], start)
-    except KeyError:  # an input, or an acceleration that is not solved for
+    except KeyError:  # a symbol without value: an input, or an acceleration not solved for
         return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
     size = sum(map(abs, parts))
     says = f"d{name}/dt = {rate:.4g}, where its terms are {size:.4g} in size, at the start"
@@ -162,7 +170,8 @@ def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> 
 
 
 class _Tried:
-    """Evaluates the terms of a derivative at sample states; keeps the clearest counterexample."""
+    """Evaluates a time derivative, given as a list of terms, at sample states. Stores the state
+    with the clearest counterexample."""
 
     def __init__(self, along: Along, name: str, terms: list[Node]):
         self.along, self.name = along, name
@@ -176,12 +185,13 @@ class _Tried:
             if rate is None or None in parts:
                 continue
             self.count += 1
-            # If a term cancels to 0, its rounding error shows the size of its parts.
+            # A term may be 0 because its parts cancel; its error radius shows how large they are.
             size = sum(part.most for part in parts)
             most = max(size, rate.rad / balls.tiny)
             self.relative = max(self.relative, rate.most / most if most else 0)
             self.held |= not sample.varied and not rate.least > 0
-            # Easiest to check: parameters at their defaults, and a rate that a double can hold.
+            # Prefers counterexamples that are easy to check: parameters at their defaults, and a
+            # derivative within the range of doubles.
             rank = (not sample.varied, rate.least > VISIBLE, rate.least / most if most else 0)
             if rate.least > 0 and rank > best:
                 best, self.against, self.rate, self.size = rank, sample, rate.mid, size
@@ -209,7 +219,7 @@ class _Tried:
         )
 
     def _number(self, x: Any) -> str:
-        """Returns the text of a number, which may be outside the range of doubles."""
+        """Returns a number, which may exceed the range of doubles, as text with four digits."""
         return self.balls.mp.nstr(x, 4)
 
     def _named(self, sample: Sample) -> Iterable[str]:

@@ -1,17 +1,18 @@
-"""Constants of the motion by Noether's theorem: solves for the symmetries.
+"""Finds constants of the motion by Noether's theorem, from symmetries of the Lagrangian.
 
-These are point transformations
+The symmetries are point transformations
 
     t -> t + s tau,  q_i -> q_i + s xi_i,    xi_i = a_i + sum_j B_ij q_j + c_i t,  tau = d0 + d1 t
 
 that change L dt, with the work of applied forces, by a total derivative dG of a polynomial G(q, t).
-Each makes I = sum xi_i p_i - tau h - G constant. Along the equations of motion
+For each symmetry, I = sum xi_i p_i - tau h - G is constant. Along the equations of motion
 
     dI/dt = sum xi_i p_i' + sum p_i dxi_i/dt - tau dh/dt - h dtau/dt - dG/dt,
     dh/dt = v.(Q - dD/dv) - dL/dt,
 
-without accelerations. So dI/dt = 0 is, for each monomial in the variables q, v, t, a linear
-equation in a, B, c, d and the coefficients of G, with coefficients in the parameters.
+which contains no accelerations. For each monomial in the variables q, v, t, dI/dt = 0 is a linear
+equation for a, B, c, d0, d1 and the coefficients of G. The entries of this linear system are
+polynomials in the parameters.
 Reference: P. J. Olver, Applications of Lie Groups to Differential Equations, 2nd edition, 4.4.
 """
 
@@ -31,12 +32,15 @@ from .coupling import blocks_of
 from .symmetries_ansatz import KINDS, Unknown, ansatz
 from .symmetries_blocks import BLOCK, block_energies
 
-WORK = 100_000  # budget of a normal form: products of two terms
-ENTRIES = 60_000  # largest number of entries of the matrix
+# The limit of work for a normal form: products of two terms.
+WORK = 100_000
+# The largest number of nonzero entries of the linear system.
+ENTRIES = 60_000
 
 
 def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> Symmetries:
-    """Returns the invariants; `coupled` are the blocks of M, `influences` as in Structure."""
+    """Returns the constants of the motion. `coupled` are the blocks of M; `influences` is the field
+    of Structure."""
     along = Along(equations, coupled)
     g = along.graph
     unknowns, searched = ansatz(len(equations.coordinates), equations.mass, influences)
@@ -50,7 +54,7 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
     why = "the model is large"
     try:
         solved = null_space(rows, len(others)) if sum(map(len, rows)) <= ENTRIES else None
-    except ModuleNotFoundError:  # only comments have invariants: C must not need SymPy
+    except ModuleNotFoundError:  # SymPy is optional, since invariants appear only in comments
         solved, why = None, "SymPy, which solves for the others, is not installed"
     if solved is None:
         searched = f"shifts of time and of single coordinates only: {why}"
@@ -68,7 +72,8 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
 def _columns(
     equations: Equations, along: Along, unknowns: list[Unknown]
 ) -> list[Polynomial] | None:
-    """Returns the coefficient of each unknown in dI/dt, all times one factor; None if too large."""
+    """Returns for each unknown its coefficient in dI/dt, as a polynomial. All coefficients may be
+    multiplied by one common factor. Returns None if they are too large."""
     g = along.graph
     n = len(equations.coordinates)
 
@@ -79,7 +84,7 @@ def _columns(
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
     nodes += [g.negate(along.energy_rate()), ONE]
     exact = Exact(g, WORK)
-    # Without a common denominator, which may be too much work, fewer equal terms are recognized.
+    # If a common denominator is too much work, it is left out: then fewer terms cancel.
     made = exact.numerators(nodes) or Exact(g, WORK).all(nodes)
     if made is None:
         return None
@@ -100,7 +105,7 @@ def _columns(
         "c": lambda i, j: exact.added(times(pdot[i], t), p[i]),
         "d0": lambda i, j: gained,
         "d1": lambda i, j: exact.added(times(gained, t), minus(h)),
-        # Minus the time derivative of G.
+        # The remaining unknowns are coefficients of G, which enters as -dG/dt.
         "t": lambda i, j: minus(one),
         "tt": lambda i, j: minus(exact.added(times(one, t), times(one, t))),
         "q": lambda i, j: minus(times(one, v[i])),
@@ -114,7 +119,7 @@ def _columns(
 
 
 def _rows(g: Graph, columns: list[Polynomial]) -> list[Row]:
-    """Returns the linear equations, one for each monomial in the variables."""
+    """Returns the linear equations, one for each monomial in q, v and t."""
     rows: dict[Monomial, Row] = {}
     for k, column in enumerate(columns):
         for monomial, coefficient in column.items():
@@ -125,7 +130,8 @@ def _rows(g: Graph, columns: list[Polynomial]) -> list[Row]:
 
 
 def _whole(row: Row) -> Row:
-    """Returns an equation scaled so that its coefficients are polynomials in the parameters."""
+    """Returns the equation multiplied by a power product of parameters, so that its coefficients
+    have no negative exponents."""
     least: dict[Node, int] = {}
     for coefficient in row.values():
         for monomial in coefficient:
@@ -141,7 +147,7 @@ _TIME, _CYCLIC, _POINT = "time shift", "cyclic coordinate", "symmetry"
 
 
 class _Said:
-    """Turns solutions into invariants."""
+    """Converts solutions of the linear system to constants of the motion and their texts."""
 
     def __init__(self, equations: Equations, g: Graph, unknowns: list[Unknown]):
         self.graph, self.unknowns = g, unknowns
@@ -158,7 +164,7 @@ class _Said:
         g = self.graph
         entries = [(self.unknowns[k], self.normal.plain(x)) for k, x in sorted(vector.items())]
         kinds = [u.kind for u, _ in entries]
-        if "d0" in kinds:  # the energy with a plus sign
+        if "d0" in kinds:  # changes the sign, so that the energy has a plus sign
             entries = [(u, g.negate(x)) for u, x in entries]
         terms, shifts = [], []
         order = list(KINDS)
@@ -192,5 +198,5 @@ class _Said:
 
 
 def joined(terms: list[str]) -> str:
-    """Returns the sum of terms as text."""
+    """Returns the text of a sum with the given terms."""
     return " + ".join(terms).replace("+ -", "- ")

@@ -1,4 +1,4 @@
-"""The unknown coefficients of a point transformation and of its gauge term, and their meaning."""
+"""The unknown coefficients a, B, c, d0, d1 and G of the point transformations in symmetries.py."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from ...equations import Indices, Matrix
 from ...graph.graph import ZERO
 from ...record import record
 
-WHOLE = 9  # largest number of coordinates for which every xi_i may contain every q_j
+# The largest number of coordinates for which all entries of the matrix B are unknowns.
+WHOLE = 9
 
 
 @record
@@ -20,8 +21,10 @@ class Unknown:
 
 @record
 class Meaning:
-    """The meaning of a kind of unknown. `factors` makes its factors in the invariant, `along` its
-    term of the generator: factors and the variable of d/d. The gauge term G has no `along`."""
+    """How a kind of unknown appears in the results. `factors` returns the names of its factors in
+    the invariant. `along` returns its term in the generator of the symmetry: the names of factors,
+    and the variable x of d/dx; it is None for coefficients of G. `sign` is its sign in the
+    invariant."""
 
     factors: Callable[[Unknown, list[str], list[str]], tuple[str, ...]]
     along: Callable[[Unknown, list[str]], tuple[tuple[str, ...], str]] | None
@@ -43,7 +46,8 @@ KINDS = {
 
 
 def ansatz(n: int, mass: Matrix, influences: Indices) -> tuple[list[Unknown], str]:
-    """Returns the unknowns, first those to be solved for in terms of others, and a description."""
+    """Returns the unknowns, and a text that describes the symmetries they include. Elimination
+    expresses the first unknowns by later ones."""
     whole = n <= WHOLE
     pairs = [(i, j) for i in range(n) for j in range(n)]
     if not whole:
@@ -63,8 +67,8 @@ def ansatz(n: int, mass: Matrix, influences: Indices) -> tuple[list[Unknown], st
 
 
 def _coupled(n: int, mass: Matrix, influences: Indices) -> Iterator[tuple[int, int]]:
-    """Returns the ordered pairs of coordinates coupled by M or by influence; if there are too many,
-    the pairs (i, i) only."""
+    """Returns the pairs (i, j) of coordinates that are coupled by M or influence each other, and
+    all pairs (i, i). If they are too many, only the pairs (i, i)."""
     found = {(i, i) for i in range(n)}
     found |= {(i, j) for i in range(n) for j in range(n) if mass[i][j] != ZERO}
     found |= {pair for i, row in enumerate(influences) for j in row for pair in ((i, j), (j, i))}

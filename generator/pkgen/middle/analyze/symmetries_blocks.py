@@ -1,7 +1,7 @@
-"""Energies of blocks of coordinates that do not influence each other.
+"""Finds blocks of coordinates with a constant energy of their own.
 
-If L is a sum of terms that each depend on one block, time may be shifted for one block alone. The
-energy h of the block has dh/dt = sum v_i Q_i - dL/dt over the block, whatever the other blocks do.
+If L is a sum of Lagrangians of blocks that do not influence each other, the energy h of one block
+has the time derivative dh/dt = sum v_i Q_i - dL/dt, where the sum and L belong to this block.
 """
 
 from __future__ import annotations
@@ -18,18 +18,21 @@ from .along import Along
 from .proofs import vanishes
 
 BLOCK = "time shift of a block"
-WORK = 20_000  # budget of a normal form: products of two terms
+# The limit of work for a normal form: products of two terms.
+WORK = 20_000
 TERMS = 2_000
-NAMED = 4  # largest number of coordinates in a name
+# The largest number of coordinates in the name of an energy; further ones become "...".
+NAMED = 4
 
 
 def block_energies(
     e: Equations, along: Along, blocks: Indices, known: Collection[str]
 ) -> Iterator[Invariant]:
-    """Yields the constant energies of blocks, except of a coordinate with a `known` momentum."""
+    """Yields the constant energies of blocks. Leaves out a block of one coordinate whose momentum
+    is a `known` constant of the motion."""
     g = along.graph
     for block, lagrangian in _split(g, e.lagrangian, blocks):
-        if any(i >= len(e.momenta) for i in block):  # a state: forces do no work along it
+        if any(i >= len(e.momenta) for i in block):  # the block contains a first-order variable
             continue
         if len(block) == 1 and e.momenta_names[block[0]].name in known:
             continue
@@ -45,7 +48,8 @@ def block_energies(
 
 
 def _split(g: Graph, lagrangian: Node, blocks: Indices) -> Iterator[tuple[tuple[int, ...], Node]]:
-    """Yields the part of L of each block that has one, if there are several blocks."""
+    """Yields each block with its part of L. Leaves out blocks that share a term of L with another
+    block. Yields nothing if there is only one block."""
     normal = Normal(g, work=WORK, terms=TERMS)
     polynomial = normal(lagrangian) if len(blocks) > 1 else None
     if polynomial is None:

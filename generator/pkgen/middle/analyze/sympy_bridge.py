@@ -1,4 +1,4 @@
-"""Converts graph nodes to SymPy objects, without text that SymPy would have to parse."""
+"""Converts nodes of the graph to SymPy expressions, node by node."""
 
 from __future__ import annotations
 
@@ -16,12 +16,17 @@ from ..naming import naming
 if TYPE_CHECKING:
     import sympy
 
-COMBINED = 80  # largest number of operations for which products of sines become sines of sums
-COMBINED_COORDINATES = 8  # largest number of coordinates for it: n^2 entries would take minutes
+# The largest number of operations of an expression in which products of sines and cosines are
+# combined to sines and cosines of sums.
+COMBINED = 80
+# The largest number of coordinates of a model in which products of sines and cosines are combined:
+# with more coordinates, this would take minutes for all entries of M.
+COMBINED_COORDINATES = 8
 
 
 def text(equations: Equations, node: Node, limit: int) -> str:
-    """Returns the expression as text; its size if it has more operations than `limit`."""
+    """Returns the expression as text. If it has more than `limit` operations, the text is their
+    number."""
     found = expression(equations, node, limit)
     if isinstance(found, int):
         return f"({found} operations)"
@@ -54,7 +59,8 @@ def _printer():
             return self._nested("min", expr.args)
 
         def _nested(self, name: str, args) -> str:
-            """Nests calls: SymPy's function has many arguments, that of the language two."""
+            """Returns nested calls with two arguments each, such as max(a, max(b, c)): in SymPy,
+            min and max have any number of arguments, in the language two."""
             first, *rest = args
             other = self._nested(name, rest) if len(rest) > 1 else self._print(rest[0])
             return f"{name}({self._print(first)}, {other})"
@@ -63,7 +69,8 @@ def _printer():
 
 
 def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int:
-    """Returns the expression as a SymPy object, or its number of operations if above `limit`."""
+    """Returns the expression as a SymPy object, or its number of operations if this exceeds
+    `limit`."""
     import sympy as sp
     from sympy.simplify.fu import TR10i
 
@@ -73,13 +80,14 @@ def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int
     name = naming(equations)
     (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(name(s)))
     few = size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES
-    if few and expr.has(sp.sin, sp.cos):  # TR10i is quadratic: it tries all pairs of terms
+    if few and expr.has(sp.sin, sp.cos):  # TR10i takes quadratic time: it tries all pairs of terms
         expr = min(expr, TR10i(expr), TR10i(sp.expand(expr)), key=sp.count_ops)
     return expr
 
 
 def written_size(g: Graph, node: Node) -> int:
-    """Returns the operations of an expression, with common subexpressions counted repeatedly."""
+    """Returns the number of operations of an expression if it is written out in full, without
+    common subexpressions."""
     return swept(g, [node], lambda _, sizes: sum(sizes) + (len(sizes) > 0))[0]
 
 
@@ -90,10 +98,10 @@ def to_sympy(
     shortened: Callable[[sympy.Expr], sympy.Expr] | None = None,
     given: Mapping[Node, sympy.Expr] | None = None,
 ) -> list[sympy.Expr]:
-    """Returns the nodes as SymPy expressions. `symbol` makes those of symbols; `shortened`
-    simplifies the expression of each node; `given` has ready expressions of some nodes.
+    """Returns the nodes as SymPy expressions. `symbol` converts a symbol; `shortened` simplifies
+    the expression of each node; `given` maps some nodes to expressions that are used as they are.
 
-    `reciprocal` becomes 1/x: its value at 0 is lost.
+    The function `reciprocal`, which is 0 at 0, becomes 1/x.
     """
     import sympy as sp
 

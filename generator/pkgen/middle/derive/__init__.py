@@ -1,1 +1,1 @@
-"""A Model to its Equations: Lagrangian, constraints, first-order variables, events, switches."""
+"""Derives a model's equations, with constraints, first-order variables, events and switches."""

@@ -1,9 +1,9 @@
-"""The canonical form: H(q, p) and its gradients, from L of second degree in the rates.
+"""Hamilton's equations: derives H(q, p) and its gradients from an L of second degree in the rates.
 
 With L = v.M v/2 + b.v - U, where M, b and U depend on q and t alone,
 
     p = M v + b,    v = M^-1 (p - b),    H = v.(p - b)/2 + U,
-    dH/dp = v,      dH/dq = -dL/dq  at that v.
+    dH/dp = v,      dH/dq = -dL/dq  at v = M^-1 (p - b).
 
 Reference: L. D. Landau, E. M. Lifshitz, Mechanics, 3rd edition, section 40.
 """
@@ -22,7 +22,8 @@ from ..quantities import error, smaller, symbols
 
 
 def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
-    """Returns the equations with H; raises ModelError if H has no closed form."""
+    """Returns the equations with the field `hamiltonian`. Raises ModelError if H has no closed
+    form."""
     model = equations.model
     for found, what, help in (
         (

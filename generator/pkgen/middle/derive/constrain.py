@@ -1,13 +1,14 @@
-"""Constraints on the graph: the motion with constraint forces.
+"""Solves for the accelerations and the constraint forces of a system with constraints.
 
-The rows are J v + j0 = 0; holonomic ones are the time derivatives of phi(t, q) = 0. By d'Alembert
-the force is J^T lambda. Index reduction to 1 gives J a + gamma = 0, gamma = (J v + j0)' at a = 0.
-With M a = f + J^T lambda,
+The constraint rows are J v + j0 = 0; a row of a holonomic constraint phi(t, q) = 0 is its time
+derivative. By d'Alembert's principle the constraint force is J^T lambda. Index reduction to index 1
+gives J a + gamma = 0 with gamma = (J v + j0)' at a = 0. With M a = f + J^T lambda,
 
     S lambda = -(J M^-1 f + gamma),   S = J M^-1 J^T,   a = M^-1 (f + J^T lambda).
 
-With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. Positions and rates drift off the constraints by
-the error of each step only; the runtime projects them back (src/constraints/project.c).
+With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. In each step, positions and rates drift off the
+constraints by the error of the step; the runtime then projects them back
+(src/constraints/project.c).
 Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section VII.1."""
 
 from __future__ import annotations
@@ -33,8 +34,9 @@ from ..quantities import symbols
 
 
 class CannotConstrain(Exception):
-    """The constraint equations cannot be solved; `row` is the row at fault, or None. With a row the
-    message continues "the constraint 'NAME'", without one it is complete."""
+    """The constraint equations cannot be solved. `row` is the number of the row at fault; the
+    message then continues the text "the constraint 'NAME'". If `row` is None, the message is
+    complete."""
 
     def __init__(self, message: str, row: int | None = None, help: str = ""):
         super().__init__(message)
@@ -44,11 +46,13 @@ class CannotConstrain(Exception):
 def constrain(
     g: Graph, motion: Motion, rows: Rows, rate_of: Callable[[Node], Node]
 ) -> tuple[Motion, Solution, Constraints]:
-    """Returns the motion with J^T lambda in `applied`, `pdot` and `force`; its accelerations with
-    the pivots of M, by coordinate; and the rows with multipliers and quantities without J^T lambda.
+    """Returns three results: the motion, with J^T lambda added to `applied`, `pdot` and `force`;
+    the accelerations, with the pivots of M; and the constraints, with the multipliers and the
+    motion's fields without J^T lambda.
+
     `rate_of` gives the time derivative of a coordinate, a state, t or an input. Raises
-    CannotConstrain if a row is not affine in the rates or has none, if rows depend on each other
-    everywhere, or if M or S cannot be solved in straight-line code."""
+    CannotConstrain if a row is not affine in the rates or contains none, if rows are linearly
+    dependent at all states, or if M or S is too large for straight-line code."""
     n = len(motion.force)
     v = symbols(g, Kind.RATE, n)
     J = tuple(_row(g, rows, k, v) for k in range(len(rows.residual)))
@@ -89,8 +93,12 @@ def constrain(
 
 
 def _least(g: Graph, multipliers: Row, shares: Matrix) -> Row:
-    """Returns the multipliers of least norm with the same force: lambda - C^T x, followed by x of
-    the redundant rows. (1 + C C^T) x = C lambda; C: redundant rows = C times the others."""
+    """Returns the multipliers of least norm with the same constraint force, of all rows.
+
+    Let the redundant rows be C times the other rows; `shares` is C. The multipliers of the other
+    rows are lambda - C^T x, the multipliers of the redundant rows x, with
+    (1 + C C^T) x = C lambda.
+    """
     if not shares:
         return multipliers
 
@@ -118,7 +126,8 @@ def _shared(shares: Matrix, count: int) -> frozenset[int]:
 
 
 def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
-    """Returns the derivatives of a row by the rates. Raises CannotConstrain if they have rates."""
+    """Returns the derivatives of row k by the rates. Raises CannotConstrain if they contain rates,
+    or if all are zero."""
     by = gradient(g, rows.residual[k], RATES)
     found = tuple(by.get(rate, ZERO) for rate in v)
     if any(g.depends[node] & RATES for node in found):
@@ -140,8 +149,8 @@ def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
 def _solved(
     g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node], more: Matrix
 ) -> tuple[Row, Solution, Pivots, Matrix]:
-    """Returns the multipliers, the accelerations with the pivots of M, the pivots of S, and the
-    coefficients of the redundant rows `more` as combinations of the rows J."""
+    """Returns the multipliers, the accelerations with the pivots of M, the pivots of S, and for
+    each redundant row in `more` its coefficients as a linear combination of the rows of J."""
     columns = [factored.forward(g, row) for row in J]
     force = factored.forward(g, motion.force)
 
@@ -190,7 +199,8 @@ def _solved(
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:
-    """Whether the rows are J v = 0, and neither they nor phi depend on t or inputs."""
+    """Whether constraint forces do no work: j0 is 0, and neither the rows nor phi depend on t or
+    inputs."""
     normal = Normal(g)
     timeless = BIT[Kind.TIME] | BIT[Kind.INPUT]
     if any(g.depends[node] & timeless for node in (*rows.residual, *rows.positions)):

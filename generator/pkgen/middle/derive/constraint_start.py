@@ -1,8 +1,10 @@
-"""Checks that a model's start satisfies its constraints, and that their rows are independent there.
+"""Checks that the initial state of a model satisfies the constraints, and that the constraint rows
+are linearly independent there.
 
-The values are the model's starts and defaults. The runtime checks values from options by the same
-rules (src/constraints/constraint.c). Constraints with an input cannot be checked before a run.
-Rates in metres and in radians are scaled by their kinetic energies, with the diagonal of M.
+The check uses the initial values and parameter defaults in the model. The runtime checks values
+from options by the same rules (src/constraints/constraint.c). Constraints with an input cannot be
+checked before a run. To compare rates in different units, such as m/s and rad/s, each is scaled by
+the square root of its diagonal entry of M.
 """
 
 from __future__ import annotations
@@ -23,22 +25,31 @@ from ..points.samples import started
 from .nearest_start import nearest_start
 
 EPS = sys.float_info.epsilon
-WRITTEN = 1e-8  # tolerance relative to the terms: starts are written with a limited precision
-DEBRIS = 64 * EPS  # rounding error of a zero, relative to the largest number of the start
-SWEEPS = 3  # scaling sweeps over rows and columns
-ROUNDING = 1e-12  # entries smaller in their row may be rounding errors: they scale no column
-SMALL = 1e-9  # rows with smaller entries may be rounding errors
-DEPENDENT = math.sqrt(16 * EPS)  # relative rest of a row orthogonal to others; squared, a pivot
+# The tolerance of a constraint, relative to its terms: models state initial values with few digits.
+WRITTEN = 1e-8
+# The rounding error of a number that should be 0, relative to the largest number of the start.
+DEBRIS = 64 * EPS
+# The number of sweeps over rows and columns when the matrix is scaled.
+SWEEPS = 3
+# Entries smaller than this, relative to their row, may be rounding errors, and do not affect the
+# scale of their column.
+ROUNDING = 1e-12
+# A row whose entries are all smaller may consist of rounding errors.
+SMALL = 1e-9
+# A row is linearly dependent on other rows if its component orthogonal to them, relative to its
+# length, is at most this. The square of this ratio corresponds to a relative pivot of S.
+DEPENDENT = math.sqrt(16 * EPS)
 
 
 @record
 class Start:
-    """Values at the start, and the length of a unit of each rate in the metric of M."""
+    """The initial state. `unit` has for each rate the square root of its diagonal entry of M, by
+    which rates and coordinates are scaled."""
 
     values: dict[Symbol, float]
     unit: dict[Node, float]
-    far: float  # the largest coordinate in this metric; attitudes count as 1
-    fast: float  # the largest rate
+    far: float  # The largest scaled coordinate; the coordinate of a rotation counts as 1.
+    fast: float  # The largest scaled rate.
 
 
 def at_the_start(
@@ -50,8 +61,9 @@ def at_the_start(
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
 ) -> tuple[Rows | None, list[Diagnostic]]:
-    """Returns the rows, redundant ones set apart, and errors: constraints that the start violates,
-    or whose row is 0 there. `starts` are of coordinates, rates, and states."""
+    """Returns the rows, with linearly dependent rows in the field `redundant`, and errors about
+    constraints that the initial state violates or whose row is 0 there. `starts` has the initial
+    values of coordinates, rates and states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return c, []
     start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
@@ -98,7 +110,7 @@ def _start(
     unit, far, fast = {}, 0.0, 0.0
     for rate, slope in gradient(g, lagrangian, BIT[Kind.RATE]).items():
         own = gradient(g, slope, BIT[Kind.RATE]).get(rate, ZERO)
-        unknown = g.depends[own] & BIT[Kind.INPUT]  # a run gives the value of an input
+        unknown = g.depends[own] & BIT[Kind.INPUT]  # inputs have no values before a run
         (inertia,) = (0.0,) if unknown else evaluate(g, [own], values)
         unit[rate] = math.sqrt(inertia) if 0 < inertia < math.inf else 1.0
         i = g.data[rate].index
@@ -111,7 +123,8 @@ def _start(
 def _residual(
     g: Graph, c: Rows, k: int, row: dict[Node, float], start: Start
 ) -> tuple[float, bool] | None:
-    """Returns the violation of a row and whether it is one of rates; None if it holds."""
+    """Returns the error of constraint k at the start, and whether the rates violate it rather than
+    the coordinates. Returns None if the constraint is satisfied."""
     slope = math.fsum(map(abs, row.values()))
     nodes = [(c.residual[k], slope * start.fast, True)]
     if k < c.holonomic:
@@ -134,13 +147,13 @@ def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
 
 
 def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
-    """Returns the entries of J by rate, scaled by M; all 0 if they may be rounding errors of the
-    start."""
+    """Returns a row of J by rate, scaled with M. Returns zeros if all entries may be due to
+    rounding errors of the initial values."""
     by = gradient(g, residual, BIT[Kind.RATE])
     entries = evaluate(g, by.values(), start.values)
     row = {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
     if any(abs(x) > SMALL * max(1.0, start.far) for x in row.values()):
-        return row  # without second derivatives, which are seldom needed
+        return row  # large entries need no test with second derivatives
     for node, x in zip(by.values(), entries, strict=True):
         bends = gradient(g, node, BIT[Kind.COORDINATE])
         slopes = evaluate(g, bends.values(), start.values)
@@ -151,7 +164,8 @@ def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
 
 
 def _equilibrated(rows: list[dict[Node, float]]) -> list[dict[Node, float]]:
-    """Returns the rows with columns scaled to one size: masses and units do not affect the rank.
+    """Returns the rows with their columns scaled to equal size, so that masses and units do not
+    affect the numerical rank.
 
     Reference: D. Ruiz, RAL-TR-2001-034.
     """
@@ -170,8 +184,8 @@ def _equilibrated(rows: list[dict[Node, float]]) -> list[dict[Node, float]]:
 
 
 def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
-    """Returns the first row that depends on rows before it, and these; or None. Gram-Schmidt
-    orthogonalization records each vector as a combination of rows."""
+    """Returns the number of the first row that is a linear combination of earlier rows, and the
+    numbers of the latter; None if all rows are independent. Uses Gram-Schmidt orthogonalization."""
     basis: list[tuple[list[float], dict[int, float]]] = []
     rates = sorted(set().union(*rows))
     for k, row in enumerate(rows):
@@ -179,7 +193,7 @@ def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
         size = math.hypot(*left)
         if not math.isfinite(size):
             return None
-        for _ in range(2):  # twice is enough: Kahan and Parlett
+        for _ in range(2):  # orthogonalizing twice is enough (Kahan and Parlett)
             for other, of in basis:
                 along = math.fsum(a * b for a, b in zip(left, other, strict=True))
                 left = [a - along * b for a, b in zip(left, other, strict=True)]
@@ -194,8 +208,9 @@ def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
 
 
 def _independent(rows: list[dict[Node, float]], holonomic: int) -> list[int]:
-    """Returns rows that imply the others, well conditioned: by pivoting, the row with the largest
-    relative rest comes next. Holonomic rows come first, since they imply more."""
+    """Returns the numbers of independent rows of which all rows are linear combinations. Chooses in
+    each step the row with the largest component orthogonal to the chosen rows, relative to its
+    length. Holonomic rows are chosen first, since they also constrain the positions."""
     rates = sorted(set().union(*rows))
     left = [[row.get(rate, 0.0) for rate in rates] for row in rows]
     sizes = [math.hypot(*row) or 1.0 for row in left]

@@ -1,4 +1,4 @@
-"""Expands `constraint` and `rolling` into named rows on the graph."""
+"""Expands the statements `constraint` and `rolling` into constraint rows."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
-    """Returns the rows, holonomic ones first, each kind in the order of declaration; and warnings.
-    A row that is identically 0 is dropped with a warning."""
+    """Returns the constraint rows and warnings. Rows of holonomic constraints come first; both
+    kinds are in the order of declaration. A row that is identically 0 is left out with a
+    warning."""
     found: dict[bool, list[tuple]] = {True: [], False: []}
     normal, vanished = Normal(x.graph), []
     for item in x.model.constraints:
@@ -33,7 +34,7 @@ def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
                 if not moves:
                     held = names(item.value) and not _of_the_free(x, item.value)
                     if held and normal(node) == {}:
-                        continue  # coordinates held by a scene satisfy it
+                        continue  # all its coordinates are held by the scene, and satisfy it
                     message = f"the constraint '{name}' holds or fails whatever the motion"
                     help = (
                         "state its other components one by one" if "." in name else "leave it out"
@@ -64,8 +65,8 @@ def _of_the_free(x: Expander, value: Expr) -> bool:
 
 
 def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelError:
-    """Returns the error with the name and span of the row at fault; if none is, with the span of
-    the first row."""
+    """Returns the error message for `wrong`, with the name and span of the row at fault. If no
+    single row is at fault, the span is that of the first row."""
     if wrong.row is None:
         return error(x.model, wrong.message, rows.spans[0], wrong.help)
     name = rows.names[wrong.row].name.removeprefix("lambda_")
@@ -74,9 +75,9 @@ def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelEr
 
 
 def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
-    """Defines lambda_NAME and least_lambda_NAME by index, for outputs and events. Rows dropped
-    because a scene holds their coordinates have neither. A multiplier that is not unique has no
-    lambda_NAME."""
+    """Defines the names of multipliers for outputs and events: lambda_NAME, and least_lambda_NAME
+    of least norm. A multiplier that is not unique has only the second name. Constraints left out
+    because the scene holds their coordinates have neither name."""
     c = constraints
     if c is None:
         return

@@ -1,7 +1,8 @@
-"""Model -> Equations: Lagrange's equations on the expression graph.
+"""Derives Lagrange's equations of a model on the expression graph.
 
-One reverse sweep over L gives p = dL/dv and dL/dq. One sparse forward sweep per rate gives a column
-of M = dp/dv. One forward product gives (dp/dq) v + dp/dt. In addition to L, f costs O(N), M O(N^2).
+One reverse sweep over L gives p = dL/dv and dL/dq. One sparse forward sweep for each rate gives a
+column of M = dp/dv. One forward sweep gives (dp/dq) v + dp/dt. For N coordinates, this takes O(N)
+operations for f and O(N^2) for M, in addition to the operations of L.
 """
 
 from __future__ import annotations
@@ -40,8 +41,9 @@ from .lagrange import Derived, derived, located, singularities
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
-    """Returns the equations of motion, without the costly kernels that are not in `kernels` (None:
-    all). `unrolled`, the reason why families are not loops, is for errors of too large models."""
+    """Returns the equations of motion. `kernels` are the requested kernels (None: all); costly
+    kernels are left out if they are not requested. `unrolled` is the reason why the families of the
+    model cannot stay loops, for the error message about a model that is too large."""
     _check_size(model, unrolled)
     return entered(model, lambda orders: _derive(model, kernels, orders))
 
@@ -106,7 +108,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             model.span,
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
-    primes = x.primes[:]  # without those of outputs, which do not affect the motion
+    # The nodes whose time derivatives were taken so far. Outputs add further nodes, which do not
+    # affect the motion.
+    primes = x.primes[:]
     outputs = _outputs(x, found, rates)
     check_rates(model, x.graph, primes, naming(named))
     ends = singularities(x.graph, found, named, x.attitudes) if wanted("singularity") else ()
@@ -159,7 +163,7 @@ def _energies(x: Expander) -> Energies:
 
 
 def _fast(x: Expander, fast: Node, found: Derived) -> Row | None:
-    """Returns the acceleration by the `fast` part of V alone."""
+    """Returns the accelerations due to the part of V declared as `fast`."""
     if not x.model.fast:
         return None
     if found.constraints is not None:
@@ -200,7 +204,7 @@ def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
 
 
 def _starts(x: Expander) -> tuple[Row, Row, Row]:
-    """Returns the starts of the coordinates, of their rates, and of the states."""
+    """Returns the initial values of the coordinates, of their rates, and of the states."""
     count = x.count
     values = ([ZERO] * count, [ZERO] * count, [ZERO] * x.state_count)
     for item in x.model.starts:
@@ -251,7 +255,8 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
 
 
 def _singular(x: Expander, coordinate: int) -> ModelError:
-    """Returns the error for coordinates of which only a combination has inertia: (x' + y')^2."""
+    """Returns the error for a singular M, such as that of (x' + y')^2, where x and y have no
+    inertia of their own."""
     item, index = x.members[coordinate]
     name = indexed(item.rate or item.name, index)
     message = f"'{name}' has no inertia of its own: the mass matrix is singular"
@@ -260,7 +265,7 @@ def _singular(x: Expander, coordinate: int) -> ModelError:
 
 
 def _events(x: Expander, found: Derived, rates: Mapping[Node, Node]) -> Row:
-    """Returns the event functions. They may use outputs, and therefore come after these."""
+    """Returns the event functions. To be called after _outputs, since events may use outputs."""
     nodes = []
     for item in x.model.events:
         with x.statement(item.span):
@@ -308,7 +313,8 @@ def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> dict[
 def _solved(
     x: Expander, node: Node, found: Derived, rates: Mapping[Node, Node], span: Span
 ) -> Node:
-    """Returns an output with expressions substituted for accelerations and rates of states."""
+    """Returns an output in which accelerations and rates of states are replaced by their
+    expressions."""
     g, swap = x.graph, rates
     if not g.depends[node] & (BIT[Kind.ACCELERATION] | BIT[Kind.STATE]):
         return node

@@ -1,5 +1,5 @@
-"""The rates of a model's states, as nodes. They may use energies and momenta, known before the
-equations of motion, and rates of other states."""
+"""Makes the time derivatives of a model's states (first-order variables). They may contain energies
+and momenta, and time derivatives of other states."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from .states import Circular, resolved
 
 
 def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
-    """Returns the expression for the symbol of each state's rate, in the order of the states."""
+    """Returns the time derivative of each state, in the order of the states, as a map from its
+    symbol to its expression."""
     if not x.states:
         return {}
     g = x.graph
@@ -52,7 +53,8 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
 def define_built_in(
     x: Expander, energies: Energies, energy: Node, momenta: tuple[Node, ...]
 ) -> None:
-    """Defines T, V, L, energy and momenta, except for names that the model defines itself."""
+    """Defines the names T, V, L, energy and those of the momenta. A name that the model defines
+    itself keeps its meaning."""
     own = {item.name for item in x.model.definitions}
     built_in = {"T": energies.kinetic, "V": energies.potential}
     built_in |= {"L": energies.lagrangian, "energy": energy}

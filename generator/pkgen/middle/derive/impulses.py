@@ -1,15 +1,17 @@
-"""Impulses: switches across which the Lagrangian or a constraint row itself jumps.
+"""Impulses: jumps of the rates at a surface s(q, t) = 0 where the Lagrangian or a constraint row
+jumps.
 
-A system that is smooth except at one such surface s(q, t) = 0 is the limit of smooth systems with
-ever shorter ramps. During the ramp q is constant. Hamilton's principle in space and time gives the
-corner conditions of Weierstrass and Erdmann: with p = dL/dv, h = v.p - L and rows J v + j0 = 0,
+A jump of L is the limit of ever steeper smooth ramps, during which q is constant. Hamilton's
+principle gives the corner conditions of Weierstrass and Erdmann. With p = dL/dv, h = v.p - L and
+constraint rows J v + j0 = 0,
 
     p+ - p- = alpha ds/dq + J^T Lambda,   h+ - h- = -(alpha ds/dt + Lambda.j0),   J v+ + j0 = 0
 
-where J and j0 are the values behind the surface. For a surface s(t), alpha is 0 and h has no
-condition. So a prescribed motion with a kink keeps p while v jumps; a potential with a jump
-transmits or reflects. The runtime solves the conditions (src/events/impulse.c). This module finds
-the switches that may need them: those across which L, phi or J v + j0 are not proved continuous.
+where - and + denote values before and after, and J and j0 have their values after the surface. For
+a surface s(t), alpha is 0 and there is no condition for h. For example, at a kink of a prescribed
+motion, v jumps and p does not; at a jump of a potential, the motion is transmitted or reflected.
+The runtime solves the conditions (src/events/impulse.c). This module finds the switches (zeros of
+expressions, see switches.py) with impulses: there, L, phi or J v + j0 are not proved continuous.
 
 References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
 Nonsmooth Mechanics, 3rd ed., Springer 2016, chapters 1 and 3.
@@ -35,18 +37,20 @@ from ..attitudes import slopes
 from ..quantities import error
 from .switches import Surfaces, argument_of, free
 
-OF_ENERGY, OF_ROLLING = 1, 2  # flags: L or a holonomic row may jump; a rolling row may jump
+# Flags: OF_ENERGY if L or a holonomic row may jump, OF_ROLLING if a rolling row may jump.
+OF_ENERGY, OF_ROLLING = 1, 2
 _PLACES = BIT[Kind.COORDINATE]
 
 
 def arguments_of(g: Graph, nodes: Iterable[Node]) -> list[Node]:
-    """Returns the arguments at whose zeros a node may jump."""
+    """Returns the arguments of functions in the nodes at whose zeros these functions jump."""
     found = dict.fromkeys(argument_of(g, n) for n in reachable(g, nodes, VARIABLE) if jumps(g, n))
     return [x for x in found if g.depends[x] & VARIABLE]
 
 
 class Across:
-    """Proves properties of nodes where an argument vanishes, on a copy of their graph."""
+    """Proves whether nodes are continuous at the zeros of an argument. Works on a copy of the
+    graph."""
 
     def __init__(self, g: Graph):
         self.graph = g.copy()
@@ -56,7 +60,8 @@ class Across:
         self.surfaces = Surfaces(self.graph)
 
     def jump(self, node: Node, argument: Node) -> Node:
-        """Returns a node's value above minus its value below the zero; ZERO if proved to be 0."""
+        """Returns the jump of a node where the argument vanishes: its limit for positive arguments
+        minus its limit for negative ones. Returns ZERO if the node is proved continuous."""
         parts = [self._jump(part, argument) for part in _terms(self.graph, node)]
         total = self.graph.sum(parts)
         return ZERO if self._is_zero(total) else total
@@ -84,7 +89,8 @@ class Across:
         return ZERO if self._is_zero(jump) else jump
 
     def _side(self, node: Node, argument: Node) -> int:
-        """Returns 1 or -1 if the argument decides a call, with the same or opposite sign; or 0."""
+        """Returns 1 if the node is a call that switches branch with the sign of the argument, -1 if
+        it does with the opposite sign, and 0 otherwise."""
         own, sign = self.surfaces.of_call(node)
         if not sign:
             return 0
@@ -92,8 +98,8 @@ class Across:
         return sign * side * (own == surface)
 
     def _zero(self, argument: Node) -> tuple[dict[Node, Node], dict[Node, Node]]:
-        """Returns substitutions at the zero: 0 for the argument; and, if it is linear in a symbol,
-        that symbol in terms of the others."""
+        """Returns two maps of substitutions that hold where the argument vanishes: 0 for the
+        argument; and, if it is linear in a symbol, the solution for this symbol."""
         g = self.graph
         known = {argument: ZERO, g.negate(argument): ZERO}
         by = gradient(g, argument, VARIABLE)
@@ -114,7 +120,7 @@ class Across:
                 new[n] = ONE if own > 0 else ZERO
             elif own and g.data[n] == "sign":
                 new[n] = g.number(own)
-            elif own:  # abs is 0; min or max of two equal arguments is the second
+            elif own:  # abs(0) is 0; min and max of two equal arguments are either of them
                 new[n] = args[1] if len(args) > 1 else ZERO
             else:
                 same = all(a == b for a, b in zip(args, g.args[n], strict=True))
@@ -123,7 +129,8 @@ class Across:
 
 
 def _terms(g: Graph, node: Node) -> list[Node]:
-    """Returns the terms of a sum, with a constant scale multiplied out: each has few switches."""
+    """Returns the terms of a sum, with constant scales multiplied out. Each term contains fewer
+    functions that jump than the sum."""
     found, stack = [], [(ONE, node)]
     while stack:
         factor, n = stack.pop()
@@ -153,8 +160,9 @@ def with_impulses(
     name: Callable[[Symbol], str],
     rate_of: Callable[[Node], Node],
 ) -> tuple[Switch, ...]:
-    """Returns the switches of the motion, marked if they have an impulse, followed by switches with
-    an impulse only. Raises ModelError if the motion after a jump is undefined."""
+    """Returns the switches `known` of the equations of motion, followed by new ones at which only L
+    or a constraint jumps. The field `impulse` is set for all switches with impulses. Raises
+    ModelError if the motion after a jump is undefined."""
     c = e.constraints
     rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
     jumping = [e.lagrangian, *e.momenta, *rows]
@@ -219,7 +227,8 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
 def _slopes(
     e: Equations, argument: Node, text: str, rate_of: Callable[[Node], Node]
 ) -> tuple[tuple[Node, ...], Node]:
-    """Returns derivatives by coordinates (for rotations: body axes); by t, if those are not 0."""
+    """Returns the derivatives of the argument by the coordinates (along the body axes for a
+    rotation), and by t at constant coordinates. If the former are all 0, the latter is 0 too."""
     g, count = e.graph, len(e.coordinates)
     beside = BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE]
     by = gradient(g, argument, _PLACES | beside)
@@ -246,7 +255,7 @@ def _slopes(
 
 
 def _span(e: Equations) -> Span:
-    """Returns the span of the energy, to report its jump."""
+    """Returns the span of the energy in the model's text, for error messages."""
     model = e.model
     found = (*model.potential, *model.kinetic, *model.lagrangian)
     return found[0].span if found else model.span
@@ -255,7 +264,7 @@ def _span(e: Equations) -> Span:
 def check_rates(
     model: Model, g: Graph, taken: list[tuple[Node, Span]], name: Callable[[Symbol], str]
 ) -> None:
-    """Raises ModelError if a rate was taken of an expression that jumps: it has no derivative."""
+    """Raises ModelError if an expression whose time derivative was taken may jump."""
     if not arguments_of(g, [node for node, _ in taken]):
         return
     across = Across(g)

@@ -1,6 +1,6 @@
-"""Lagrange's equations of an L and forces on the graph.
+"""Derives Lagrange's equations from the nodes of L and of the forces.
 
-`derive` calls this for a model, and `reduce` for equations with fewer coordinates.
+`derive` calls this module for a model, `reduce` for equations with fewer coordinates.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ from .switches import switches_of
 
 @record
 class Derived:
-    """Everything derived from L and the forces; fields() are fields of Equations."""
+    """The results of derived(). `fields` returns them by the names of the fields of Equations."""
 
     motion: Motion
     solution: Solution | None
     energies: Energies
-    written: Node  # L as it was given
+    written: Node  # L before it is rewritten in few operations
     energy: Node
     jacobians: dict[str, Matrix | None]
     linear: object
@@ -80,9 +80,11 @@ def derived(
     attitudes: tuple[Attitude, ...] = (),
     rows: Rows | None = None,
 ) -> Derived:
-    """Returns the motion in the form of fewest operations. `check` is called with the motion as
-    derived and as simplified. `states` are the rates of the states; with any, states.py makes the
-    Jacobians. `rows` are the model's constraint rows.
+    """Returns the equations of motion in the form of fewest operations.
+
+    `check` is called twice, with the motion before and after simplification. `states` are the time
+    derivatives of the states; if there are any, no Jacobians are made here (see states.py). `rows`
+    are the model's constraint rows.
 
     Raises SingularMass, CannotConstrain, and exceptions of `check`.
     """
@@ -118,7 +120,8 @@ def derived(
 
 
 def _independent(g: Graph, motion: Motion) -> Motion:
-    """Returns the motion with M and f free of coordinates on which their values do not depend."""
+    """Returns the motion after removing coordinates from entries of M and f whose values do not
+    depend on them."""
     n = len(motion.force)
     nodes = [*sum(motion.mass, ()), *motion.force]
     made = without_coordinates(g, nodes, n)
@@ -134,11 +137,12 @@ def singularities(
     e: Named | Equations,
     attitudes: tuple[Attitude, ...],
 ) -> tuple[Singularity, ...]:
-    """Returns the singularities of these equations, named by their quantities."""
+    """Returns the singularities of the equations of motion. Their names contain the names of
+    quantities in `e`."""
     motion = found.free
     solution = found.solution
     acceleration = motion.force
-    if solution and found.constraints is None:  # the runtime checks for dependent rows
+    if solution and found.constraints is None:  # singular constraints are found at run time
         acceleration = solution.accelerations
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
@@ -150,11 +154,12 @@ def singularities(
         word = lock(g, end.node, attitudes, name)
         quantity = replace(end.quantity, name=word) if word else end.quantity
         apart.setdefault(word or end.node, replace(end, quantity=quantity))
-    return tuple(apart.values())  # without duplicates: two angles may lock at once
+    return tuple(apart.values())  # duplicates, such as one gimbal lock of two angles, are removed
 
 
 def located(equations: Equations) -> Equations:
-    """Returns the equations with the switches of the motion, impulses included, and marks."""
+    """Returns the equations with the fields `switches` (switches.py, impulses.py) and `marks`
+    (marks.py)."""
     e = equations
     outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row)]
     outputs += e.state_rates
@@ -168,7 +173,8 @@ def located(equations: Equations) -> Equations:
 
 
 def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equations:
-    """Derives the equations again from their L and applied forces, for their coordinates."""
+    """Derives the equations of motion again, after a reduction has changed L, the applied forces or
+    the coordinates."""
     g, wanted = equations.graph, Wanted(kernels)
     energies = Energies(equations.lagrangian, equations.kinetic, equations.potential, ZERO)
     e = equations

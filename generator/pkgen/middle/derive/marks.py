@@ -1,16 +1,18 @@
-"""Marks: arguments that locate forces of short duration, such as u in exp(u) and tanh(u).
+"""Finds forces of short duration. A mark is the argument u of a function such as exp(u) or tanh(u),
+and shows where the function varies.
 
-A pulse or a barrier of a millionth of a step may lie between all stages of a method; no error
-estimate can see it. Its argument u, however, is smooth along the step, and tells where the function
-varies: exp(u) is 0 up to rounding for u < -36, 1/cosh(u) for |u| > 36, and 1 - tanh(u)^2 for
-|u| > 18. The runtime (src/core/short_force_limiter.c) evaluates u along each step, and limits the
-step size so that u, within +-36, does not vary by much.
+A pulse a millionth of a step long may lie between the stages of an integrator, where no error
+estimate detects it. Its argument u, however, varies smoothly over the step: exp(u) is 0 up to
+rounding for u < -36, 1/cosh(u) for |u| > 36, and 1 - tanh(u)^2 for |u| > 18. The runtime
+(src/core/short_force_limiter.c) evaluates u along each step. It limits the step size so that u
+changes little in a step as long as |u| < 36.
 
-A divisor or a root of a + b(q, t) varies in a short range where |b| is not larger than the constant
-a: there u = 1 + b/a. The function decays only by powers, so a ladder u, u/1000, ... makes step
-sizes decrease gradually. For 1/r, where a = 0, no width is known.
+Inverses and roots of a + b(q, t) with a constant a vary over a short range where |b| is at most
+|a|; their mark is u = 1 + b/a. Since these functions decay only like powers, they have the further
+marks u/1000, u/1000^2, ..., by which the step size decreases gradually. For 1/r, where a = 0, no
+width is known.
 
-A high power of a base of at most 1, such as cos(t)^1000, is bounded by exp(u), u = n (b^2 - 1)/2.
+A high power b^n with |b| <= 1, such as cos(t)^1000, is bounded by exp(u) with u = n (b^2 - 1)/2.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op, Symbol
 from ...graph.wording import wording
 
 LADDER = [Fraction(1, 1000**k) for k in range(9)]
-_HIGH = 16  # exponents from here on make a power short
+_HIGH = 16  # the least exponent for which a power gets a mark
 
 
 def _arguments(g: Graph, node: Node) -> list[Node]:
@@ -39,7 +41,7 @@ def _arguments(g: Graph, node: Node) -> list[Node]:
     if not (divides or (op is Op.CALL and data == "sqrt")):
         return []
     base = g.args[node][0]
-    constant, addends = ZERO, [base]  # a, and addends still to be visited
+    constant, addends = ZERO, [base]  # the constant a, and terms of the sum not visited yet
     while addends:
         addend = addends.pop()
         if g.op[addend] is Op.ADD:
@@ -55,7 +57,8 @@ def _arguments(g: Graph, node: Node) -> list[Node]:
 def marks_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str]
 ) -> tuple[Switch, ...]:
-    """Returns the marks of the equations `outputs`; of u and -u the first."""
+    """Returns the marks of the expressions `outputs`. If both u and -u occur, only the first is
+    returned."""
     found: dict[Node, Switch] = {}
     for node in reachable(g, outputs, VARIABLE):
         if not g.depends[node] & VARIABLE:

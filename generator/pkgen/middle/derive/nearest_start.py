@@ -1,4 +1,5 @@
-"""The consistent start nearest to an inconsistent one, in the metric of M, as text to paste."""
+"""Finds initial values that satisfy the constraints, close to given values that do not, and writes
+them as text for the model. Distances are measured in the metric of M."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 
 CORRECTIONS = 50
-CLOSE = 1e-13  # relative to the largest number of the start
+CLOSE = 1e-13  # tolerance of Newton's method, relative to the largest number of the start
 
 
 def nearest_start(
@@ -21,9 +22,10 @@ def nearest_start(
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
 ) -> str:
-    """Returns a `start` statement with all coordinates and rates, or "" if Newton's method fails.
+    """Returns a `start` statement with initial values of all coordinates and rates, or "" if
+    Newton's method fails.
 
-    Attitudes are kept. Each correction is the shortest in the metric of M at the start.
+    Attitudes are not changed. Each correction is the shortest one in the metric of M at the start.
     """
     import numpy as np
 
@@ -46,7 +48,7 @@ def nearest_start(
     sizes, turns = np.linalg.eigh((M + M.T) / 2)
     if not sizes[0] > 0:
         return ""
-    root = turns / np.sqrt(sizes)  # root root^T = M^-1
+    root = turns / np.sqrt(sizes)  # the product root root^T is M^-1
 
     def corrected(
         residual: Sequence[Node], nodes: Sequence[Node], kind: Kind, kept: Sequence[bool]
@@ -74,7 +76,8 @@ def nearest_start(
     energy = np.sqrt(M.diagonal())
 
     def written(kind: Kind, i: int) -> str:
-        """Returns a number as text; 0 if it is a rounding error relative to the largest, by M."""
+        """Returns coordinate or rate i as text. A number that may be a rounding error, compared to
+        the largest one after scaling with M, becomes 0."""
         far = max(energy[k] * abs(values.get(Symbol(kind, k), 0.0)) for k in range(count))
         x = values.get(Symbol(kind, i), 0.0)
         return f"{x if energy[i] * abs(x) > CLOSE * far else 0.0:.15g}"

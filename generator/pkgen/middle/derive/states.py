@@ -1,13 +1,13 @@
-"""First-order variables, the states: x' = g(t, q, v, x).
+"""First-order variables x with x' = g(t, q, v, x), here called states.
 
-While a model is expanded, the rate of state k of n is a symbol too, number n + k of its kind: a
-definition may use it before its expression is known. `resolved` substitutes the expressions.
+While a model is expanded, the time derivative of state k of n is a symbol with the index n + k, so
+that a definition may use it before its expression is known. `resolved` substitutes the expressions.
 
-Every method of the runtime solves q' = v, M a = f. So in C a state is the rate of a dummy
-coordinate: v is the state, a its rate, and q its integral, which is hidden and unused. `as_rates`
-appends these to the n coordinates of the model, with unit entries in M. If a momentum p depends on
-a state (a rocket's mass), dp/dv has an entry for the state and is not symmetric. Then the solved
-form is used: p = v, M = 1 and f = a.
+All integrators of the runtime solve q' = v, M a = f. In C, a state is therefore the rate v of a
+dummy coordinate q, which is not used; its acceleration a is x'. `as_rates` appends the dummy
+coordinates to those of the model, with M extended by a unit matrix. If a momentum p depends on a
+state, such as a rocket's mass, dp/dv would not be symmetric. Then the equations are used in solved
+form, with p = v, M = 1 and f = a.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ STATES = BIT[Kind.STATE]
 
 
 class Circular(Exception):
-    """A cycle of states: the rate of each uses that of the next; the last uses the first."""
+    """States form a cycle: the time derivative of each state contains that of the next state in the
+    cycle."""
 
     def __init__(self, cycle: Sequence[int]):
         super().__init__(cycle)
@@ -35,7 +36,8 @@ class Circular(Exception):
 
 
 def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
-    """Returns for each symbol of a rate its expression, free of such symbols. Raises Circular."""
+    """Returns the expressions of the time derivatives of states by their symbols. The expressions
+    do not contain such symbols. Raises Circular if that is impossible."""
     count = len(rates)
     found: dict[Node, Node] = {}
     for first in range(count):
@@ -54,16 +56,17 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
     return found
 
 
-# -- for the C -----------------------------------------------------------------------------------
+# -- conversion for the C code -------------------------------------------------------------------
 
 
 def as_rates(
     e: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Equations, Structure]:
-    """Returns equations without states, whose last coordinates have the states as rates. Matrices
-    are then square of size n + count, for `count` states. Sets `unconstrained`, `inertia` and
-    `terms` if there are rotations, constraints or momenta that depend on states. The equations
-    must not have been converted before."""
+    """Returns equations in which states are the rates of dummy coordinates, and their facts.
+
+    The dummy coordinates come last; matrices grow from n x n to (n + count) x (n + count). Sets the
+    fields `unconstrained`, `inertia` and `terms` if there are rotations, constraints or momenta
+    that depend on states. The equations must not have been converted before."""
     if not e.states and not e.attitudes:
         own = _unconstrained(e.graph, e, tuple, ())
         if own is None:
@@ -123,7 +126,8 @@ def as_rates(
 
 
 def _unread(g: Graph, n: int, motion: Motion) -> int:
-    """Returns the number of last states that no rate depends on; n coordinates come first."""
+    """Returns the number of states at the end on which no equation depends. `n` is the number of
+    coordinates, after which the states come."""
     nodes = (*motion.momenta[:n], *motion.pdot)
     read = (s.index for s in symbols_in(g, nodes, BIT[Kind.RATE]))
     return len(motion.pdot) - max(n, *(i + 1 for i in read), 0)
@@ -148,7 +152,7 @@ def _solved(g: Graph, acceleration: Row) -> Motion:
 
 
 def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
-    """Returns Lagrange's equations, extended by x' = g with unit mass."""
+    """Returns Lagrange's equations extended by the equations x' = g, with unit entries in M."""
     n, count = len(e.coordinates), len(rates)
     none = (ZERO,) * count
     return Motion(
@@ -162,7 +166,7 @@ def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
 
 
 def _with_unit(mass: Matrix, count: int) -> Matrix:
-    """Returns M extended by a unit block of size `count`."""
+    """Returns M extended by a unit matrix of size `count`."""
     n, none = len(mass), (ZERO,) * count
     return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
 
@@ -170,8 +174,9 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
 def _unconstrained(
     g: Graph, e: Equations, there, rates: Row, solved: bool = False
 ) -> tuple[Row, Row] | None:
-    """Returns p and pdot without constraint forces if there are rotations, constraints or impulses,
-    or in solved form, where `canonical` has p = v; else None."""
+    """Returns the momenta p and pdot without constraint forces, for rotations, constraints,
+    impulses, and the solved form (in which the kernel `canonical` has v instead of p). Returns None
+    for other equations."""
     if not solved and not e.quaternions and e.constraints is None and not e.impulsive:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot

@@ -1,11 +1,12 @@
 """Switches: expressions at whose zeros the equations of motion have a kink or a jump.
 
-step(x), and sign(x) from the derivative of abs, jump where x vanishes; abs(x) has a kink there;
+step(x) and sign(x), the derivative of abs(x), jump where x vanishes; abs(x) has a kink there;
 min(a, b) and max(a, b) have a kink where a - b vanishes. atan2(y, x) jumps where y vanishes and x
-is negative (points/cuts.py). Each such argument is a switch. The function is smooth on either side
-of its zeros, and the C code takes the side as a number, like a parameter. The runtime locates the
-zeros and sets the sides (pk/events.h), so that each step integrates a smooth system; side 0 leaves
-the function as it is.
+is negative (points/cuts.py). The expression that vanishes is called a switch. On either side of its
+zeros the function has a smooth branch. The C code gets the branch as a number called side: 1 or -1
+selects a branch, also beyond the zero, 0 selects none. The runtime locates the zeros and sets the
+sides (pk/events.h), so that each step integrates a smooth system. A call is "held" if its branch is
+set in this way.
 
 Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
 Springer 1993, section II.6, "Discontinuous equations".
@@ -27,15 +28,16 @@ from ...graph.wording import wording
 
 
 class Surfaces:
-    """Identifies arguments with the same zeros: their normal forms are equal up to a numeric
-    factor. Adds nodes to the graph."""
+    """Recognizes arguments with the same zeros, whose normal forms differ only by a numeric factor.
+    Adds nodes to the graph."""
 
     def __init__(self, g: Graph):
         self.graph = g
         self.normal = Normal(g)
 
     def __call__(self, argument: Node) -> tuple[object, int]:
-        """Returns a key that all such arguments share, and the sign of the numeric factor."""
+        """Returns a key that is equal for arguments with the same zeros, and the sign of the
+        argument's numeric factor."""
         form = self.normal(argument)
         if not form:
             return argument, 1
@@ -43,7 +45,8 @@ class Surfaces:
         return frozenset((m, c / first) for m, c in form.items()), 1 if first > 0 else -1
 
     def of_call(self, node: Node) -> tuple[object, int]:
-        """Returns key and sign of the argument that decides a call; (None, 0) if it is smooth."""
+        """Returns the key and the sign for the argument at whose zeros a call has a kink or a jump;
+        (None, 0) for any other node."""
         g = self.graph
         argument = _deciding(g, node)
         if argument == ZERO or not g.depends[argument] & VARIABLE:
@@ -54,8 +57,8 @@ class Surfaces:
 def switches_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str], cuts: Iterable[Node]
 ) -> tuple[Switch, ...]:
-    """Returns the switches of the equations `outputs`, and those of the nodes `cuts`, without
-    duplicates such as x and -x."""
+    """Returns the switches of the expressions `outputs`, and a switch for each of the nodes `cuts`
+    (the y of atan2). Switches with the same zeros, such as x and -x, are returned once."""
     found: dict[object, Switch] = {}
     calls = [n for n in reachable(g, outputs, VARIABLE) if argument_of(g, n) != ZERO]
     loose = free(g, outputs)
@@ -74,9 +77,11 @@ def switches_of(
 
 
 def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
-    """Returns the calls inside a function of limited domain whose kink or jump may lie at the end
-    of the domain, as max(0, x) in max(0, x)^(3/2). A step held on one side goes a little beyond the
-    zero, where the function is undefined. So they are not held; steps still end at their zeros."""
+    """Returns the calls that must not be kept on one branch within a step, though steps end at the
+    zeros of their arguments.
+
+    An example is max(0, x) in max(0, x)^(3/2), where the kink is at the end of the domain of the
+    power. A step goes a little beyond x = 0, where the branch x would give an undefined power."""
     g, found = g.copy(), set()
     for n in reachable(g, nodes, VARIABLE):
         ends = _ends(g, n)
@@ -86,14 +91,15 @@ def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
 
 
 def _ends(g: Graph, node: Node) -> tuple[int, ...]:
-    """Returns the end points of the domain of a power or a call; () if it has none."""
+    """Returns the end points of the domain of a power or a function call; () if there are none."""
     if g.op[node] is Op.POWER:
         return (0,) if g.data[node].denominator != 1 else ()
     return FUNCTIONS[g.data[node]].ends if g.op[node] is Op.CALL else ()
 
 
 def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
-    """Whether the argument of `node` may be one of `ends` at the kink or jump of `call`."""
+    """Whether the argument of `node` may be equal to one of `ends` where `call` has its kink or
+    jump."""
     name, args = g.data[call], g.args[call]
     at = [ZERO]
     if name in ("step", "sign"):
@@ -115,8 +121,9 @@ def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
 def sides(
     g: Graph, switches: Sequence[Switch], positions: Iterable[Node]
 ) -> dict[Node, tuple[int, int]]:
-    """Returns for each held call the index of its switch, and 1 or -1 if its argument has the sign
-    of the switch or the opposite. An impulse's calls in `positions` are held in any case."""
+    """Returns for each call that is kept on one branch within a step the index of its switch, and 1
+    if the call's argument has the sign of the switch, -1 if it has the opposite sign. All calls in
+    the nodes `positions` whose switch has an impulse are included."""
     surfaces, found = Surfaces(g.copy()), {}
     places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
     loose = free(g, range(len(g))) if places else set()
@@ -134,7 +141,8 @@ def sides(
 
 
 def argument_of(g: Graph, node: Node) -> Node:
-    """Returns the argument that decides a call, without a numeric factor; 0 if it is smooth."""
+    """Returns the argument at whose zeros a call has a kink or a jump, without a numeric factor;
+    ZERO for any other node."""
     argument = _deciding(g, node)
     scale, rest = g.split(argument)
     return argument if g.op[scale] is not Op.NUMBER or rest == ONE else rest

@@ -1,1 +1,2 @@
-"""Expands expressions of a model into nodes of the graph, with families unrolled."""
+"""Converts a model's expressions to nodes of the graph. Each member of a family gets its own
+nodes."""

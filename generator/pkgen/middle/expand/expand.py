@@ -1,4 +1,4 @@
-"""Expands a model's expressions into nodes of the graph."""
+"""Converts a model's expressions to nodes of the graph."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from .terms import EXPAND
 
 
 class Expander(Names):
-    """Makes the nodes of one model's expressions, by the function in EXPAND for each class."""
+    """Converts the expressions of one model to nodes. EXPAND has a function for each class of
+    expressions."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
         super().__init__(model, orders)

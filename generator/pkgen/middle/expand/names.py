@@ -1,7 +1,8 @@
-"""Nodes of the names of a model: families unrolled, ends, time derivatives.
+"""Finds the nodes of the names in a model: coordinates, members of families, ends of families, and
+time derivatives.
 
-A value is one node, or a tuple of nodes for a vector. A prime is the total time derivative: that of
-a coordinate is its rate, of t 1, of an input its derivative, of a state its rate.
+A value is one node, or a tuple of nodes for a vector. A prime (') is the total time derivative of
+an expression.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
 
 
 class NeedsDerivative(Exception):
-    """A derivative of an input is needed that has no symbol yet."""
+    """A time derivative of an input is needed for which there is no symbol yet."""
 
     def __init__(self, position: int):
         super().__init__(position)
@@ -49,8 +50,9 @@ class NeedsDerivative(Exception):
 
 
 def entered(model: Model, derive: Callable[[tuple[int, ...]], Derived]) -> Derived:
-    """Returns derive(orders), where `orders` has the number of derivatives of each input. Repeats
-    with one more derivative whenever `derive` raises NeedsDerivative."""
+    """Returns derive(orders), where `orders` has for each input the number of its time derivatives
+    that get symbols. Whenever `derive` raises NeedsDerivative, the call is repeated with one more
+    derivative."""
     orders = [item.order for item in model.inputs]
     while True:
         try:
@@ -63,7 +65,8 @@ def entered(model: Model, derive: Callable[[tuple[int, ...]], Derived]) -> Deriv
 
 
 def next_input(orders: tuple[int, ...], index: int) -> int:
-    """Returns the flat index of the derivative of the input, or input derivative, at `index`."""
+    """Returns the flat index of the time derivative of the input (or input derivative) at
+    `index`."""
     last = -1
     for position, order in enumerate(orders):
         last += order + 1
@@ -79,7 +82,8 @@ class Acceleration(Exception):
 
 
 class Names(ABC):
-    """Holds the graph while the statements of one model are expanded into it."""
+    """The graph and the tables of names of one model while its statements are converted to
+    nodes."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
         self.model = model
@@ -104,18 +108,21 @@ class Names(ABC):
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.refusals: dict[tuple[str, int | None], tuple[str, str]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        self.solved: Mapping[Node, Node] | None = None  # state rates, if accelerations are allowed
+        # The expressions of the rates of states; None while accelerations are not allowed.
+        self.solved: Mapping[Node, Node] | None = None
         self._ends = _ends(model, self.coordinates | self.states)
-        self.primes: list[tuple[Node, Span]] = []  # the nodes with a prime, and where
+        # The nodes whose time derivatives were taken, with the places in the model's text.
+        self.primes: list[tuple[Node, Span]] = []
 
     @property
     def count(self) -> int:
-        """The number of coordinates, families unrolled."""
+        """The number of scalar coordinates: each member of a family counts."""
         return sum(family.count for family in self.coordinates.values())
 
     @property
     def members(self) -> list[tuple[Coordinate, int | None]]:
-        """The declaration of each coordinate, with its index in the family, in flat order."""
+        """The declaration of each scalar coordinate, with its index in the family, in the order of
+        flat indices."""
         found = {
             self.coordinates[item.name].flat(i): (item, i)
             for item in self.model.coordinates
@@ -131,7 +138,8 @@ class Names(ABC):
 
     @contextmanager
     def statement(self, span: Span) -> Iterator[None]:
-        """Turns exceptions raised inside into ModelError, at `span` unless they have a span."""
+        """Converts exceptions raised inside the `with` block to ModelError. The error is at `span`
+        unless the exception has a span."""
         try:
             yield
         except TooLarge:
@@ -158,7 +166,8 @@ class Names(ABC):
     def unrolled(
         self, index: Expr | None, range_: Range | None
     ) -> Iterator[tuple[int | None, Loop]]:
-        """Yields index and loop variables of each member of NAME, NAME[index], NAME[i = lo..hi]."""
+        """Yields the index and the values of loop variables for each member in a statement about
+        NAME, NAME[index] or NAME[i = lo..hi]."""
         if range_ is not None:
             for loop in assignments((range_,), self.sizes):
                 yield loop[range_.variable], loop
@@ -169,7 +178,7 @@ class Names(ABC):
         self.defined.setdefault(name, {})[index] = value
 
     def refuse(self, name: str, index: int | None, message: str, help: str) -> None:
-        """Sets the error message for any use of a name that has no value."""
+        """Declares that a name has no value, and sets the error message for its use."""
         self.refusals[name, index] = message, help
 
     def scalar(self, expr: Expr, loop: Loop | None = None) -> Node:
@@ -180,7 +189,7 @@ class Names(ABC):
 
     @abstractmethod
     def value(self, expr: Expr, loop: Loop) -> Value:
-        """Returns the value of an expression. `Expander` implements it."""
+        """Returns the value of an expression. `Expander` implements this method."""
 
     def refused(self, message: str, span: Span) -> Exception:
         """Returns the exception to raise for an expression that cannot be expanded."""
@@ -216,13 +225,15 @@ class Names(ABC):
         raise error(self.model, f"unknown name '{name}'", expr.span)
 
     def coordinate(self, name: str, index: int | None, span: Span) -> Node:
-        """Returns a coordinate or a state; beyond an end of its family, the value at the end."""
+        """Returns the node of a coordinate or a state. For an index outside the family, the
+        declaration of the end gives the value."""
         kind = Kind.STATE if name in self.states else Kind.COORDINATE
         at = self._place(name, index, span)
         return self.scalar(at.value) if isinstance(at, End) else self.graph.symbol(Symbol(kind, at))
 
     def _body_rate(self, rotation: Rotation, axis: int, index: int | None, span: Span) -> Node:
-        """Returns a body rate; at a fixed end, computed from the quaternion given there."""
+        """Returns the node of a body rate. At a fixed end of the family it is computed from the
+        prescribed quaternion."""
         at = self._place(rotation.turns[axis], index, span)
         if not isinstance(at, End):
             return self.graph.symbol(Symbol(Kind.RATE, at))
@@ -230,7 +241,8 @@ class Names(ABC):
         return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
 
     def _place(self, name: str, index: int | None, span: Span) -> int | End:
-        """Returns the flat index of a coordinate or a state; at a fixed end, the End."""
+        """Returns the flat index of a coordinate or a state. For an index at a fixed end of the
+        family, returns the End."""
         family = self.states[name] if name in self.states else self.coordinates[name]
         if not family.has(index) and index is not None:
             end = self._ends.get((name, index)) or self._ends.get((name, None))
@@ -275,7 +287,7 @@ class Names(ABC):
 
 
 def _ends(model: Model, coordinates: dict[str, Family]) -> dict[tuple[str, int | None], End]:
-    """Returns the ends by family and index; the index is None for a periodic family."""
+    """Returns the declared ends by family and index. For a periodic family the index is None."""
     result: dict[tuple[str, int | None], End] = {}
     for end in model.ends:
         family = coordinates[end.name]

@@ -1,4 +1,4 @@
-"""Expands expressions into nodes: EXPAND has a function for each expression class of `tree.py`."""
+"""Converts expressions to nodes. EXPAND has a function for each expression class of `tree.py`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .names import Loop, Names, Value, Vector3
 
 
 def _each(function: Callable[..., Node], *values: Value) -> Value:
-    """Applies a function of scalars to scalars, or to vectors component by component."""
+    """Applies a function of scalars to scalar values, or to vectors, component by component."""
     if isinstance(values[0], tuple):
         return tuple(function(*items) for items in zip(*values, strict=True))
     return function(*values)
@@ -94,7 +94,7 @@ def _power(x: Names, expr: Power, loop: Loop) -> Value:
     constant = g.value(exponent)
     number = g.value(base)
     if constant is None:
-        # The derivative of such a power would contain ln of the base.
+        # The derivative of a power with a variable exponent contains the logarithm of the base.
         if number is not None and (number < 0 or (number == 0 and not g.is_constant(exponent))):
             what = "zero" if number == 0 else "a negative number"
             raise x.refused(f"{what} to a power that varies is not differentiable", expr.span)
@@ -111,8 +111,8 @@ def _power(x: Names, expr: Power, loop: Loop) -> Value:
 
 
 def _turned(x: Names, expr: Call, loop: Loop) -> Vector3:
-    """Applies nested rotations to a vector, innermost first. Many rotations about fixed axes are
-    combined into the columns of a frame, which other vectors with the same rotations share."""
+    """Returns a vector after the nested rotations of an expression. A long chain of rotations about
+    fixed axes is computed as a matrix, which other vectors with the same rotations share."""
     g, turns = x.graph, []
     inner: Expr = expr
     while isinstance(inner, Call) and inner.function == "rotate":
@@ -163,7 +163,8 @@ def _unit(g: Graph, axis: Vector3) -> Vector3:
 
 
 def _rotate(g: Graph, n: Vector3, angle: Node, a: Vector3) -> Vector3:
-    """Rodrigues' formula: c a + s n x a + (1 - c) n (n.a), n the unit vector along the axis."""
+    """Returns a vector a, rotated about the unit vector n, by Rodrigues' formula:
+    c a + s n x a + (1 - c) n (n.a), with c and s the cosine and sine of the angle."""
     c, s = g.call("cos", angle), g.call("sin", angle)
     along = g.multiply(g.subtract(ONE, c), dot(g, n, a))
     return tuple(
@@ -193,4 +194,4 @@ EXPAND: dict[type, Callable[[Names, Expr, Loop], Value]] = {
     Call: _call,
     Sum: _sum,
     Vector: lambda x, expr, loop: tuple(x.scalar(item, loop) for item in expr.items),
-}  # units are absent: check has folded them into numbers
+}  # there is no entry for units: the checker has replaced them by numbers

@@ -1,4 +1,8 @@
-"""The bodies of terms at i = m, and relative to the rows of the members in them."""
+"""Expands the summands of an energy, here called bodies: in sum(f(i), i = lo..hi), the body is f.
+
+A body is needed in two forms: at i = m, and for the equation (row) of each member in it, shifted so
+that this member has the index m.
+"""
 
 from __future__ import annotations
 
@@ -15,29 +19,37 @@ from .terms import Term
 
 
 class Gathered:
-    """The sums of contributions of L, D and forces, by family and by scalar coordinate."""
+    """Contributions of L, the dissipation D and the forces to the equations of motion."""
 
     def __init__(self) -> None:
-        self.rows: dict[tuple[str, str], list[Part]] = defaultdict(list)  # by quantity and family
-        self.totals: dict[tuple[str, str], Total] = defaultdict(Total)  # by quantity and scalar
+        # The contributions to a quantity, such as "momenta", of the members of a family. The keys
+        # are (quantity, family).
+        self.rows: dict[tuple[str, str], list[Part]] = defaultdict(list)
+        # The contributions to a quantity of a scalar coordinate. The keys are (quantity, name).
+        self.totals: dict[tuple[str, str], Total] = defaultdict(Total)
+        # Entries of M; see Band.
         self.entries: dict[tuple[str, str, int], list[Part]] = defaultdict(list)
         self.border: dict[tuple[str, str], list[Part]] = defaultdict(list)
         self.corner: dict[tuple[str, str], Total] = defaultdict(Total)
-        self.pairs: list[PairForce] = []  # of L
-        self.drags: list[PairForce] = []  # of D
+        # The contributions of double sums in L.
+        self.pairs: list[PairForce] = []
+        # The contributions of double sums in D, and of forces that contain sums.
+        self.drags: list[PairForce] = []
         self.limits: list[Limit] = []
         self.wraps: dict[str, int] = {}
 
 
 class Bodies:
-    """Expands bodies, and adds the limits on sizes under which all their members exist."""
+    """Expands bodies. Records the conditions on sizes (limits) under which all members in a body
+    exist."""
 
     def __init__(self, x: LoopExpander, found: Gathered):
         self.x = x
         self.found = found
 
     def views(self, term: Term) -> Iterator[tuple[str, Affine, Node]]:
-        """Yields (family, offset, body) for each family slot, the body relative to its row."""
+        """Yields (family, offset, body) for each member of a family in a term's body. The body is
+        shifted so that the member has the index m; before, its index was m + offset."""
         body = self.at_row(term)
         for names, at in self._moved(body):
             shift, seen = at, body
@@ -49,12 +61,14 @@ class Bodies:
         self.x.members.clear()
 
     def _moved(self, body: Node) -> list[tuple[tuple[str, ...], Affine | None]]:
-        """Returns the coordinates, each with a member's index, that a body depends on."""
+        """Returns the coordinates on which a body depends, with the index of the member. The names
+        come in tuples, since a quaternion belongs to three coordinates."""
         slots = [slot for slot in self.x.slots.below(body) if slot.kind in CELLS]
         return list(dict.fromkeys((self.x.rotations.moved(slot), slot.at) for slot in slots))
 
     def at_row(self, term: Term) -> Node:
-        """Returns the body at i = m. Checks that its members exist, and adds limits on sizes."""
+        """Returns the body of a term at i = m. Records the conditions on sizes under which its
+        members exist."""
         values = (M,) if term.ranges else ()
         self.x.members.clear()
         body = term.at(self.x, *values)
@@ -69,7 +83,8 @@ class Bodies:
         return body
 
     def member(self, slot: Slot, lo: Affine, hi: Affine) -> None:
-        """Checks that a member is at a fixed distance from its row, and exists for rows lo..hi."""
+        """Raises Unrolled if a member's index is not m plus a constant. Records the conditions on
+        sizes under which the member exists for m = lo..hi."""
         if slot.kind in REACHED and slot.at is not None:
             self._relative(slot)
             self.in_reach(slot, lo, hi)
@@ -80,7 +95,9 @@ class Bodies:
             raise Unrolled(f"a sum reaches {reached} from its index i")
 
     def in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
-        """Adds limits for a member, or a given one beyond an end, to exist; records wraps."""
+        """Records the conditions on sizes under which a member exists for m = lo..hi, or has a
+        given value beyond an end. For a periodic family, records how far beyond the ends the index
+        is."""
         if slot.kind not in REACHED or slot.at is None or lo is None:
             return
         group = self.x.coordinates[slot.name]
@@ -103,7 +120,8 @@ class Bodies:
 
 
 def _given(group: Group, side: int) -> int:
-    """Returns the number of given cells beyond an end, counted without a gap."""
+    """Returns the number of consecutive indices beyond the lower (side -1) or upper end of a family
+    for which the model gives values."""
     at = {index for index, _ in group.ends}
     count = 0
     while (group.lo - (count + 1) if side < 0 else group.hi + (count + 1)) in at:

@@ -1,7 +1,8 @@
-"""Sums in starts and parameters, computed once: `start q[i] = a[i] - sum(a[j], j = 1..N)`.
+"""Sums in initial values and parameters, such as `start q[i] = a[i] - sum(a[j], j = 1..N)`.
 
-Each is a loop of its own, placed as far outside as its terms allow: before the members of a
-statement, before each member, or inside another sum.
+Each sum becomes a loop of its own in C. The loop is placed as far outside as its terms allow:
+before the loop over the members of the statement, inside this loop, or inside the loop of another
+sum.
 """
 
 from __future__ import annotations
@@ -18,19 +19,20 @@ from .indices import COUNTERS, Loop
 from .loops import Assigned, Limit, Summed
 
 Range = tuple[str, Affine, Affine]
-MOVES = (*CELLS, "a", "input", "sum")  # kinds of slots not allowed in starts and parameters
+MOVES = (*CELLS, "a", "input", "sum")  # kinds of symbols that initial values must not contain
 
 
 @dataclass
 class _Scope:
-    """The ranges of some loops, by the names of their variables, and the sums inside the loops."""
+    """One level of nested loops: the ranges of its loop variables by name, and the sums that are
+    computed inside these loops."""
 
     ranges: dict[str, Range] = field(default_factory=dict)
     found: list[Summed] = field(default_factory=list)
 
 
 class Once:
-    """The sums of one statement about the members lo..hi, or about one value."""
+    """Collects the sums in one statement about the members lo..hi of a name, or about a scalar."""
 
     def __init__(self, x: LoopExpander, lo: Affine | None, hi: Affine | None, loop: Loop):
         self.x = x
@@ -39,7 +41,7 @@ class Once:
         self.scopes = [_Scope(), _Scope(members)]
 
     def of(self, expr: Sum, loop: Loop) -> Node:
-        """Returns the slot of a sum's value."""
+        """Returns the node that stands for the value of a sum."""
         x, names = self.x, free_names(expr)
         depth = max((k for k, s in enumerate(self.scopes) if s.ranges.keys() & names), default=0)
         outer, self.scopes = self.scopes, self.scopes[: depth + 1]
@@ -78,9 +80,10 @@ class Once:
 def assigned(
     x: LoopExpander, name: str, order: int, over: tuple, expr, limits: list[Limit]
 ) -> tuple[Assigned, list[Node]]:
-    """Returns the values that a statement gives its members, and all nodes in it."""
+    """Returns the values that a statement assigns to members lo..hi of a name, and all nodes in
+    them. `over` is (lo, hi, values of loop variables)."""
     lo, hi, loop = over
-    if lo is not None and lo == hi:  # one member, which is written without a loop
+    if lo is not None and lo == hi:  # a single member needs no loop
         loop = {name: lo if at == variable(ROW) else at for name, at in loop.items()}
     x.once = Once(x, lo, hi, loop)
     try:

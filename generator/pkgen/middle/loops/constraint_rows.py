@@ -1,8 +1,9 @@
-"""`constraint` and `rolling` in families kept as loops: rows J v + j0 = 0, one for each index.
+"""Makes the constraint rows J v + j0 = 0 of models with loops, from `constraint` and `rolling`.
 
-The row of index m reaches members at fixed distances, like a body of L. A member beyond an end is
-given, or stands for another member and then adds to the column of that one. A row without an index
-may contain sums; its J is collected by members, like the row of a scalar coordinate in M.
+A statement with an index i has one row for each i = m, which contains members with indices m plus a
+constant. A member beyond an end of its family has a given value, or is identified with a member of
+the family, to whose column of J its derivatives are added. A statement without an index has a
+single row, which may contain sums over members.
 """
 
 from __future__ import annotations
@@ -22,11 +23,13 @@ from .terms import Term, terms
 
 
 def bound_of(x: LoopExpander, gather: Gather) -> tuple[Bound, ...]:
-    """Returns all constraint rows, holonomic ones first, and enters their multipliers in `x`."""
+    """Returns all constraint rows, those of holonomic constraints first. Defines the names of their
+    multipliers in `x`."""
     declared = sorted(x.model.constraints, key=lambda item: not item.holonomic)
     found = tuple(_bound(x, gather, item, str(k)) for k, item in enumerate(declared))
     for rows in found:
-        for name in multipliers(rows.name):  # both are equal: no row is redundant
+        # The multiplier of least norm is the same one, since no row is redundant.
+        for name in multipliers(rows.name):
             x.multipliers.setdefault(name, []).append(rows.group)
     return found
 
@@ -61,7 +64,8 @@ def _bound(x: LoopExpander, gather: Gather, item: Constraint, key: str) -> Bound
 def _values(
     x: LoopExpander, gather: Gather, item: Constraint, node: Node
 ) -> tuple[Node, Node, Node, tuple[Node, ...]]:
-    """Returns phi, J v + j0, its rate if nothing accelerates, and magnitudes of the first two."""
+    """Returns phi; the row J v + j0; its time derivative at zero acceleration of all coordinates;
+    and the sizes (bounds of the rounding error) of phi and of the row."""
     rate = x.derivative(node) if item.holonomic else node
     position = node if item.holonomic else ZERO
     if x.totals.moving(rate, position):

@@ -1,4 +1,5 @@
-"""Model -> LoopEquations: Lagrange's equations, families as loops; or Unrolled with a reason."""
+"""Derives Lagrange's equations of a model with loops over the members of families. Raises Unrolled
+with a reason if the model cannot be compiled to loops."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ from .terms import Term, terms
 
 
 def derive_loops(model: Model) -> LoopEquations:
-    """Returns the equations of motion with every family kept as a loop. Raises Unrolled."""
+    """Returns the equations of motion with loops over the members of all families. Raises
+    Unrolled."""
     return entered(model, lambda orders: _derive(LoopExpander(model, orders)))
 
 
@@ -123,7 +125,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
 
 
 def _forces(x: LoopExpander, gather: Gather) -> None:
-    """Adds forces, and the rates of states."""
+    """Adds the generalized forces and the time derivatives of states to the equations."""
     for item in (*x.model.forces, *x.model.rates):
         lo, hi, loop = x.over(item.range, item.index)
         group = x.coordinates[item.name]
@@ -139,7 +141,7 @@ def _forces(x: LoopExpander, gather: Gather) -> None:
 
 
 def _check_rates(x: LoopExpander, gather: Gather) -> None:
-    """Raises Unrolled if the rates of states use each other in a circle."""
+    """Raises Unrolled if the time derivatives of states depend on each other in a cycle."""
     force, uses = _vector(x, gather.found, "force"), {}
     for group in x.coordinates.values():
         if group.is_state:
@@ -171,7 +173,7 @@ def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
 def _of_states(x: LoopExpander, momenta: Vector, carried: tuple[Carried, ...]) -> bool:
     """Returns whether a momentum of a coordinate depends on a state."""
     own = [g.name for g in x.coordinates.values() if g.is_state]
-    nodes = vector_nodes(momenta, frozenset(own))  # includes rows of carried values
+    nodes = vector_nodes(momenta, frozenset(own))  # includes the rows of recurrences
     nodes += [n for item in carried for piece in item.pieces for n in piece.by.values()]
     return any(slot.kind == "s" for slot in x.totals.below(*nodes))
 
@@ -204,7 +206,8 @@ def _check_inertia(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) ->
 
 
 def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
-    """Returns the conditions on sizes that are not always true; no family may be empty."""
+    """Returns the conditions on sizes, without those that always hold, and with the condition that
+    no family is empty. Raises Unrolled if the model's sizes do not satisfy them."""
     sizes = size_values(x.model)
     wanted = [Limit(g.count - 1, None) for g in x.coordinates.values() if g.is_family]
     kept: dict[Limit, None] = {}
@@ -226,7 +229,8 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
 
 
 def _check_points(x: LoopExpander, result: LoopEquations) -> None:
-    """Raises Unrolled for a term of a single member far from the ends: the interior excludes it."""
+    """Raises Unrolled if a term, such as one with q[7], adds to the equation of a single member far
+    from both ends of a family: in C, all these members share the code of one loop."""
     rows = [(name, row) for name, row in result.force.rows.items()]
     rows += [(key[0], row) for key, row in result.mass.entries.items()]
     for name, row in rows:

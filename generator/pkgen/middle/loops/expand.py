@@ -1,4 +1,5 @@
-"""Expands a model's expressions into nodes whose symbols are slots: members relative to a row."""
+"""Converts expressions to nodes for loops. A symbol stands for a member such as q[m+1] of a family,
+where m is the index of the equation (row) that is computed."""
 
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ from .slots import Slots
 
 
 class Sums(Protocol):
-    """Makes the node of a sum that stands inside an expression."""
+    """Converts a sum inside an expression to a node."""
 
     def of(self, expr: Sum, loop: Loop) -> Node: ...
 
@@ -36,14 +37,15 @@ class Totals(Sums, Protocol):
 
 
 class Alongside(Protocol):
-    """Makes the nodes of members of `let`s that only outputs use."""
+    """Converts members of `let` definitions that only outputs use to nodes."""
 
     def member(self, name: str, index: Affine) -> Value: ...
     def rate(self, slot: Slot) -> Node: ...
 
 
 class LoopExpander(Indices):
-    """Holds the graph and its slots. Replaces `Expander` for the functions of expand/terms.py."""
+    """The graph, its symbols and the tables of names of one model with loops. Takes the place of
+    `Expander` as argument of the functions in expand/terms.py."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
         super().__init__(model, Slots(Graph(limits.UNROLLED)))
@@ -57,23 +59,36 @@ class LoopExpander(Indices):
         self.definitions: dict[str, list[Definition]] = {}
         for item in model.definitions:
             self.definitions.setdefault(item.name, []).append(item)
-        self.carried: dict[str, tuple[Group, ...]] = {}  # by name; a group per component
-        self.outputs: dict[str, Node] = {}  # by name: built-in outputs, outputs expanded so far
-        self.of_members: dict[str, Definition] = {}  # outputs with a value for each index
-        self.multipliers: dict[str, list[Group]] = {}  # by name: their constraint rows
-        self.momenta: dict[str, Group] = {}  # by name; only outputs may use them
+        # `let` definitions by recurrences (see `Carried`): a Group for each vector component.
+        self.carried: dict[str, tuple[Group, ...]] = {}
+        # Built-in outputs and the outputs converted so far.
+        self.outputs: dict[str, Node] = {}
+        # Outputs with a value for each index.
+        self.of_members: dict[str, Definition] = {}
+        # Maps the names of multipliers to their constraint rows.
+        self.multipliers: dict[str, list[Group]] = {}
+        # Maps the names of momenta, which only outputs may use, to their coordinates.
+        self.momenta: dict[str, Group] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        self.totals: Totals | None = None  # of sums inside expressions; set by Gather
-        self.alongside: Alongside | None = None  # `let`s that only outputs use; set by Outputs
-        self.once: Sums | None = None  # set while a start or a parameter's value is expanded
-        self.summed = 0  # number of sums that `once` has made
-        self.watched = False  # whether the expressions being expanded are outputs
+        # The object that converts sums inside expressions. Gather (rows.py) sets it.
+        self.totals: Totals | None = None
+        # The object that converts `let` definitions that only outputs use. Outputs (statements.py)
+        # sets it.
+        self.alongside: Alongside | None = None
+        # The object that converts sums while an initial value or a parameter is converted; None
+        # while other expressions are converted.
+        self.once: Sums | None = None
+        # The number of sums that `once` has converted.
+        self.summed = 0
+        # Whether the expressions that are converted are outputs.
+        self.watched = False
         self._defining: list[str] = []
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
 
     def statement(self, span: Span) -> AbstractContextManager:
-        """Does nothing: errors inside raise Unrolled with a reason of their own."""
+        """Returns a context that does nothing. `Expander` adds the span to errors here; in loops,
+        errors raise Unrolled with a reason."""
         return nullcontext()
 
     # -- expressions --------------------------------------------------------------------------
@@ -96,13 +111,14 @@ class LoopExpander(Indices):
         return value
 
     def check_magnitude(self, node: Node, span: Span) -> None:
-        """Raises an error if a double cannot hold one of the node's constants."""
+        """Raises ModelError if a constant factor of the node overflows or underflows a double."""
         wrong = self._magnitudes.wrong(node)
         if wrong:
             raise error(self.model, wrong, span)
 
     def refused(self, message: str, span: Span) -> Exception:
-        """Returns Unrolled: an exponent refused here may be an index, a number once unrolled."""
+        """Returns the exception for an expression that is not allowed: Unrolled, since the unrolled
+        model may be valid. For example, an index in an exponent then is a number."""
         return Unrolled(message)
 
     def name(self, expr: Name, loop: Loop) -> Value:
@@ -141,7 +157,8 @@ class LoopExpander(Indices):
         raise Unrolled(f"'{name}' is not known in a loop")
 
     def _multiplier(self, name: str, index: Affine | None) -> Node:
-        """Returns a multiplier, of constraint rows that one statement declares."""
+        """Returns the symbol of a multiplier. Raises Unrolled if several statements declare the
+        constraint rows of this name."""
         if len(self.multipliers[name]) > 1:
             raise Unrolled(f"'{name}' is of rows that are declared piece by piece")
         [group] = self.multipliers[name]
@@ -155,7 +172,8 @@ class LoopExpander(Indices):
         return self.slots.node("p", group.name, index)
 
     def _definition(self, name: str, index: Affine | None) -> Value:
-        """Returns the value of a `let`, whose expression is expanded anew at each use."""
+        """Returns the value of a `let` definition at an index. Unless it has a recurrence, its
+        expression is converted again for each use."""
         if name in self._defining:
             raise Unrolled(f"'{name}' is defined by its own members: a recursion over the index")
         found = self.definitions[name]
@@ -174,7 +192,8 @@ class LoopExpander(Indices):
             self._defining.pop()
 
     def _carried(self, name: str, index: Affine) -> Value:
-        """Returns a member of a `let` defined by several statements or by its own members."""
+        """Returns the symbols of a member of a `let` definition that consists of several
+        statements, which may form a recurrence. There is one symbol for each vector component."""
         if name not in self.carried:
             if self.watched:
                 return self.alongside.member(name, index)
@@ -186,7 +205,8 @@ class LoopExpander(Indices):
         return nodes if len(nodes) > 1 else nodes[0]
 
     def groups_of(self, name: str) -> tuple[tuple[str, ...], tuple[Group, ...]]:
-        """Returns names and groups of a `let` by index, one of each for each vector component."""
+        """Returns the names and groups of the components of an indexed `let` definition; one each
+        if it is not a vector."""
         pieces = self.pieces(name)
         (lo, _, first), (_, hi, _) = pieces[0], pieces[-1]
         around, self.members = self.members, []
@@ -199,7 +219,8 @@ class LoopExpander(Indices):
         return tuple(g.name for g in groups), groups
 
     def pieces(self, name: str) -> list[tuple[Affine, Affine, Definition]]:
-        """Returns (lo, hi, definition) for each index range of a name, by index, without a gap."""
+        """Returns the statements that define a name, as (lo, hi, statement) in the order of their
+        index ranges. Raises Unrolled if there is a gap between two ranges."""
         sizes, found = size_values(self.model), []
         for item in self.definitions[name]:
             lo, hi, _ = self.over(item.range, item.index)
@@ -214,8 +235,8 @@ class LoopExpander(Indices):
         return self.over(item.range, item.index)[2]
 
     def plain(self, expr: Expr, loop: Loop | None = None) -> Node:
-        """Returns the node of a start, parameter or end. Raises Unrolled if carried values or
-        sums over moving members are in it."""
+        """Returns the node of an expression in an initial value, a parameter or a fixed end. Raises
+        Unrolled if it contains a recurrence (`Carried`), or a sum that varies with time."""
         node = self.scalar(expr, loop)
         for slot in self.slots.below(node):
             if slot.name in self.coordinates and self.coordinates[slot.name].is_carried:
@@ -228,12 +249,14 @@ class LoopExpander(Indices):
         return node
 
     def coordinate(self, name: str, index: Affine | None) -> Node:
-        """Returns a coordinate or a state; for a fixed end at a known index, its given value."""
+        """Returns the node of a coordinate or a state. If the index is that of a fixed end, returns
+        the end's given value."""
         end = self._fixed_at(name, index)
         return self.given(name, index) if end else self._cell(name, index)
 
     def _rate(self, name: str, index: Affine | None) -> Node:
-        """Returns the rate of a coordinate; for a fixed end at a known index, its given rate."""
+        """Returns the rate of a coordinate. If the index is that of a fixed end, returns the rate
+        of the given value."""
         end = self._fixed_at(name, index)
         return self.given_rate(name, index) if end else self.derivative(self._cell(name, index))
 
@@ -242,7 +265,8 @@ class LoopExpander(Indices):
         return next((end for at, end in ends if at == index and end.kind == "fixed"), None)
 
     def given(self, name: str, index: Affine) -> Node:
-        """Returns the given value of a fixed end; 0 for the coordinate of a body rate."""
+        """Returns the given value of a fixed end. For a rotation's coordinates, which have no
+        values, returns ZERO."""
         value = self._fixed_at(name, index).value
         return ZERO if value is None else self.plain(value)
 
@@ -254,7 +278,8 @@ class LoopExpander(Indices):
         return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
 
     def _cell(self, name: str, index: Affine | None) -> Node:
-        """Returns the slot of a member; beyond a free or periodic end, of the member it maps to."""
+        """Returns the symbol of a member. An index beyond a free or periodic end is replaced by
+        that of the member with the same value."""
         group = self.coordinates[name]
         kind = "s" if group.is_state else "q"
         if index is None or any(index.factor(v) for v in LOOPS):
@@ -300,7 +325,7 @@ class LoopExpander(Indices):
 
 
 def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> bool:
-    """Whether there is a sum in an expression or in a `let` that it uses."""
+    """Whether an expression, or a `let` definition in it, contains a sum."""
     if isinstance(expr, Sum):
         return True
     if isinstance(expr, Name):
@@ -311,18 +336,18 @@ def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> 
 
 
 def around(x: LoopExpander, loop: Loop) -> frozenset[str]:
-    """Returns the names that depend on a loop variable, of a row or of a sum."""
+    """Returns the names in `loop` whose values depend on a loop variable."""
     sizes = {name for at in x.sizes.values() for name, _ in at.terms}
     return frozenset(name for name, at in loop.items() if {v for v, _ in at.terms} - sizes)
 
 
 def independent(x: LoopExpander, expr: Expr, loop: Loop) -> bool:
-    """Returns whether an expression is independent of all loop variables around it."""
+    """Returns whether an expression contains no names that depend on loop variables (`loop`)."""
     return not around(x, loop) & free_names(expr)
 
 
 def free_names(expr: Expr) -> frozenset[str]:
-    """Returns the names in an expression, without the loop variables of its own sums."""
+    """Returns the names in an expression, without the variables of sums in it."""
     if isinstance(expr, Sum):
         found, own = frozenset(), frozenset()
         for item in expr.ranges:

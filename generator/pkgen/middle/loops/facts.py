@@ -1,4 +1,5 @@
-"""Proves facts about a model whose families are loops; see enum pk_fact. False: not proved."""
+"""Proves facts about the equations of a model with loops, such as a constant mass matrix (see enum
+pk_fact). A fact that is False is not proved."""
 
 from __future__ import annotations
 
@@ -68,7 +69,7 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
 
 
 def _slopes(rows: Bound) -> Iterable[Node]:
-    """Yields the nodes of J."""
+    """Yields the entries of J in the constraint rows J v + j0."""
     for found in (*rows.entries.values(), *rows.border.values(), *rows.corner.values()):
         yield from _nodes(found)
 
@@ -78,7 +79,7 @@ def _nodes(found: Row | Total) -> list[Node]:
 
 
 def _workless(x: LoopExpander, e: LoopEquations) -> bool:
-    """Returns whether all rows are J v = 0 (j0 = 0): each vanishes at v = 0."""
+    """Returns whether j0 = 0 in all constraint rows J v + j0: each row vanishes at v = 0."""
 
     def rest(slot: Slot) -> Node | None:
         return ZERO if slot.kind == "v" else None
@@ -88,7 +89,7 @@ def _workless(x: LoopExpander, e: LoopEquations) -> bool:
 
 
 def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
-    """Returns whether each node is, as written, affine in positions and rates."""
+    """Returns whether each node, as written, is affine in coordinates, rates and states."""
     g = x.graph
     if _kinds(x, nodes) & {"a"} or x.totals.moving(*nodes):
         return False
@@ -125,7 +126,7 @@ def total_nodes(totals: Iterable[Total]) -> list[Node]:
 
 
 def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[Node]:
-    """Returns the nodes of all rows, except those of the names in `without`."""
+    """Returns all nodes of a vector, except the rows of the coordinates in `without`."""
     rows = [row for name, row in vector.rows.items() if name not in without]
     totals = [total for name, total in vector.totals.items() if name not in without]
     found = [part.node for row in rows for part in row.parts] + total_nodes(totals)
@@ -135,7 +136,7 @@ def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[
 
 
 def own_nodes(vector: Vector, name: str) -> list[Node]:
-    """Returns the nodes of the row of one family, or of one scalar."""
+    """Returns the nodes of a vector that belong to one family or scalar coordinate."""
     rows = [vector.rows[name]] if name in vector.rows else []
     found = [part.node for row in rows for part in row.parts]
     found += total_nodes([vector.totals[name]] if name in vector.totals else [])

@@ -1,15 +1,16 @@
-"""Rows and totals: the intermediate representation of the equations of families kept as loops.
+"""The intermediate representation of equations with loops over the members of families.
 
-L is a sum of terms, each a sum over i = lo..hi of one body. Its derivative by a cell (member) m of
-a family collects the derivatives of the bodies that contain the cell,
+L is a sum of terms, each of which is a sum over i = lo..hi of one expression, the body. A member of
+a family is also called a cell. The derivative of L by cell m of a family,
 
-    row(m) = sum over terms, sum over offsets c,  [lo <= m - c <= hi] d body/d slot_c at i = m - c
+    row(m) = sum over terms, sum over offsets c,  [lo <= m - c <= hi] d body/d q[i+c] at i = m - c
 
-A row is a few parts, each with its condition. Where all conditions hold and no end is near, the
-row is one expression without conditions, the interior. A cell beyond an end (a ghost) is a function
-of t (`fixed`), its neighbour (`free`) or a cell at the other end (`periodic`). By the chain rule
-the row of a ghost, with its conditions, is added to the row of the cell that it stands for. This
-holds for every length of a family down to one member.
+has a contribution (Part) of each body and offset c, with the condition in brackets. The members m
+for which all conditions hold and no cell beyond an end occurs are called the interior; there the
+row is one expression without conditions. A cell beyond an end is a given function of t (`fixed`
+end), equal to the cell at this end (`free`), or equal to a cell at the other end (`periodic`). In
+the last two cases, by the chain rule, its row is added to the row of the cell to which it is equal.
+This is valid for every length of a family, down to one member.
 """
 
 from __future__ import annotations
@@ -24,23 +25,32 @@ from ...record import record
 
 
 class Unrolled(Exception):
-    """The model's families cannot stay loops; the text is the reason."""
+    """The model cannot be compiled to loops over members. The text is the reason."""
 
 
 @record
 class Slot:
-    """The meaning of a symbol of the graph. `at` is the index of a family's member. Kinds:
+    """The meaning of a symbol of the graph: a kind, a name, and the index `at` of a family's member
+    (None for a scalar). A cell beyond a fixed end is called given. The kinds are:
 
-    "q", "v"; "s": a first-order variable, stored in v in C; "w": the acceleration of a given cell,
-    0 for a coordinate, for a carried value its acceleration if no coordinate accelerates; "d": the
-    rate of a coordinate, 0 for a given cell, for a carried value its rate due to the rates of
-    coordinates; "a": the acceleration of a coordinate as an unknown, 0 for a given cell, for a
-    state its rate, also in a given cell; "param", "size", "index", "input"; "sum": the total with
-    this number; "lambda": a multiplier of the rows with this key; "hung_p" and "hung_f": the
-    momenta and forces that a carried value passes on to the variables it depends on; "side": of
-    the switch with this number; "flux": a bond's force (back/c/loops_interior.py); "place": its
-    name is C text. In outputs alone: "p": a momentum; "let": a member of a `let`; "acc": an
-    acceleration, also of a given cell.
+    "q": a coordinate.
+    "v": a rate.
+    "s": a first-order variable, which C stores among the rates.
+    "w": the acceleration of a given cell; 0 for other cells. For a recurrence (`Carried`), its
+        acceleration if the accelerations of all coordinates are 0.
+    "d": the rate of a coordinate; 0 for a given cell. For a recurrence, the part of its rate that
+        is due to the rates of coordinates.
+    "a": the acceleration of a coordinate as an unknown; 0 for a given cell. For a first-order
+        variable, its time derivative, also in a given cell.
+    "param", "size", "index", "input": a parameter, a size, a loop variable, an input.
+    "sum": the value of the Total whose number is the name.
+    "lambda": a multiplier of the constraint rows with this name.
+    "hung_p", "hung_f": unknowns of a recurrence (jacobians_recurrences.py).
+    "side": the side of a switch, whose number is the name.
+    "flux": the force between two neighbouring members (back/c/loops_interior.py).
+    "place": an element of a C array, with its C text as name.
+    "p", "let", "acc": in outputs only, a momentum, a member of a `let` definition, and an
+        acceleration, also of a given cell.
     """
 
     kind: str
@@ -48,21 +58,25 @@ class Slot:
     at: Affine | None = None
 
 
-CELLS = ("q", "v", "s")  # kinds of slots of coordinates, rates and states
-REACHED = (*CELLS, "a", "acc")  # kinds of slots whose member has to exist
+# The kinds of symbols (see Slot) of coordinates, rates and first-order variables.
+CELLS = ("q", "v", "s")
+# The kinds of symbols whose index must be that of an existing member.
+REACHED = (*CELLS, "a", "acc")
 
 
 @record
 class Group:
-    """A declared coordinate, state or parameter: one scalar (lo is None) or a family lo..hi, with
-    its ends; or a carried value, see `Carried`."""
+    """A declared coordinate, state, parameter, constraint or recurrence (`Carried`): a scalar (lo
+    is None) or a family with the indices lo..hi."""
 
     declared: Coordinate | State | Parameter | Definition | Constraint
     lo: Affine | None
     hi: Affine | None
-    ends: tuple[tuple[Affine, End], ...] = ()  # each given index outside the family
+    # The indices outside the family to which the model gives values, with their declarations.
+    ends: tuple[tuple[Affine, End], ...] = ()
     periodic: bool = False
-    component: str = ""  # suffix of the name, for a component of a vector
+    # A suffix of the name, for a component of a vector.
+    component: str = ""
 
     @property
     def name(self) -> str:
@@ -82,12 +96,13 @@ class Group:
 
     @property
     def is_turn(self) -> bool:
-        """Whether its rate is a body rate; its value then has no meaning."""
+        """Whether the group is a coordinate of a rotation: its rate is a body rate, and its value
+        has no meaning."""
         return isinstance(self.declared, Coordinate) and bool(self.declared.rate)
 
     @property
     def shown(self) -> str:
-        """Its name in messages and output."""
+        """The name of the group in messages and output."""
         return self.declared.rate if self.is_turn else self.name
 
     @property
@@ -97,9 +112,9 @@ class Group:
 
 @record
 class Part:
-    """The contribution of one body at one offset to the rows lo <= m <= hi.
+    """The contribution of one body at one offset to the rows m = lo..hi.
 
-    `inner` is its form in the interior, where no given cell is in reach.
+    `inner` is the contribution in the interior, where no given cell occurs.
     """
 
     lo: Affine
@@ -109,7 +124,8 @@ class Part:
 
     @property
     def is_point(self) -> bool:
-        """Whether it covers a few cells, however long the family is."""
+        """Whether the range lo..hi has a small constant length, whatever the length of the
+        family."""
         length = self.hi - self.lo
         return length.is_constant and length.constant <= 8
 
@@ -123,10 +139,8 @@ class Row:
 
 @record
 class PairPart:
-    """A double sum of `node` over m = lo..hi and j = first..last, each pair once.
-
-    `first` and `last` may contain m.
-    """
+    """The double sum of `node` over m = lo..hi and j = first..last, where `first` and `last` may
+    contain m. Each pair occurs once."""
 
     lo: Affine
     hi: Affine
@@ -137,7 +151,7 @@ class PairPart:
 
 @record
 class Total:
-    """A quantity with one value: a constant part, single sums, double sums."""
+    """A quantity with a single value: a constant plus sums over members plus double sums."""
 
     constant: Node = 0
     parts: tuple[Part, ...] = ()
@@ -146,30 +160,36 @@ class Total:
 
 @record
 class PairForce:
-    """The derivatives of one double sum by the cells and scalar coordinates in it."""
+    """The derivatives of the body of a double sum over m and j, by the members and scalar
+    coordinates in it."""
 
     lo: Affine
     hi: Affine
     first: Affine
     last: Affine
-    by_row: tuple[tuple[str, Node], ...]  # family, derivative by its member m
-    by_other: tuple[tuple[str, Node], ...]  # by its member j
+    # Pairs (family, derivative by its member m).
+    by_row: tuple[tuple[str, Node], ...]
+    # Pairs (family, derivative by its member j).
+    by_other: tuple[tuple[str, Node], ...]
+    # Pairs (scalar coordinate, derivative by it).
     by_scalar: tuple[tuple[str, Node], ...]
 
 
 @record
 class Vector:
-    """A quantity with a value for each coordinate."""
+    """A quantity with a value for each coordinate: `rows` has the values of families, by name,
+    `totals` the values of scalar coordinates."""
 
-    rows: dict[str, Row]  # by family
-    totals: dict[str, Total]  # by scalar coordinate
+    rows: dict[str, Row]
+    totals: dict[str, Total]
     pairs: tuple[PairForce, ...] = ()
 
 
 @record
 class Band:
-    """M as rows: entry (family, other, d) couples cell m of one with cell m + d of the other;
-    `border` couples a scalar coordinate with a family's cell m, `corner` two scalars."""
+    """The mass matrix. `entries` maps (family, other family, d) to the entries of M that couple
+    cell m of the first with cell m + d of the second. `border` has the entries that couple a scalar
+    coordinate with cell m of a family, `corner` those that couple two scalar coordinates."""
 
     entries: dict[tuple[str, str, int], Row]
     border: dict[tuple[str, str], Row]
@@ -185,49 +205,62 @@ class Band:
 
 @record
 class Piece:
-    """The recurrence of the members lo..hi of a carried value X, from lower members, q and t.
+    """The recurrence for the members lo..hi of a quantity X (see `Carried`), which gives X[m] from
+    lower members of X, coordinates and t.
 
-    `by` has the derivatives of X[m] by slots of kind q, including X[m-1]; `by_rate` their rates.
+    `by` has the partial derivatives of X[m] by coordinates and by lower members of X; `by_rate` has
+    the time derivatives of these.
     """
 
     lo: Affine
     hi: Affine
     value: Node
     rate: Node
-    coasting: Node  # its second derivative in t if no coordinate accelerates
-    own: Node  # its rate without explicit dependence on t
+    # The second time derivative of X[m] if the accelerations of all coordinates are 0.
+    coasting: Node
+    # The time derivative of X[m] without the part due to explicit dependence on t.
+    own: Node
     by: dict[Slot, Node]
     by_rate: dict[Slot, Node]
 
 
 @record
 class Carried:
-    """A `let` by index with a recurrence from lower members, such as the positions along a chain of
-    links. L takes it as a family; its rows are added, by the chain rule, to those it depends on.
+    """A carried value: an indexed quantity X that a `let` defines by a recurrence from lower
+    members, such as the positions along a chain of links.
 
-    A carried value may use others of lower `level` at the same index.
+    In L, X is treated like a family of coordinates. By the chain rule, its rows are then added to
+    those of the variables in the recurrence. A recurrence may use the same index of other carried
+    values if their `level` is lower.
     """
 
     group: Group
-    pieces: tuple[Piece, ...]  # by index, without a gap
+    pieces: tuple[Piece, ...]  # the recurrences for adjacent index ranges, in order
     level: int
 
 
 @record
 class Bound:
-    """Rows J v + j0 of a `constraint` or a `rolling`: one for each index, placed in the band of M,
-    or a single one, which follows the band like a scalar coordinate.
+    """The constraint rows J v + j0 of a statement `constraint` or `rolling`: one for each index of
+    the statement, or a single row if it has no index.
 
-    For rows by index, `entries` has J of row m by member m + shift of a family, or by a scalar
-    (None). For a single row, `border` has J by a family's member m, and `corner` by a scalar.
+    For a statement with an index, `entries` maps (name, shift) to the entries of J in row m for
+    member m + shift of a family; shift is None for a scalar coordinate. For a single row, `border`
+    has the entries of J for member m of a family, `corner` the entries for scalar coordinates.
     """
 
-    name: str  # as declared
-    group: Group  # its name is a number, used in C
-    position: Row | Total  # phi; 0 for a rolling
-    rate: Row | Total  # J v + j0
-    coasting: Row | Total  # (J v + j0)' if only given cells accelerate
-    sizes: tuple[Row | Total, Row | Total]  # magnitudes of the terms of phi and of J v + j0
+    # The declared name.
+    name: str
+    # The name of the group is a number, which is used in C.
+    group: Group
+    # phi; 0 for `rolling`.
+    position: Row | Total
+    # J v + j0.
+    rate: Row | Total
+    # The time derivative of J v + j0 if the accelerations of all coordinates are 0.
+    coasting: Row | Total
+    # Bounds of the rounding errors of phi and of J v + j0 (graph/rounding.py).
+    sizes: tuple[Row | Total, Row | Total]
     entries: dict[tuple[str, int | None], Row] = field(default_factory=dict)
     border: dict[str, Row] = field(default_factory=dict)
     corner: dict[str, Total] = field(default_factory=dict)
@@ -242,7 +275,8 @@ class Bound:
 
     @property
     def ranged(self) -> Iterator[tuple[tuple[Affine, ...], Node]]:
-        """Yields all nodes that a run computes, each with the range of its index, () if none."""
+        """Yields all nodes that are computed at run time, each with its index range (lo, hi), or ()
+        for a single value."""
         found = [self.position, self.rate, self.coasting]
         found += [*self.entries.values(), *self.border.values(), *self.corner.values()]
         for x in found:

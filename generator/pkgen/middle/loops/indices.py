@@ -1,4 +1,5 @@
-"""Indices as affine forms of sizes and loop variables; limits on sizes for members to exist."""
+"""Evaluates indices as affine expressions of sizes and loop variables, and finds the conditions on
+sizes under which the indexed members exist."""
 
 from __future__ import annotations
 
@@ -12,18 +13,20 @@ from .loops import Limit
 from .slots import Slots
 
 Loop = dict[str, Affine]
-COUNTERS = tuple(f"#{k}" for k in range(8))  # loop variables of sums in starts and parameters
+# Loop variables of sums in initial values and parameters.
+COUNTERS = tuple(f"#{k}" for k in range(8))
 
 
 class Indices:
-    """Evaluates the indices of one model, and records the members that they use."""
+    """Evaluates the indices in one model, and records the members with these indices."""
 
     def __init__(self, model: Model, slots: Slots) -> None:
         self.model = model
         self.slots = slots
         self.graph = slots.graph
         self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
-        self.members: list[tuple[Affine, Affine, Affine]] = []  # used so far: lo, hi, index
+        # The members used so far: (lo, hi, index), where lo..hi is the range of the family.
+        self.members: list[tuple[Affine, Affine, Affine]] = []
 
     def _group(self, item: Coordinate | State | Parameter) -> Group:
         if item.range is None:
@@ -52,7 +55,7 @@ class Indices:
             ) from None
 
     def number(self, at: Affine) -> Node:
-        """Returns the node of an index expression's value."""
+        """Returns a node with the value of an index expression."""
         g = self.graph
         total = g.number(at.constant)
         for name, factor in at.terms:
@@ -61,7 +64,9 @@ class Indices:
         return total
 
     def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
-        """Returns limits for all recorded members to exist, with loop variables in ranges `at`."""
+        """Returns the conditions on sizes under which all recorded members exist, and clears the
+        record. `at` has the ranges of loop variables; `length` is the length of the outer range,
+        less 1, or None."""
         found = []
         for lo, hi, index in self.members:
             first, last = extremes(index, at)
@@ -70,13 +75,15 @@ class Indices:
         return found
 
     def limits_over(self, lo: Affine | None, hi: Affine | None) -> list[Limit]:
-        """Returns limits_of with m = lo..hi, or without a loop if `lo` is None."""
+        """Returns the conditions of `limits_of` for the loop m = lo..hi; `lo` is None if there is
+        no loop."""
         return self.limits_of(None, {}) if lo is None else self.limits_of(hi - lo, {ROW: (lo, hi)})
 
     def over(
         self, range_: Range | None, index: Expr | None = None
     ) -> tuple[Affine | None, Affine | None, Loop]:
-        """Returns the members lo..hi of a statement, and the values of its index names."""
+        """Returns the index range lo..hi of a statement (None if it has no index), and the values
+        of the names in its indices."""
         loop = dict(self.sizes)
         if range_ is not None:
             lo, hi = self.index(range_.lo, loop), self.index(range_.hi, loop)
@@ -86,7 +93,7 @@ class Indices:
 
 
 def unlike_loops(size: str) -> str:
-    """Returns a size's name as a variable of index expressions, distinct from LOOPS."""
+    """Returns the name of a size in index expressions, which differs from all loop variables."""
     return f"{size}'" if size in LOOPS else size
 
 

@@ -1,12 +1,14 @@
-"""Derivatives of the momenta and of p' by coordinates and rates, as rows: a band with a border.
+"""Jacobians of the momenta p and of p' for models with loops, as banded matrices with a border.
 
-These derivatives are dense if p' contains constraint forces or rates of states, or if the equations
-are solved for a (see `solved` of LoopEquations). Then a, those rates and the multipliers lambda are
-unknowns too. Their equations have a band of derivatives again:
+The Jacobians by coordinates and rates would be dense if p' contains constraint forces or time
+derivatives of states, or if the equations are in solved form (see `solved` of LoopEquations). Then
+the accelerations a, these time derivatives and the multipliers lambda are additional unknowns,
+whose equations have banded Jacobians:
 
-    M a - f - J^T lambda = 0,   (J v + j0)' = J a + (J v + j0)' at a = 0 = 0
+    M a - f - J^T lambda = 0,   J a + gamma = 0,  where gamma is (J v + j0)' at a = 0.
 
-Each total S that equations of members contain is an unknown too: S - sum over members = 0.
+Each sum S over members that occurs in the equations of members is an additional unknown too, with
+the equation S - (sum over members) = 0.
 """
 
 from __future__ import annotations
@@ -26,18 +28,22 @@ from .slots import Slots
 
 @record
 class Slopes:
-    families: tuple[tuple[Unknown, Group], ...]  # unknowns with a value for each index
+    # The unknowns with a value for each index.
+    families: tuple[tuple[Unknown, Group], ...]
     scalars: tuple[Unknown, ...]
     mass: Matrix
-    closed: Matrix | None  # M and the rows of further unknowns by rates and these; None without
+    # M, extended by rows for the additional equations and by columns for the additional unknowns;
+    # None if there are no additional unknowns.
+    closed: Matrix | None
     p_q: Matrix
     pdot_q: Matrix
     pdot_v: Matrix
-    pull: dict[str, Row | Total] | None  # constraint forces, if p' contains them
+    # The constraint forces J^T lambda, if p' contains them.
+    pull: dict[str, Row | Total] | None
 
     @property
     def answered(self) -> bool:
-        """Whether a and lambda are among the unknowns."""
+        """Whether accelerations or multipliers are additional unknowns."""
         unknowns = [*(unknown for unknown, _ in self.families), *self.scalars]
         return any(kind in ("a", "lambda") for kind, _ in unknowns)
 
@@ -48,7 +54,7 @@ class Slopes:
 
 
 def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
-    """Returns the derivatives. Raises Unrolled if a row reaches members at varying distances."""
+    """Returns the Jacobians. Raises Unrolled if they are not banded."""
     vectors = (e.momenta, e.pdot, e.force)
     nodes = [node for vector in vectors for node in vector_nodes(vector)]
     nodes += [part.node for row in e.mass.entries.values() for part in row.parts]
@@ -57,7 +63,8 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     derive = Derive(slots, e.fixed)
     families = [(("v", g.name), g) for g in e.families]
     scalars = [("v", g.name) for g in e.scalars]
-    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}  # states with rates in equations
+    # The states whose time derivatives occur in the equations of motion.
+    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}
     if e.carried:
         if e.bound or e.solved or used:
             raise Unrolled("carried values stand beside accelerations as unknowns")
@@ -68,7 +75,7 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
         p, pdot = of_vector(e.momenta, "v"), of_vector(e.pdot, "v")
         found = [derive.matrix(p, BY_PLACE), *map(derive.by(pdot), (BY_PLACE, BY_RATE))]
         return Slopes(tuple(families), tuple(scalars), _symmetric(e.mass), None, *found, None)
-    answered = bool(e.bound or e.solved or used)  # a and lambda are unknowns
+    answered = bool(e.bound or e.solved or used)  # whether a and lambda are unknowns
     if answered:
         families += [(("a", g.name), g) for g in e.families if not g.is_state or g.name in used]
         families += [(("lambda", x.group.name), x.group) for x in e.bound if not x.is_single]
@@ -105,7 +112,8 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
 
 
 def _totals(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> list[int]:
-    """Returns the numbers of the totals in some nodes that change along a motion."""
+    """Returns the numbers of those sums over members (Total) in the nodes that may vary with
+    time."""
     found: set[int] = set()
     while nodes:
         below = {int(slot.name) for slot in slots.below(*nodes) if slot.kind == "sum"}

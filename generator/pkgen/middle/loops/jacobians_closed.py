@@ -1,4 +1,5 @@
-"""The equations of a, the multipliers lambda and totals: unknowns in addition to the rates."""
+"""The equations of additional unknowns: accelerations a, multipliers lambda, and sums over members.
+See jacobians.py."""
 
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ def nothing() -> Matrix:
 
 
 class Motion:
-    """Makes the equations of a and lambda, in which both are slots."""
+    """Makes the equations in which the accelerations a and the multipliers lambda are unknowns."""
 
     def __init__(self, e: LoopEquations, slots: Slots, used: set[str]):
         self.e, self.slots, self.g, self.used = e, slots, slots.graph, used
@@ -37,7 +38,7 @@ class Motion:
         return self.slots.node("a", name, None if shift is None else M + shift)
 
     def force(self, rows: Bound, shift: int = 0) -> Node:
-        """Returns the multiplier of the row m + shift, or of a single row."""
+        """Returns the multiplier lambda of constraint row m + shift, or of a single row."""
         at = None if rows.is_single else M + shift
         return self.slots.node("lambda", rows.group.name, at)
 
@@ -94,7 +95,7 @@ class Motion:
         )
 
     def balance(self, pull: Stated) -> dict[Unknown, Row]:
-        """Returns M a - f - J^T lambda for families."""
+        """Returns the rows of M a - f - J^T lambda that belong to families."""
         force, found = of_vector(self.e.force, "v"), {}
         for g in (g for g in self.e.families if not g.is_state or g.name in self.used):
             parts = [
@@ -109,7 +110,7 @@ class Motion:
         return found
 
     def balances(self, pull: Stated) -> dict[Unknown, Total]:
-        """Returns M a - f - J^T lambda for scalar coordinates."""
+        """Returns the rows of M a - f - J^T lambda that belong to scalar coordinates."""
         force, found = of_vector(self.e.force, "v"), {}
         for g in (g for g in self.e.scalars if not g.is_state or g.name in self.used):
             totals = [self.minus(force.totals["v", g.name]), self.minus(pull.totals["v", g.name])]
@@ -143,7 +144,8 @@ class Motion:
         return found
 
     def total_rows(self, totals: Iterable[int]) -> dict[Unknown, Total]:
-        """Returns for each total its slot minus its sum."""
+        """Returns for each sum over members (Total) the equation S - (sum over members) = 0, where
+        S is an unknown."""
         found = {}
         for k in totals:
             own, minus = self.slots.node("sum", str(k)), self.minus(self.e.sums[k])
@@ -152,7 +154,7 @@ class Motion:
         return found
 
     def accelerations(self) -> Stated:
-        """Returns p' = a, the case p = v."""
+        """Returns p' for equations in solved form: there p = v, and p' = a."""
         own = of_vector(self.e.force, "v")
         for g in (g for g in self.e.coordinates if not g.is_state):
             if g.is_family:

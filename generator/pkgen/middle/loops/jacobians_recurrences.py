@@ -1,12 +1,14 @@
-"""Derivatives of momenta and of p' in models with carried values: a band with a border again.
+"""Jacobians of the momenta p and of p' in models with carried values X (see `Carried`).
 
-By coordinates they are dense: a carried value X depends on all lower members. So further unknowns
-are X and X', and the momenta P and forces F that X passes on to the variables in its recurrence
-("hung" on X). With the rows C of the recurrences (C z' = 0) and their rates C',
+X[m] depends on all lower members, so that the Jacobians by coordinates are dense. With additional
+unknowns they are banded: X, X', and for each X a momentum P and a force F, named "hung_p" and
+"hung_f" in the code, by which X acts on the variables in its recurrence X = Phi. Let C be the
+matrix of the recurrences, C z' = 0 with z = (X, q), and C' its time derivative. The additional
+equations are
 
     X - Phi = 0,  X' - Phi' = 0,  C^T P = p_X,  C^T F + C'^T P = p'_X.
 
-Their derivatives reach neighbours only. C^T P is subtracted from p_q, and C^T F + C'^T P from p'_q.
+The momenta of the coordinates are p_q - C^T P, and their time derivatives p'_q - C^T F - C'^T P.
 """
 
 from __future__ import annotations
@@ -18,12 +20,14 @@ from .loops import LoopEquations
 from .matrices import BY_MORE, BY_PLACE, BY_RATE, Derive, M, Matrix, Stated, Unknown, seen_from
 from .slots import Slots
 
-Entries = dict[tuple[str, int | None], Row]  # by name and shift; shift None for a scalar
+# Maps (name, shift) to the entry in row m of C for member m + shift; shift is None for a scalar.
+Entries = dict[tuple[str, int | None], Row]
 HUNG = ("hung_p", "hung_f")
 
 
 def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> Entries:
-    """Returns the row of C of a carried value, its own entry first; with `rates` that of C'."""
+    """Returns the rows of the matrix C for one recurrence X = Phi, or with `rates` those of C'. In
+    C, the entries for X itself, which are 1, come first."""
     carried = [g.name for g in e.carried_groups]
 
     def part(lo, hi, node: Node) -> Part:
@@ -41,7 +45,7 @@ def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> 
 
 
 class Chain(Motion):
-    """Makes the matrices of one model with carried values."""
+    """Makes the Jacobians of a model with recurrences X = Phi."""
 
     def __init__(self, e: LoopEquations, slots: Slots, totals: list[int]):
         super().__init__(e, slots, set())
@@ -63,7 +67,8 @@ class Chain(Motion):
     # -- rows ---------------------------------------------------------------------------------
 
     def gone_over(self, kind: str, rates: bool = False) -> Stated:
-        """Returns C^T, or with `rates` C'^T, times the hung momenta or forces."""
+        """Returns C^T times the unknowns of a kind ("hung_p" or "hung_f"); with `rates`, C'^T times
+        these."""
         rows: dict[str, list[Part]] = {g.name: [] for g in self.e.rows}
         totals: dict[str, list[Total]] = {g.name: [] for g in self.e.scalars}
         for item in self.e.carried:
@@ -85,7 +90,8 @@ class Chain(Motion):
         return Stated(rows, totals)
 
     def own(self, of: Stated) -> Stated:
-        """Returns the rows of coordinates, without those of carried values."""
+        """Returns the rows that belong to coordinates, without those that belong to the values X of
+        recurrences."""
         rows = {key: row for key, row in of.rows.items() if key[1] not in self.names}
         return Stated(rows, of.totals)
 
@@ -93,7 +99,7 @@ class Chain(Motion):
         return {(kind, name): row for (_, name), row in of.rows.items() if name in self.names}
 
     def defined(self) -> dict[Unknown, Row]:
-        """Returns the rows X - Phi and X' - Phi'."""
+        """Returns the equations X - Phi and X' - Phi'."""
         found = {}
         for item in self.e.carried:
             for kind, slot, what in (("place", "q", "value"), ("rate", "v", "rate")):
@@ -106,7 +112,8 @@ class Chain(Motion):
     # -- matrices -----------------------------------------------------------------------------
 
     def mass(self) -> Matrix:
-        """Returns [M C^T; C 0], by rates, including those of carried values."""
+        """Returns the matrix [M C^T; C 0]. Its columns belong to the rates of coordinates, to X'
+        and to the unknowns P."""
         e, found = self.e, nothing()
         of = self.unknown
         for (own, other, shift), row in e.mass.entries.items():
@@ -130,7 +137,8 @@ class Chain(Motion):
         return self.derive.matrix(of, BY_RATE) | self.derive.matrix(of, BY_MORE)
 
     def matrices(self) -> list[Matrix]:
-        """Returns `mass`, `closed`, `p_q`, `pdot_q` and `pdot_v` of Slopes."""
+        """Returns the fields `mass`, `closed`, `p_q`, `pdot_q` and `pdot_v` of Slopes, in this
+        order."""
         e = self.e
         p = self.less(of_vector(e.momenta, "v"), self.gone_over("hung_p"))
         pdot = self.less(of_vector(e.pdot, "v"), self.gone_over("hung_f"))

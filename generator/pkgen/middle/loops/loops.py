@@ -1,4 +1,4 @@
-"""The output of derive_loops: the equations of a model whose families stay loops."""
+"""The result of derive_loops: the equations of a model with loops over the members of families."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .indexed_ir import Band, Bound, Carried, Group, Part, Slot, Total, Vector
 
 @record
 class Summed:
-    """A sum computed once, into element `place` of an array. Its index variables are counters;
-    `inside` are the sums in each of its terms."""
+    """A sum in an initial value or parameter, computed once and stored in element `place` of an
+    array. `ranges` has (loop variable, lo, hi); `inside` are the sums in each of its terms."""
 
     place: int
     ranges: tuple[tuple[str, Affine, Affine], ...]
@@ -26,11 +26,12 @@ class Summed:
 
 @record
 class Assigned:
-    """Members lo..hi of a declared name take the value of a node with index m. The sums `before`
-    are computed before all members, those of `each` before each member."""
+    """An assignment to the members m = lo..hi of a declared name. The value is a node that may
+    contain m. The sums `before` are computed before the loop over m, the sums `each` in each pass
+    of the loop."""
 
     name: str
-    order: int  # 1 for a rate, else 0
+    order: int  # 1 if the assignment is to the rate of a coordinate, else 0
     lo: Affine | None
     hi: Affine | None
     node: Node
@@ -40,7 +41,7 @@ class Assigned:
 
 @record
 class Observed:
-    """An output: one value if `lo` is None, else one for each index m = lo..hi."""
+    """An output: a single value if `lo` is None, else a value for each index m = lo..hi."""
 
     item: Definition
     lo: Affine | None
@@ -54,24 +55,26 @@ class Observed:
 
 @record
 class Along:
-    """A `let` by index that only outputs use (or with ' its rate), computed member by member."""
+    """An indexed `let` definition that only outputs use, or its time derivative (then the name ends
+    with '). It is computed in a loop over the index."""
 
     name: str
     group: Group
-    parts: tuple[Part, ...]  # by index; their ranges do not overlap
+    parts: tuple[Part, ...]  # expressions for disjoint index ranges, in order
 
 
 @record
 class Limit:
-    """A condition on sizes: `needs` >= 0, or `unless` < 0 (an empty range)."""
+    """A condition on sizes: `needs` >= 0, or `unless` < 0. The latter means that a range is empty,
+    so that the condition is not needed; `unless` is the length of the range minus 1."""
 
     needs: Affine
-    unless: Affine | None  # length of a range, less 1
+    unless: Affine | None
 
 
 @record
 class Bounded:
-    """The bounds of a declared parameter; nodes with index m."""
+    """The bounds of a parameter, as nodes that may contain the index m; None for no bound."""
 
     lo: Node | None
     hi: Node | None
@@ -79,8 +82,9 @@ class Bounded:
 
 @record
 class LoopSingularity:
-    """The equations end where any single one of `terms` vanishes: of a member, a pair, or the
-    constant. `name` is the expression in i, or in i and j for a pair; `use` as in Singularity."""
+    """An expression at whose zeros the equations are singular, with a value for each member or for
+    each pair of members: the terms of the sums in `terms`. `name` is the expression with the index
+    i, or with i and j for a pair; `use` is as in Singularity."""
 
     name: str
     use: str
@@ -90,11 +94,12 @@ class LoopSingularity:
 @record
 class LoopSwitch:
     """An expression at whose zeros the equations have a kink or a jump, with a value for each index
-    m of the `ranges`; () is a single value. See switches.py and equations.Switch."""
+    m in `ranges`. A range is (lo, hi), or () for a single value. See switches.py and
+    equations.Switch."""
 
-    name: str  # the expression in i
+    name: str  # The expression as text, with the index i.
     node: Node
-    inner: Node  # the same in the interior
+    inner: Node  # The expression for members far from the ends (the interior).
     ranges: tuple[tuple[Affine, ...], ...]
     held: bool
 
@@ -104,9 +109,11 @@ class LoopEquations:
     model: Model
     graph: Graph
     slots: tuple[Slot, ...]
-    coordinates: tuple[Group, ...]  # followed by states; each state is the rate of a dummy
+    # Coordinates, followed by states, which are the rates of dummy coordinates.
+    coordinates: tuple[Group, ...]
     parameters: tuple[Group, ...]
-    orders: tuple[int, ...]  # derivatives of each input that occur
+    # The number of time derivatives of each input.
+    orders: tuple[int, ...]
 
     gradient: Vector
     momenta: Vector
@@ -115,33 +122,44 @@ class LoopEquations:
     mass: Band
     kinetic: Total | None
     potential: Total | None
-    lagrangian: Total | None  # None, like the energy, for a model of states alone
+    # The Lagrangian and the energy are None if the model has states only.
+    lagrangian: Total | None
     energy: Total | None
-    sums: tuple[Total, ...]  # inside expressions, in the order in which they can be computed
-    fixed: frozenset[int]  # numbers of the sums of parameters and sizes alone
+    # Sums over members inside expressions, in the order in which they can be computed.
+    sums: tuple[Total, ...]
+    # The indices in `sums` of those that depend on parameters and sizes only.
+    fixed: frozenset[int]
     outputs: tuple[Observed, ...]
     conserved: tuple[Node, ...]
     events: tuple[Node, ...]
-    # Value, rate and acceleration of each given cell beyond an end, by family and index.
+    # The value, rate and acceleration of each given member beyond an end, by (family, index).
     given: dict[tuple[str, Affine], tuple[Node, Node, Node]]
-    defaults: tuple[Assigned, ...]  # one for each declared parameter
+    # The default values, in the order of `parameters`.
+    defaults: tuple[Assigned, ...]
     bounds: tuple[Bounded, ...]
     starts: tuple[Assigned, ...]
     limits: tuple[Limit, ...]
-    wraps: dict[str, int] = field(default_factory=dict)  # by family: reach beyond periodic ends
-    along: tuple[tuple[Along, ...], ...] = ()  # members of an inner tuple are computed together
-    summed: int = 0  # number of sums computed once, in starts and parameters
+    # For each periodic family, the largest distance of an index beyond its ends.
+    wraps: dict[str, int] = field(default_factory=dict)
+    # `let` definitions that only outputs use. Each inner tuple is computed in one loop.
+    along: tuple[tuple[Along, ...], ...] = ()
+    # The number of sums in initial values and parameters.
+    summed: int = 0
     facts: Facts | None = None
     singularities: tuple[LoopSingularity, ...] = ()
     switches: tuple[LoopSwitch, ...] = ()
-    pivots: bool = False  # the pivots of M are singularities too, before the others
-    carried: tuple[Carried, ...] = ()  # sorted by level
-    # Whether the accelerations of carried values are unknowns of M a = f, with rows for their
-    # recurrences; else they are eliminated index by index.
+    # Whether the pivots of M are singularities too; they come before `singularities`.
+    pivots: bool = False
+    # Recurrences, sorted by level.
+    carried: tuple[Carried, ...] = ()
+    # Whether the system M a = f is extended by the accelerations of the recurrences' values as
+    # unknowns, and by the equations of the recurrences. If not, these accelerations are eliminated
+    # index by index.
     extended: bool = False
-    bound: tuple[Bound, ...] = ()  # constraint rows, the holonomic ones first
-    # Whether implicit methods take p = v, p' = a: a momentum depends on a state, such as that of a
-    # body with an inertia that depends on its attitude.
+    # The constraint rows. Rows of holonomic constraints come first.
+    bound: tuple[Bound, ...] = ()
+    # Whether implicit methods use the solved form p = v, p' = a, because a momentum depends on a
+    # state, such as on the quaternion of a body.
     solved: bool = False
 
     def group(self, name: str) -> Group:
@@ -157,12 +175,13 @@ class LoopEquations:
 
     @property
     def rows(self) -> tuple[Group, ...]:
-        """Groups with a row for each index, before rows of carried values are eliminated."""
+        """The groups with an equation for each index: families of coordinates, and values of
+        recurrences."""
         return (*self.families, *self.carried_groups)
 
     @property
     def banded(self) -> tuple[Group, ...]:
-        """Groups with a row in the band of M for each index, in order."""
+        """The groups with a row in the banded matrix of M a = f for each index, in order."""
         return (*self.carried_groups, *self.families) if self.extended else self.families
 
     @property
@@ -199,10 +218,10 @@ class LoopEquations:
 
     @property
     def unseen(self) -> tuple[Group, ...]:
-        """Coordinates without a meaningful value: their rates are body rates or states."""
+        """The coordinates whose value has no meaning: their rates are body rates or states."""
         return tuple(g for g in self.coordinates if g.is_turn or g.is_state)
 
     @property
     def first_order(self) -> Affine:
-        """The number of coordinates of which only the rate has a meaning."""
+        """The number of scalar coordinates in `unseen`."""
         return sum((g.count for g in self.unseen), Affine())

@@ -1,4 +1,4 @@
-"""Matrices of the derivatives of rows by the members and scalars in them."""
+"""Makes Jacobian matrices: the derivatives of quantities by members of families and by scalars."""
 
 from __future__ import annotations
 
@@ -14,11 +14,14 @@ from .indexed_ir import Part, Row, Total, Unrolled
 from .slots import Slots
 
 M = variable(ROW)
-# A kind ("v", "a", "lambda", "place", "rate", "hung_p", "hung_f") and the name of a family or
-# scalar; or "sum" and the number of a total.
+# An unknown is (kind, name). The kinds are "v" and "a" for rates and accelerations, "lambda" for
+# multipliers, "place", "rate", "hung_p" and "hung_f" for recurrences (jacobians_recurrences.py),
+# and "sum" for sums over members, with their number as name.
 Unknown = tuple[str, str]
-BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")  # slot kinds; "d": rate of a cell not given
-BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")  # and all kinds of carried values
+# The kinds of symbols (see Slot) by which a matrix has derivatives. BY_MORE includes all symbols of
+# recurrences.
+BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")
+BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")
 BY_TOTALS = ("sum",)
 _OF = {**dict.fromkeys((*BY_PLACE, *BY_RATE), "v"), **{kind: kind for kind in BY_MORE}}
 _OF_CARRIED = {"q": "place", **dict.fromkeys(BY_RATE, "rate"), **{kind: kind for kind in BY_MORE}}
@@ -34,8 +37,12 @@ K = TypeVar("K")
 
 @record
 class Matrix:
-    """Entry (family, other, d) of `entries` is the derivative of cell m of one by cell m + d of the
-    other; `right`: of a family's cell m by a scalar; `bottom`: of a scalar by a family's cell m."""
+    """A banded matrix of derivatives with a border.
+
+    `entries` maps (family, other, d) to the derivatives of member m of `family` by member m + d of
+    `other`. `right` has the derivatives of members m by a scalar, `bottom` those of a scalar by
+    members m, `corner` those of a scalar by a scalar.
+    """
 
     entries: dict[tuple[Unknown, Unknown, int], Row]
     right: dict[tuple[Unknown, Unknown], Row]
@@ -43,14 +50,14 @@ class Matrix:
     corner: dict[tuple[Unknown, Unknown], Total]
 
     def __or__(self, other: Matrix) -> Matrix:
-        """Returns the union with another matrix, which has other entries."""
+        """Returns a matrix with the entries of both matrices, which have none in common."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return Matrix(*(one | more for one, more in pairs))
 
 
 @record
 class Stated:
-    """Quantities to differentiate: rows with a value for each index, and single values."""
+    """Quantities to differentiate. `rows` have a value for each index, `totals` a single value."""
 
     rows: dict[Unknown, Row]
     totals: dict[Unknown, Total]
@@ -59,7 +66,7 @@ class Stated:
 class Derive:
     def __init__(self, slots: Slots, fixed: frozenset[int], carried: frozenset[str] = frozenset()):
         self.slots, self.g, self.carried = slots, slots.graph, carried
-        self.fixed = fixed  # totals of parameters only: no unknowns
+        self.fixed = fixed  # numbers of the sums over members that depend on parameters only
 
     def by(self, of: Stated) -> Callable[[tuple[str, ...]], Matrix]:
         return lambda kinds: self.matrix(of, kinds)
@@ -102,7 +109,8 @@ class Derive:
         }
 
     def _by(self, node: Node, kinds: tuple[str, ...]) -> _By:
-        """Returns the nonzero derivatives of a node, by unknown and the index of its member."""
+        """Returns the nonzero derivatives of a node. The keys are (unknown, index of its
+        member)."""
         found: _By = {}
         for symbol, slope in gradient(self.g, node, _MASKS[kinds]).items():
             slot = self.slots.of(symbol)
@@ -121,13 +129,14 @@ class Derive:
 
 
 def seen_from(slots: Slots, part: Part, distance: int) -> Part:
-    """Returns the part relative to the row of the cell at m + distance."""
+    """Returns the part with all indices shifted so that the member at m + distance is at m."""
     node, inner = (slots.shifted(x, -distance) for x in (part.node, part.inner))
     return Part(part.lo + distance, part.hi + distance, node, inner)
 
 
 def _distance(at: Affine, part: Part) -> int:
-    """Returns the distance of a member from the cell of its row."""
+    """Returns the difference between a member's index and the index m of the part's row. Raises
+    Unrolled if it is not constant."""
     apart = at - (M if at.factor(ROW) or part.lo != part.hi else part.lo)
     if not apart.is_constant:
         raise Unrolled("two members far apart feel each other")

@@ -1,7 +1,8 @@
-"""`let`s defined by recurrences from their own lower members, which only outputs use.
+"""Recurrences that only outputs use: indexed `let` definitions from their own lower members.
 
-No equation needs their derivatives, so that their expressions may contain anything. They are
-computed member by member, into memory, before an output; so are their rates if an output uses them.
+The equations of motion do not contain them, so that any expressions are allowed. Their values are
+computed in a loop over the index and stored before outputs are computed; so are their time
+derivatives if an output uses them.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from .rows import Gather
 
 
 class Alongside:
-    """The `let`s of one model that only outputs use, collected as outputs are expanded."""
+    """Collects the `let` definitions that only outputs use, while these are converted to nodes."""
 
     def __init__(self, x: LoopExpander, gather: Gather):
         self.x, self.gather = x, gather
-        self.parts: dict[str, tuple[Part, ...]] = {}  # by name; a rate has a '
+        # The expressions by name. The name of a time derivative ends with '.
+        self.parts: dict[str, tuple[Part, ...]] = {}
         self.groups: dict[str, Group] = {}
         self._components: dict[str, tuple[str, ...]] = {}
 
@@ -61,10 +63,11 @@ class Alongside:
         for group, parts in zip(groups, found, strict=True):
             self.parts[group.name] = tuple(parts)
 
-    # -- their order --------------------------------------------------------------------------
+    # -- order of computation -----------------------------------------------------------------
 
     def passes(self) -> tuple[tuple[Along, ...], ...]:
-        """Returns groups of mutually dependent `let`s, each in the order needed at one index."""
+        """Returns the definitions in tuples. Definitions that depend on each other are in the same
+        tuple, in the order in which they have to be computed for one index."""
         left, found = dict.fromkeys(self.parts), []
         below = {key: self._below(key) for key in left}
         while left:
@@ -76,7 +79,8 @@ class Alongside:
         return tuple(found)
 
     def _direct(self, key: str, own: bool = False) -> set[str]:
-        """Returns the `let`s in the expressions of one; with `own`, only those at index m."""
+        """Returns the names of the definitions that the definition `key` uses; with `own`, only
+        those used with the same index m."""
         slots = self.x.slots.below(*(part.node for part in self.parts[key]))
         lets = [slot for slot in slots if slot.kind == "let"]
         return {s.name for s in lets if not own or s.at == Affine(0, ((ROW, 1),))}

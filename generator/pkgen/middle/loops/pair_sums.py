@@ -1,4 +1,5 @@
-"""Double sums: the body of a pair m, j, each pair once, and its derivatives by both members."""
+"""Double sums over pairs of members: the summand for a pair (m, j), and its derivatives by both
+members."""
 
 from __future__ import annotations
 
@@ -37,7 +38,8 @@ def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
 def pair_row(
     x: LoopExpander, name: str, lo: Affine, hi: Affine, term: Term, limits: list[Limit]
 ) -> PairForce:
-    """Returns a sum over j in the force or rate of each member m of a family."""
+    """Returns the contribution of a sum over j to the force on each member m = lo..hi of a family,
+    or to the time derivative of each state m."""
     (_, first, last) = term.ranges[0]
     over = lo, hi, first, last
     x.members.clear()
@@ -50,7 +52,7 @@ def _in_reach(
     x: LoopExpander, body: Node, over: tuple[Affine, Affine, Affine, Affine], limits: list[Limit]
 ) -> None:
     lo, hi, first, last = over
-    # A pair exists only if both ranges are not empty; the extremes over m assume that.
+    # The least and greatest values of indices are valid only if both ranges are not empty.
     at = {OTHER: (first, last), ROW: (lo, hi)}
     limits += x.limits_of(hi - lo, at)
     for slot in x.slots.below(body):

@@ -1,11 +1,12 @@
-"""Proofs of constants of the motion of a model whose families are loops: they unroll the model.
+"""Proves claims about constants of the motion for models with loops, by unrolling the model.
 
-A model is unrolled at its own sizes up to PROVED_AT coordinates, for claims up to TRIED_AT. For a
-longer family, two short ones prove a claim A if all bodies are the same for all members and reach
-at most K members away. The derivative of dA/dt by a member then depends only on members near it and
-on ends within 4 K. Each such neighbourhood exists with n = 8 K + 1 members. If dA/dt vanishes with
-n members, it is therefore constant with any number; that constant is affine in the number of
-members, and it is 0 if dA/dt vanishes with n + 1 members as well.
+Up to TRIED_AT coordinates, a model is unrolled at its own sizes. For a longer family, the claim
+that A is constant is proved with two short families, if all members have the same expressions in L
+and the forces, and these couple members at most K indices apart. Then the derivative of dA/dt
+by a member depends only on members near it, and on an end if it is within 4 K. All such
+neighbourhoods occur in a family of n = 8 K + 1 members. If dA/dt vanishes with n members, dA/dt
+therefore does not depend on the state with any number of members. Its value is affine in this
+number, so that it is 0 if dA/dt vanishes with n + 1 members as well.
 """
 
 from __future__ import annotations
@@ -29,10 +30,13 @@ from .facts import total_nodes, vector_nodes
 from .loops import LoopEquations
 from .slots import Slots
 
-Use = Callable[[Model], tuple[Model, object]]  # applies a scene: the changed model, and more
+# A function that applies a scene to a model, and returns the changed model and further results.
+Use = Callable[[Model], tuple[Model, object]]
 
-PROVED_AT = 40  # coordinates up to which a model is unrolled to apply Noether's theorem
-TRIED_AT = 200  # coordinates up to which it is unrolled to prove a claim
+# The largest number of coordinates of a model that is unrolled to apply Noether's theorem.
+PROVED_AT = 40
+# The largest number of coordinates of a model that is unrolled at its own sizes to prove a claim.
+TRIED_AT = 200
 LARGE = f"shifts of time only: more than {PROVED_AT} coordinates"
 
 
@@ -42,8 +46,9 @@ def with_proofs(
     use: Use | None,
     symmetric: bool,
 ) -> LoopEquations:
-    """Returns the equations with the outcome of each claim among their facts; with `symmetric`,
-    also with the invariants by Noether's theorem. Each holds for the model's sizes."""
+    """Returns the equations with the outcome of each claim in their facts; with `symmetric`, also
+    with constants of the motion by Noether's theorem. The results are valid for the sizes given in
+    the model."""
     model, facts = equations.model, equations.facts
     if not (model.conserved or symmetric):
         return equations
@@ -69,7 +74,8 @@ def with_proofs(
 
 
 def _of_energy(item: Definition, claim: Claim) -> Claim:
-    """Returns the claim, as proved if it is the energy itself: that needs no unrolling."""
+    """Returns the claim; if it is that the energy is constant, as proved. To be called only for a
+    conservative model."""
     if not (isinstance(item.value, Name) and item.value.id == "energy"):
         return claim
     return Claim(item.name, PROVED, "neither time nor a force beyond L enters the equations")
@@ -81,7 +87,8 @@ def _analyzed(model: Model, symmetric: bool = False) -> Structure:
 
 
 def _of_large(e: LoopEquations, count: int, file: File, use: Use | None) -> tuple[Claim, ...]:
-    """Returns the outcomes of claims at the model's sizes, or by small sizes that imply them."""
+    """Returns the outcomes of the claims of a model with more than PROVED_AT coordinates, from the
+    model unrolled at its own sizes or at smaller sizes."""
     if count <= TRIED_AT:
         at = f"with {sizes_text(e.model)}"
         return tuple(replace(x, says=f"{x.says}, {at}") for x in _analyzed(e.model).claims)
@@ -118,7 +125,8 @@ def _open(model: Model, says: str) -> tuple[Claim, ...]:
 
 
 def _alike(e: LoopEquations) -> tuple[str, int]:
-    """Returns the reason why bodies differ between members, or "", and how far they reach."""
+    """Returns the reason why small sizes prove nothing about larger ones, or "", and the largest
+    difference of indices of coupled members."""
     g, slots = e.graph, Slots(e.graph, e.slots)
     totals = [x for x in (e.lagrangian, *e.force.totals.values()) if x is not None]
     rows = [*e.force.rows.values()]

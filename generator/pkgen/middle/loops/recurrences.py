@@ -1,10 +1,11 @@
-"""Carried values: recurrences along the members of a family, as positions along a chain of links:
+"""Recurrences along the members of a family, such as the positions along a chain of links:
 
     X[m] = Phi(X[m-1], ..., q[m], ..., t)
 
-L takes X as a family of its own, with its own rows. By the chain rule these rows are added to those
-of the variables in Phi, from the last member to the first; the solution of M a = f does the same
-(`back/c/loops_elimination.py`). That needs the derivatives of Phi only, which this module makes.
+X is called a carried value. In L it is treated like a family of coordinates, with derivatives of L
+(rows) of its own. By the chain rule these rows are added to those of the variables in Phi, from the
+last member to the first; M a = f is solved in the same order (`back/c/loops_elimination.py`). Both
+need the derivatives of Phi, which this module makes.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ from .loops import Limit
 from .pair_sums import ATTITUDES, STATE, M
 from .rows import Gather
 
-FRONT = 24  # largest number of variables that an index may share with lower ones
+# The largest number of unknowns in an elimination step of M a = f: the scalars, and the families
+# times the largest distance of coupled indices.
+FRONT = 24
 
 
 def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
-    """Returns the carried values met so far and those that they depend on, sorted by level."""
+    """Returns the recurrences that occur in the expressions converted so far, and further ones on
+    which these depend, sorted by level."""
     pieces: dict[str, tuple[Piece, ...]] = {}
     seen: set[str] = set()
     while len(seen) < len(x.carried):
@@ -34,7 +38,7 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
                 found = [_piece(x, gather, lo, hi, value[k]) for lo, hi, value in values]
                 pieces[group.name] = tuple(found)
     levels = _levels(pieces)
-    for _ in pieces:  # repeats since values depend on each other's lower members in any order
+    for _ in pieces:  # repeats, since a recurrence may depend on any other recurrence
         gather.moving |= {n for n, own in pieces.items() if any(_moves(x, gather, p) for p in own)}
     groups = x.coordinates
     found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
@@ -42,7 +46,8 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
 
 
 def _values(x: LoopExpander, gather: Gather, name: str) -> list[tuple]:
-    """Returns lo, hi and the components of each piece, relative to member m."""
+    """Returns (lo, hi, components) for each statement that defines a name, where the components are
+    expressions for member m."""
     found = []
     for lo, hi, item in x.pieces(name):
         x.members.clear()
@@ -83,7 +88,8 @@ def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
 
 
 def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
-    """Raises Unrolled unless Phi may have a slot: a member at or before m, or a fixed end."""
+    """Raises Unrolled if a symbol is not allowed in a recurrence X[m] = Phi. Coordinates with an
+    index up to m are allowed, also those beyond a fixed end; rates and later members are not."""
     if slot.kind in ("v", "a") or (slot.kind == "s" and slot.name not in x.rotations.numbers):
         raise Unrolled(f"a carried value is made of the rate or the state '{slot.name}'")
     if slot.kind == "sum" and not x.totals.is_fixed(slot):
@@ -109,9 +115,10 @@ def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
 
 
 def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
-    """Returns the level of each carried value: the longest chain of others at the same index."""
+    """Returns the level of each recurrence: 0 if it uses no other recurrence at the same index,
+    else 1 more than the highest level of the recurrences that it uses at the same index."""
     levels = dict.fromkeys(pieces, 0)
-    for _ in pieces:  # enough repetitions: check has refused circular definitions
+    for _ in pieces:  # so many passes suffice, since the checker has refused circular definitions
         for name, found in pieces.items():
             same = {z.name for piece in found for z in piece.by if z.at == M and z.name in pieces}
             levels[name] = max((levels[z] + 1 for z in same), default=0)
@@ -119,15 +126,16 @@ def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
 
 
 def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
-    """Returns whether the value changes while all coordinates are at rest."""
+    """Returns whether the value of a recurrence may vary with time while all coordinates are
+    constant."""
     depends = x.graph.depends[piece.value] & BIT[Kind.TIME]
     inputs = any(slot.kind == "input" for slot in x.slots.below(piece.value))
     return bool(depends) or inputs or any(z.name in gather.moving for z in piece.by)
 
 
 def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool:
-    """Returns whether M a = f can be eliminated index by index with code of moderate size; else
-    carried values are unknowns in addition to coordinates."""
+    """Returns whether M a = f can be solved by elimination index by index, with code of moderate
+    size. If not, the accelerations of the recurrences' values are additional unknowns."""
     if x.model.constraints or x.model.rotations:
         return False
     groups = x.coordinates
@@ -145,7 +153,7 @@ def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool
 
 
 def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
-    """Returns all nodes of carried values that a run computes."""
+    """Returns all nodes of recurrences that are computed at run time."""
     found = []
     for piece in (piece for item in carried for piece in item.pieces):
         found += [piece.value, piece.rate, piece.coasting, *piece.by.values()]
@@ -154,7 +162,8 @@ def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
 
 
 def inert(names: set[str], carried: tuple[Carried, ...]) -> set[str]:
-    """Returns `names`, which have diagonal entries in M, and the variables in their recurrences."""
+    """Returns the names of the variables that have inertia: `names`, which have diagonal entries in
+    M, and for recurrences among them the variables in the recurrences."""
     found = set(names)
     for item in reversed(carried):
         if item.group.name in found:

@@ -1,5 +1,5 @@
-"""Rotations in families kept as loops: the coordinates behind a quaternion component, derivatives
-along them, and rates of quaternions. The loop counterpart of attitudes.py."""
+"""Rotations in models with loops: derivatives along the body axes, and time derivatives of
+quaternions. For other models attitudes.py has these functions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ Slopes = dict[Node, Node]
 
 
 class Rotations:
-    """The rotations of a model, by the names of their body rates, coordinates and components."""
+    """The rotations of a model, found by the names of their body rates, their coordinates, and the
+    components of their quaternions."""
 
     def __init__(self, model: Model, slots: Slots):
         self.slots, self.g = slots, slots.graph
@@ -26,7 +27,9 @@ class Rotations:
         self.numbers = {n: (r, k) for r in self.all for k, n in enumerate(r.quaternion)}
 
     def moved(self, slot: Slot) -> tuple[str, ...]:
-        """Returns the coordinates whose equations contain derivatives by this slot."""
+        """Returns the names of the coordinates whose equations of motion contain derivatives by the
+        symbol with this meaning. For a component of a quaternion these are the three coordinates of
+        the rotation."""
         own = self.turns.get(slot.name) or self.numbers.get(slot.name)
         if own:
             return own[0].turns
@@ -39,13 +42,14 @@ class Rotations:
         return tuple(self.slots.node("v", name, at) for name in rotation.turns)
 
     def moving(self, rotation: Rotation, at: Affine | None) -> Row:
-        """Returns the rates of the rotation's quaternion."""
+        """Returns the time derivatives of the components of a rotation's quaternion."""
         own = self.quaternion(rotation, at)
         return quaternion_rates(self.g, own, self.body_rates(rotation, at))
 
     def slope(self, by: Slopes, name: str, at: Affine | None, momenta: bool) -> Node:
-        """Returns the derivative along a coordinate of a function with the derivatives `by`; for L,
-        with `momenta`, p x w is added: the momenta turn with the body."""
+        """Returns the derivative of a function along a coordinate, for a rotation along its body
+        axis; `by` maps symbols to derivatives of the function. With `momenta`, the function is L
+        and p x w is added (see attitudes.py)."""
         if name not in self.turns:
             return by.get(self.slots.node("q", name, at), ZERO)
         rotation, axis = self.turns[name]

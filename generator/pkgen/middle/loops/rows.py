@@ -1,4 +1,5 @@
-"""Makes rows of terms: differentiates each body by its slots, relative to each slot's row."""
+"""Makes the equations of motion (rows) from the terms of L, D and the forces, by differentiating
+the body (summand) of each term by each member in it."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ APPLIED = ("pdot", "force")  # the quantities to which a generalized force is ad
 
 
 class Gather:
-    """Adds the contributions of terms to the rows in `found`, one term at a time."""
+    """Adds the contributions of terms to the equations of motion in `found`, term by term."""
 
     def __init__(self, x: LoopExpander):
         self.x = x
@@ -28,8 +29,10 @@ class Gather:
         self.found = Gathered()
         self.bodies = Bodies(x, self.found)
         self.totals = x.totals = Totals(x, self)
-        self.felt: dict[int, Total] = {}  # the derivatives of L by the totals in it
-        self.drag: dict[int, Total] = {}  # the derivatives of D by the totals in it
+        # The derivatives of L by the sums over members in it. The keys are the numbers of the sums.
+        self.felt: dict[int, Total] = {}
+        # The derivatives of -D by the sums over members in it.
+        self.drag: dict[int, Total] = {}
         self.moving = {
             name
             for name, group in x.coordinates.items()
@@ -37,12 +40,12 @@ class Gather:
             if end.kind == "fixed" and self._moves(name, at)
         }
         self.coast = Forward(x.graph, VARIABLE, self._coasting)
-        self.applied = False  # whether there are generalized forces beyond L
+        self.applied = False  # whether there are generalized forces besides those from L
 
     # -- terms --------------------------------------------------------------------------------
 
     def lagrangian(self, term: Term, sign: int) -> None:
-        """Adds sign * term to L."""
+        """Adds the contributions of sign * term, a term of L."""
         body = signed(self.g, self.totals.body(term), sign)
         self.totals.check_rates(body)
         self.totals.felt(self.felt, term, body)
@@ -65,8 +68,8 @@ class Gather:
     def _enter_motion(
         self, name: str, shift: Affine | None, body: Node, term: Term, sign: int
     ) -> Node:
-        """Adds a body's contributions to the equations of a family, or of a scalar coordinate if
-        `shift` is None. Returns its contribution to the momentum."""
+        """Adds the contributions of a body of L to the equations of one family or scalar coordinate
+        (`shift` is None). Returns the contribution to its momentum."""
         at = M if term.ranges and shift is not None else shift
         by = gradient(self.g, signed(self.g, body, sign), STATE | ATTITUDES)
         slope, momentum = self.x.rotations.slope(by, name, at, True), self._by(by, "v", name, at)
@@ -77,7 +80,7 @@ class Gather:
         return momentum
 
     def dissipation(self, term: Term) -> None:
-        """Adds the force -dD/dv."""
+        """Adds the force -dD/dv of a term of D."""
         body = signed(self.g, self.totals.body(term), -1)
         self.totals.felt(self.drag, term, body)
         if len(term.ranges) == 2:
@@ -95,12 +98,14 @@ class Gather:
             self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
 
     def felt_through(self) -> None:
-        """Adds the forces of L and D through the totals in them; to be called after all terms."""
+        """Adds the forces due to sums over members (totals) inside functions in L and D, by the
+        chain rule. To be called after all terms have been added."""
         self.totals.over(self.felt, False)
         self.totals.over(self.drag, True)
 
     def of_total(self, term: Term, factor: Node, drag: bool) -> None:
-        """Adds the force of a total's term; `factor` is the derivative of L (`drag`: -D) by it."""
+        """Adds the force due to one term of a sum over members (total). `factor` is the derivative
+        of L by the sum; with `drag`, that of -D."""
         x, g = self.x, self.g
         if len(term.ranges) == 2:
             force = scaled(g, factor, pair_force(x, term, self.totals.body(term), drag))
@@ -121,7 +126,8 @@ class Gather:
             self._enter(whats, name, term, None, slope(body, name, None))
 
     def applied_term(self, group: Group, lo: Affine | None, hi: Affine | None, term: Term) -> None:
-        """Adds a generalized force on members lo..hi, or the rate of the states lo..hi."""
+        """Adds a term of a generalized force on members lo..hi, or of the time derivative of states
+        lo..hi."""
         x, found, name = self.x, self.found, group.name
         if term.ranges and lo is not None:
             if len(term.ranges) == 2:
@@ -142,7 +148,8 @@ class Gather:
     def _add_over(
         self, whats: tuple[str, ...], name: str, lo: Affine | None, hi: Affine | None, node: Node
     ) -> None:
-        """Adds a node to quantities of the members lo..hi, or of a scalar if `lo` is None."""
+        """Adds a node to the quantities `whats` of the members lo..hi; of a scalar if `lo` is
+        None."""
         for slot in self.x.slots.below(node):
             self.bodies.in_reach(slot, lo, hi)
         for what in whats:
@@ -154,7 +161,8 @@ class Gather:
                 self.append(self.found.rows[what, name], Part(lo, hi, node))
 
     def attitude(self, rotation: Rotation) -> None:
-        """Adds the rates of a rotation's quaternion components, which are states."""
+        """Adds the time derivatives of the components of a rotation's quaternion, which are
+        states."""
         own = self.x.coordinates[rotation.quaternion[0]]
         at = M if own.is_family else None
         rates = self.x.rotations.moving(rotation, at)
@@ -162,7 +170,7 @@ class Gather:
             self._add_over(APPLIED, name, own.lo, own.hi, rate)
 
     def state(self, group: Group) -> None:
-        """Adds the momentum and inertia of a state: C treats it as a rate with inertia 1."""
+        """Adds the momentum and the inertia of a state, which in C is a rate with inertia 1."""
         at = M if group.is_family else None
         own = self.x.slots.node("s", group.name, at)
         self._add_over(("momenta",), group.name, group.lo, group.hi, own)
@@ -172,7 +180,7 @@ class Gather:
             self.found.corner[group.name, group.name] = Total(ONE)
 
     def energy(self, found: list[tuple[Term, int]]) -> Total:
-        """Returns the energy h = v.p - L of the terms of L."""
+        """Returns the energy h = v.p - L; `found` has the terms of L with their signs."""
         result = Total()
         for term, sign in found:
             if len(term.ranges) == 2:
@@ -183,7 +191,8 @@ class Gather:
         return result
 
     def _energy_of(self, term: Term, sign: int) -> tuple[Node, Node]:
-        """Returns the contribution of a term of L to h, near the ends and in the interior."""
+        """Returns the contribution of a term of L to h, in two forms: for members near the ends,
+        and for the interior."""
         body = signed(self.g, self.bodies.at_row(term), sign)
         if self.g.depends[body] & RATES == 0:
             node = self.g.negate(body)
@@ -204,7 +213,7 @@ class Gather:
         return (work if moving else inner), inner
 
     def total(self, found: list[tuple[Term, int]]) -> Total:
-        """Returns the sum of terms with their signs."""
+        """Returns the sum of the terms, each multiplied by its sign."""
         result = Total()
         for term, sign in found:
             result = self.with_(result, term, signed(self.g, self.totals.body(term), sign))
@@ -213,7 +222,8 @@ class Gather:
     # -- parts --------------------------------------------------------------------------------
 
     def inner(self, node: Node) -> Node:
-        """Returns the node in the interior, where no given cell is in reach."""
+        """Returns the node for an index m far from the ends of families (in the interior): there it
+        contains no members with prescribed values."""
         carried = [g.name for g in self.x.coordinates.values() if g.is_carried]
         return self.x.slots.inside(node, carried)
 
@@ -241,7 +251,8 @@ class Gather:
             self.append(parts, Part(shift, shift, self.seen_from(node, shift)))
 
     def seen_from(self, node: Node, place: Affine) -> Node:
-        """Returns the node with members at constant distance from `place` relative to m."""
+        """Returns the node with indices shifted so that `place` becomes m. Indices whose distance
+        from `place` is not constant are kept."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.at is None or not (slot.at - place).is_constant:
@@ -277,7 +288,8 @@ class Gather:
             self.add(self.found.entries[key], term, shift, node)
 
     def _moves(self, name: str, at: Affine) -> bool:
-        """Returns whether a given cell moves: its value depends on t or on an input."""
+        """Returns whether the prescribed value of a member beyond a fixed end depends on t or an
+        input."""
         turning = self.x.rotations.turns.get(name)
         nodes = [self.x.given(n, at) for n in (turning[0].quaternion if turning else (name,))]
         driven = BIT[Kind.TIME] | BIT[Kind.INPUT]
@@ -287,7 +299,7 @@ class Gather:
         return by.get(self.x.slots.node(kind, name, at), ZERO)
 
     def _coasting(self, node: Node) -> Node:
-        """Returns the time derivative of a symbol if only given cells accelerate."""
+        """Returns the time derivative of a symbol if all coordinates have the acceleration 0."""
         slot = self.x.slots.of(node)
         if slot is not None and slot.kind == "v":
             if self._carried(slot):

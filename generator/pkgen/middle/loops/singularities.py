@@ -1,12 +1,14 @@
-"""Finds singularities of the equations of families kept as loops, with a value for each member.
+"""Finds the singularities of equations with loops: expressions that must not vanish, with a value
+for each member.
 
-The divisors and the arguments of roots and logarithms in a body are found as in
-points/singularities.py, once for the body and the range of its index. Each member has its own
-value. The minimum over all members would not do: a member that passes through zero within a step
-would hide behind another member that is always nearer.
+Divisors and arguments of roots and logarithms are found as in points/singularities.py, once for all
+members. The runtime checks the value of each member. To check only the smallest value would not be
+enough: if one member passes through zero within a step, another member may have a smaller value at
+both ends of the step.
 
-Where M is a band, a pivot of M is not one expression; neither is a diagonal entry to which several
-sums with different ranges add. There, all pivots that the factorization finds are singularities.
+A pivot of a banded M has no closed expression, nor has a diagonal entry of M with contributions of
+several sums with different ranges. In these cases the pivots that the factorization computes at run
+time are checked.
 """
 
 from __future__ import annotations
@@ -30,15 +32,19 @@ from .pair_sums import M
 from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
-_PRIMES = {"v": "'", "d": "'", "a": "'"}  # by slot kind; "a" of states
-Over = tuple[Affine, ...]  # (), (lo, hi), or (lo, hi, first, last) of pairs
+# The suffix of a name for each kind of symbol. The kind "a" occurs for time derivatives of states
+# only.
+_PRIMES = {"v": "'", "d": "'", "a": "'"}
+# Ranges of indices: () for a single value, (lo, hi), or (lo, hi, first, last) for pairs.
+Over = tuple[Affine, ...]
 _Guarded = tuple[Over, Node]
 
 
 def singularities_of(
     x: LoopExpander, gather: Gather, e: LoopEquations
 ) -> tuple[tuple[LoopSingularity, ...], bool]:
-    """Returns singularities, those of coordinates first, and whether M's pivots are ones too."""
+    """Returns the singularities, first those where M is singular, and whether the pivots of M are
+    singularities too."""
     return _Singularities(x, gather, e).found()
 
 
@@ -65,7 +71,7 @@ class _Singularities:
         kept = dict.fromkeys(charts, COORDINATES)
         kept |= {found: use for found, use in motions.items() if found not in kept}
         roots = [(over, square) for over, node in kept for square in squared(self.g, node)]
-        for root in roots:  # keeps sqrt(x), drops x
+        for root in roots:  # if both sqrt(x) and x are singularities, only sqrt(x) is kept
             kept.pop(root, None)
         singularities = [
             LoopSingularity(shown(self.x, node), kept[over, node], self._terms(over, node))
@@ -74,7 +80,8 @@ class _Singularities:
         return tuple(singularities), pivots
 
     def _distinct(self, found: Iterable[_Guarded]) -> list[_Guarded]:
-        """Drops entries equal to another one or its negative: two rows may share a body."""
+        """Returns the entries without duplicates: of two entries that are equal up to sign, one is
+        kept."""
         kept: list[_Guarded] = []
         for over, node in found:
             same = [
@@ -88,17 +95,17 @@ class _Singularities:
         return kept
 
     def _of_total(self, total: Total) -> Range:
-        """Returns the range of a total's value; its sums may be empty."""
+        """Returns an interval that contains the value of a Total, whose sums may be empty."""
         constant, parts = self.ranges(total.constant), [n for _, n in _ranged(total)]
         if not all(self.ranges(node).not_negative for node in parts):
             return Range(-INF, INF)
         return Range(constant.lo, INF, constant.below)
 
-    # -- where they are found -----------------------------------------------------------------
+    # -- singularities of M -------------------------------------------------------------------
 
     def _charts(self) -> tuple[dict[_Guarded, None], bool]:
-        """Returns the factors of a diagonal M's entries that may vanish, and whether the pivots of
-        M are singularities themselves."""
+        """Returns the factors of the entries of a diagonal M that may vanish, and whether the
+        pivots of M have to be checked at run time."""
         e = self.e
         found: dict[_Guarded, None] = {}
         if e.facts.mass_constant:
@@ -118,7 +125,8 @@ class _Singularities:
         return found, pivots
 
     def _single(self, group: Group) -> _Guarded | None:
-        """Returns the diagonal entry of M, with its range; None if it is not one expression."""
+        """Returns the diagonal entry of M for a family or scalar, with its index range; None if it
+        consists of parts with different ranges."""
         if not group.is_family:
             total = self.e.mass.corner[group.name, group.name]
             return None if total.parts or total.pairs else ((), total.constant)
@@ -129,7 +137,8 @@ class _Singularities:
         return over, self.g.sum(part.node for part in parts)
 
     def _positive(self, group: Group) -> bool:
-        """Returns whether all parts of the diagonal entry are >= 0, and one for all members > 0."""
+        """Returns whether the diagonal entry of M is proved positive for all members: all parts are
+        nonnegative, and one part that includes all members is positive."""
         if not group.is_family:
             total = self.e.mass.corner[group.name, group.name]
             always, parts = [total.constant], total.parts
@@ -140,10 +149,11 @@ class _Singularities:
             self.ranges(node).positive for node in always
         )
 
-    # -- their normal form --------------------------------------------------------------------
+    # -- shifted indices ----------------------------------------------------------------------
 
     def _canonical(self, over: Over, node: Node) -> _Guarded:
-        """Shifts an expression so that i is its least index: each member's row sees the body."""
+        """Returns the expression shifted so that its least index is m, with its range. The same
+        expression in the equations of different members thus becomes equal."""
         slots = self.x.slots.below(node)
         members = [s.at for s in slots if s.at is not None and s.at.factor(ROW)]
         if len(over) != 2:
@@ -163,7 +173,7 @@ class _Singularities:
 
 
 def outputs_of(x: LoopExpander, e: LoopEquations) -> Iterator[tuple[Over, Node]]:
-    """Yields all expressions that the acceleration computes, with the ranges of their indices."""
+    """Yields all expressions from which accelerations are computed, with their index ranges."""
     nodes = []
     for over, node in _rows(e):
         nodes.append(node)
@@ -194,7 +204,7 @@ def _rows(e: LoopEquations) -> Iterator[tuple[Over, Node]]:
 
 
 def moves(x: LoopExpander, node: Node) -> bool:
-    """Returns whether an expression changes along a motion."""
+    """Returns whether an expression may vary with time."""
     moving = ("input", "w", "a")
     return bool(x.totals.depends(node) & MOVES) or any(
         slot.kind in moving for slot in x.totals.below(node)
@@ -202,8 +212,8 @@ def moves(x: LoopExpander, node: Node) -> bool:
 
 
 def shown(x: LoopExpander, node: Node) -> str:
-    """Returns an expression of members as text with the indices i and j, which a run replaces by
-    numbers; sums in it have the indices k and l."""
+    """Returns an expression as text with the indices i and j for m and j; in messages at run time
+    they become numbers. Sums in it have the indices k and l."""
     return wording(x.graph, about(x.graph, node), _name(x, {ROW: "i", OTHER: "j"}))
 
 
@@ -243,7 +253,8 @@ def _total(x: LoopExpander, found: Total) -> str:
 
 
 def _ranged(total: Total) -> Iterator[_Guarded]:
-    """Yields the parts of a total that are not 0, each with its ranges."""
+    """Yields the constant, the sums and the double sums of a Total as (index ranges, summand).
+    Leaves out a constant of 0."""
     if total.constant != ZERO:
         yield (), total.constant
     yield from (((part.lo, part.hi), part.node) for part in total.parts)
@@ -256,7 +267,7 @@ def _covers(part: Part, group: Group) -> bool:
 
 
 def _known(x: LoopExpander, e: LoopEquations) -> dict[Node, Range]:
-    """Returns the ranges of parameters, members of families included, and of sizes."""
+    """Returns the ranges of values of all parameters and sizes, by node."""
     g, found = x.graph, {}
     bounds = dict(zip(x.parameters, e.bounds, strict=True))
     for slot in list(x.slots.all):

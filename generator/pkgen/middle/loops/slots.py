@@ -1,4 +1,5 @@
-"""The table of slots of a graph; shifts and replaces the slots in expressions."""
+"""The table of symbols of a graph in models with loops. A Slot (indexed_ir.py) is the meaning of a
+symbol, such as q[m+1]. Has functions that replace symbols in expressions or shift their indices."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from .indexed_ir import Slot
 
-# The kind of a slot's symbol. Parameters are known before the loops begin and can be hoisted.
+# The kind of the graph's symbol for each kind of Slot. Expressions of parameters alone are computed
+# before the loops.
 _KINDS = {
     "q": Kind.COORDINATE,
     "s": Kind.STATE,
@@ -25,14 +27,14 @@ _KINDS = {
 
 
 def _domain(slot: Slot) -> str:
-    """Returns the kind of a slot's symbol."""
+    """Returns the kind of the graph's symbol for a Slot."""
     if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
-        return Kind.INPUT  # differs from row to row: not to be hoisted
+        return Kind.INPUT  # its value depends on a loop variable: to be computed inside the loop
     return _KINDS[slot.kind]
 
 
 class Slots:
-    """The slots of one graph; new slots and their symbols may be added."""
+    """The symbols of one graph and their meanings (Slot). `node` adds new ones."""
 
     def __init__(self, g: Graph, slots: Iterable[Slot] = ()):
         self.graph = g
@@ -40,7 +42,7 @@ class Slots:
         self.all = list(self._places)
 
     def node(self, kind: str, name: str, at: Affine | None = None) -> Node:
-        """Returns the symbol of a slot."""
+        """Returns the symbol with this kind, name and index, as a node."""
         slot = Slot(kind, name, at)
         if slot not in self._places:
             self._places[slot] = len(self.all)
@@ -48,20 +50,22 @@ class Slots:
         return self.graph.symbol(Symbol(_domain(slot), self._places[slot]))
 
     def of(self, node: Node) -> Slot | None:
-        """Returns the slot of a symbol; None for any other node."""
+        """Returns the meaning of a symbol; None for any other node."""
         data = self.graph.data[node]
         if isinstance(data, Symbol) and data.kind not in (Kind.PI, Kind.TIME):
             return self.all[data.index]
         return None
 
     def below(self, *nodes: Node) -> list[Slot]:
-        """Returns the slots in some nodes, in the order of their symbols' nodes."""
+        """Returns the meanings of the symbols in the given nodes, in the order of the symbols' node
+        numbers."""
         g = self.graph
         found = (self.of(n) for n in reachable(g, nodes) if g.op[n] is Op.SYMBOL)
         return [slot for slot in found if slot is not None]
 
     def swapped(self, node: Node, swap: Callable[[Slot], Node | None]) -> Node:
-        """Returns the node with its slots replaced by `swap`, which returns None to keep one."""
+        """Returns the node after replacing each symbol in it by the node that `swap` returns for
+        its meaning. A symbol for which `swap` returns None is kept."""
         values = {}
         for slot in self.below(node):
             value = swap(slot)
@@ -70,7 +74,7 @@ class Slots:
         return substituted(self.graph, [node], values)[0] if values else node
 
     def shifted(self, node: Node, shift: int) -> Node:
-        """Returns the same expression in the row m + shift."""
+        """Returns the expression with m replaced by m + shift."""
         g = self.graph
 
         def swap(slot: Slot) -> Node | None:
@@ -82,8 +86,9 @@ class Slots:
         return self.swapped(node, swap)
 
     def inside(self, node: Node, carried: Container[str]) -> Node:
-        """Returns the node in the interior, where no given member is near; slots of carried values,
-        which have an acceleration of their own everywhere, are kept."""
+        """Returns the node for an index m far from the ends of families (in the interior), where it
+        contains no members with prescribed values: symbols of kind "d" become "v", symbols of kind
+        "w" become 0. Symbols of recurrences (names in `carried`) are kept."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.name in carried:

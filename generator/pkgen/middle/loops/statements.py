@@ -1,4 +1,5 @@
-"""Outputs, starts, parameters and fixed ends of a model with loops."""
+"""Converts the statements about outputs, initial values, parameters and fixed ends of a model with
+loops."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ from .rows import Gather
 
 
 class Outputs:
-    """Expands `observe`, `conserve` and `event`; sums in them are totals computed before."""
+    """Converts the expressions of `observe`, `conserve` and `event` statements to nodes. Sums over
+    members in them are computed before (see totals.py)."""
 
     def __init__(self, x, gather, kinetic, potential, lagrangian, energy, momenta):
         self.x, self.gather = x, gather
@@ -35,7 +37,7 @@ class Outputs:
                 x.outputs[name] = x.totals.node(total)
 
     def observed(self) -> tuple[Observed, ...]:
-        """Returns the `observe`d quantities, single ones and those with a value for each index."""
+        """Returns the quantities of `observe` statements."""
         found = []
         for item in self.x.model.observed:
             if item.range is None:
@@ -125,7 +127,8 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
 
 
 def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
-    """Returns value, rate and acceleration of each fixed end; 0 where no row uses them."""
+    """Returns the value, rate and acceleration of each fixed end, by (family, index). A rate or an
+    acceleration that no equation uses is ZERO."""
     rated = {
         s.name for s in x.slots.all if s.kind in ("v", "d", "w", "a", "acc") and s.at is not None
     }

@@ -1,15 +1,16 @@
-"""Switches of families kept as loops: where a force or a rate of each member jumps.
+"""Finds the switches of equations with loops (see derive/switches.py): expressions at whose zeros a
+force, or the time derivative of a state, jumps.
 
-derive/switches.py defines switches. Here one switch has a value for each member that its body is
-about, like a singularity of loops. Two bodies with the same argument, relative to one member or to
-another, share a switch. At an end an argument may be constant, as q[0]' of a fixed end: there the
-switch has no value, and the call is left as it is.
+A switch has a value for each member of a family. Expressions that are equal after shifting their
+indices are one switch. For a member next to a fixed end, the expression may be constant; this
+member then has no switch value.
 
-An argument with kinks alone gets no switch here: a chain has a kink for each member, each would end
-a step, and the error control of a method handles kinks. An argument with a jump gets a switch,
-which also holds the calls that have a kink at its zeros.
+An expression at whose zeros the equations only have a kink is no switch here. Each member of a
+chain would have kinks of its own, and each kink would end a step; the error control of the
+integrator handles them instead. At the zeros of a switch, functions with a kink are held on one
+branch too.
 
-A jump in a sum over pairs, in L or in a constraint raises Unrolled.
+Unrolled is raised for a jump in a sum over pairs, in L or in a constraint.
 """
 
 from __future__ import annotations
@@ -33,14 +34,15 @@ _PAIRS = "a force or a rate jumps in a sum over pairs"
 
 
 class Members:
-    """Finds the member that an expression is about, and rewrites the expression for member m."""
+    """Shifts the indices in expressions so that the least index is m."""
 
     def __init__(self, g: Graph, slots: Slots):
         self.g, self.slots = g, slots
 
     def __call__(self, node: Node) -> tuple[Node, Affine | None]:
-        """Returns the expression rewritten for m, and the index that became m; the expression
-        itself and None if it has no member, or both members of a pair."""
+        """Returns the expression with its least index shifted to m, and the index that became m.
+        Returns the expression itself and None if it contains no members, or both members of a
+        pair."""
         slots = self.slots.below(node)
         found = [slot.at for slot in slots if slot.at is not None]
         loops = _loops(slots)
@@ -58,10 +60,10 @@ class Members:
         return self.about(node, least), least
 
     def about(self, node: Node, at: Affine) -> Node:
-        """Returns the node with the member at index `at` moved to m."""
+        """Returns the node with its indices shifted so that the index `at` becomes m."""
         own = Affine(0, ((ROW, 1),))
         name = next((v for v in (ROW, OTHER) if at.factor(v)), None)
-        back = own - at.without(name or "")  # the loop variable in terms of m
+        back = own - at.without(name or "")  # the old loop variable as an expression in m
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind == "index":
@@ -91,7 +93,7 @@ class Members:
 
 
 def _loops(slots: list[Slot]) -> set[str]:
-    """Returns the loop variables in the indices of members, or used as numbers."""
+    """Returns the loop variables that occur in symbols, as indices or as numbers."""
     found = {v for s in slots if s.at is not None for v in LOOPS if s.at.factor(v)}
     return found | {s.name for s in slots if s.kind == "index"}
 
@@ -99,14 +101,14 @@ def _loops(slots: list[Slot]) -> set[str]:
 def switches_of(
     x: LoopExpander, e: LoopEquations, limits: list[Limit]
 ) -> tuple[tuple[LoopSwitch, ...], bool]:
-    """Returns the switches, and whether the equations are smooth between their zeros. Adds
+    """Returns the switches, and whether the equations are smooth except at zeros of switches. Adds
     conditions on sizes to `limits`. Raises Unrolled for a jump that loops do not support."""
     found = _Switches(x, e, limits)
     return tuple(found.all()), found.whole
 
 
 def switch_count(e: LoopEquations) -> int:
-    """Returns the number of switch values at the model's sizes."""
+    """Returns the number of values of all switches for the sizes given in the model."""
     sizes, total = size_values(e.model), 0
     for x in e.switches:
         ends = [[at.value(sizes) for at in over] for over in x.ranges]
@@ -154,7 +156,8 @@ class _Switches:
     def _ranges(
         self, surfaces: Surfaces, keys: dict[object, Node]
     ) -> tuple[dict[object, dict[Over, None]], set[object]]:
-        """Returns the index ranges of each switch, and the switches with calls not held."""
+        """Returns the index ranges of each switch, and the switches with a call that must not be
+        held on one branch (see `free` in derive/switches.py)."""
         g, outputs = self.g, list(outputs_of(self.x, self.e))
         ranges: dict[object, dict[Over, None]] = {key: {} for key in keys}
         escaped = free(g, [node for _, node in outputs])
@@ -175,7 +178,8 @@ class _Switches:
         return ranges, loose
 
     def _jumping(self, nodes: list[Node]) -> list[Node]:
-        """Returns the moving arguments at whose zeros no proof shows all nodes to be continuous."""
+        """Returns the arguments at whose zeros one of the nodes may jump, without arguments that do
+        not vary with time."""
         found = [a for a in arguments_of(self.g, nodes) if moves(self.x, a)]
         if not found:
             return []
@@ -183,7 +187,7 @@ class _Switches:
         return [a for a in found if any(across.jump(node, a) != ZERO for node in nodes)]
 
     def _range(self, over: Over, at: Affine | None) -> Over:
-        """Returns the range of the index `at` when its body goes over the indices `over`."""
+        """Returns the range of the index `at` if loop variables have the ranges `over`."""
         if at is None:
             return ()
         if len(over) == 4:
@@ -194,8 +198,8 @@ class _Switches:
     # -- ends ---------------------------------------------------------------------------------
 
     def _moving(self, node: Node, over: Over) -> Over | None:
-        """Returns the range without members at its ends where the argument is constant; None if it
-        is empty."""
+        """Returns the range without the members at its ends for which the argument is constant;
+        None if no member remains."""
         if not over:
             return over
         lo, hi = over
@@ -208,7 +212,7 @@ class _Switches:
             return None
         sizes = size_values(self.x.model)
         for at in still:
-            apart = [lo - at - 1, at - hi - 1]  # `at` is outside if one of them is not negative
+            apart = [lo - at - 1, at - hi - 1]  # `at` is outside lo..hi if one is nonnegative
             if any(d.is_constant and d.constant >= 0 for d in apart):
                 continue
             met = [d for d in apart if d.value(sizes) >= 0]
@@ -218,7 +222,8 @@ class _Switches:
         return lo, hi
 
     def _still(self, node: Node) -> set[Affine]:
-        """Returns the indices where the argument is constant because given members are in it."""
+        """Returns the indices m for which the argument is constant because the members in it have
+        given values."""
         x, found = self.x, set()
         slots = [s for s in x.slots.below(node) if s.name in x.coordinates and s.at is not None]
         own = Affine(0, ((ROW, 1),))
@@ -229,7 +234,8 @@ class _Switches:
         return {at for at in found if not moves(x, self._beyond(node, at))}
 
     def _beyond(self, node: Node, at: Affine) -> Node:
-        """Returns the argument at an index, with the values of given members substituted."""
+        """Returns the argument for m = `at`, with members beyond fixed ends replaced by their
+        prescribed values."""
         x = self.x
 
         def swap(slot: Slot) -> Node | None:
@@ -250,7 +256,8 @@ class _Switches:
         return x.slots.swapped(node, swap)
 
     def _keep_apart(self, node: Node) -> None:
-        """Adds limits: families are so long that no two slots of `node` are the same member."""
+        """Adds conditions on sizes: each family is so long that symbols with different indices in
+        `node` are different members."""
         x = self.x
         places: dict[str, list[int]] = {}
         for slot in x.slots.below(node):

@@ -1,4 +1,5 @@
-"""Splits an energy into terms, each a sum of one body: expressions linear in sums are expanded."""
+"""Splits an energy into terms, each of which is a product, summed over up to two indices. Products
+with one sum as a factor are expanded."""
 
 from __future__ import annotations
 
@@ -15,13 +16,14 @@ from .expand import LoopExpander, around, has_sum, independent
 from .indexed_ir import Unrolled
 from .indices import Loop
 
-SHORT = 8  # sums over a constant number of indices are written out up to this many
+# A sum over a constant number of indices up to this is written out term by term.
+SHORT = 8
 
 
 @record
 class Factor:
-    """A factor or divisor, with the values of its loop variables: a `let` may sum over a variable
-    whose name has another meaning where the `let` is used."""
+    """A factor or divisor of a term. `loop` has the values of its loop variables: each factor needs
+    its own, since a `let` definition may use a name for another index than the statement does."""
 
     expr: Expr
     exponent: int  # 1 or -1
@@ -30,13 +32,13 @@ class Factor:
 
 @record
 class Term:
-    """The sum of a product over none, one or two ranges."""
+    """A product, summed over none, one or two index ranges."""
 
-    factors: tuple[Factor, ...]  # divisors last
-    ranges: tuple[tuple[str, Affine, Affine], ...]  # variable, lo, hi
+    factors: tuple[Factor, ...]  # Divisors come last.
+    ranges: tuple[tuple[str, Affine, Affine], ...]  # Each range is (variable, lo, hi).
 
     def at(self, x: LoopExpander, *values: Affine) -> Node:
-        """Returns the product with the given indices for the variables of the ranges."""
+        """Returns the product as a node, with `values` for the variables of the ranges."""
         own = {name: at for (name, _, _), at in zip(self.ranges, values, strict=True)}
         product = ONE
         for factor in self.factors:
@@ -53,7 +55,8 @@ class Term:
 
 @record
 class _Within:
-    """The context of an expression: factors in front, values of loop variables, and ranges."""
+    """The context of an expression inside products and sums: the other factors, the values of loop
+    variables, and the ranges of the sums."""
 
     factors: tuple[Factor, ...]
     loop: Loop
@@ -64,7 +67,7 @@ class _Within:
 
 
 def terms(x: LoopExpander, expr: Expr, loop: Loop | None = None) -> list[Term]:
-    """Returns the terms of an expression; `loop` has the values of its index names, if any."""
+    """Returns the terms of an expression. `loop` has the values of the names in its indices."""
     return list(_terms(x, expr, _Within((), dict(loop or x.sizes))))
 
 
@@ -98,13 +101,15 @@ def _terms(x: LoopExpander, expr: Expr, at: _Within) -> Iterator[Term]:
 
 
 def _term(expr: Expr, at: _Within) -> Term:
-    """Returns one term of an expression; sums still in the expression become totals."""
+    """Returns the expression as a single term. Sums in it, such as inside a function, are computed
+    before the equations (see totals.py)."""
     product = sorted([*at.factors, Factor(expr, 1, at.loop)], key=lambda f: -f.exponent)
     return Term(tuple(product), at.ranges)
 
 
 def _of_sum(x: LoopExpander, body: Expr, at: _Within, ranges: Sequence[Range]) -> Iterator[Term]:
-    """Yields the terms of a sum, one range after the other; writes out short ranges."""
+    """Yields the terms of the sum of `body` over `ranges`. Short ranges of constant length are
+    written out."""
     if not ranges:
         yield from _terms(x, body, at)
         return
@@ -118,7 +123,7 @@ def _of_sum(x: LoopExpander, body: Expr, at: _Within, ranges: Sequence[Range]) -
         return
     if len(at.ranges) == 2:
         raise Unrolled("a sum over three indices")
-    own = f"{item.variable}#{len(at.ranges)}"  # differs from every name of a size
+    own = f"{item.variable}#{len(at.ranges)}"  # a name with # cannot occur in a model
     loop = {**at.loop, item.variable: variable(own)}
     inner = replace(at, loop=loop, ranges=(*at.ranges, (own, lo, hi)))
     yield from _of_sum(x, body, inner, left)

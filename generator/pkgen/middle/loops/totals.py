@@ -1,9 +1,9 @@
-"""Sums over all members inside expressions, as in `cos(sum(q[i], i = 1..N))`: totals, computed
-before the rows that use them. In a row, a total is a slot of kind "sum".
+"""Totals: sums over members inside expressions, as in `cos(sum(q[i], i = 1..N))`.
 
-The derivative of F(S) by a member is F'(S) dS/dq[m]. The sum of F'(S) over all terms with S is a
-total too, so that a gradient costs no more than the sums themselves. Totals are numbered in the
-order in which they can be computed.
+Totals are computed before the equations that contain them, in the order of their numbers. In an
+expression, a total is a symbol S. The derivative of F(S) by a member is F'(S) dS/dq[m].
+The sum of F'(S) over all terms with S is a total too, so that a gradient takes about as many
+operations as the sums.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from .indices import Loop
 from .pair_sums import pair_body
 from .terms import Term, terms
 
-FELT = BIT[Kind.INPUT]  # the kind of a total's symbol
+FELT = BIT[Kind.INPUT]  # the kind of the symbols that stand for sums over members
 FIXED = ("param", "size", "index")
 
 
 class Gather(Protocol):
-    """Adds the terms of totals to rows. Gather of rows.py implements it."""
+    """Adds terms to the equations of motion. Gather of rows.py implements this protocol."""
 
     found: Gathered
     bodies: Bodies
@@ -41,7 +41,7 @@ class Gather(Protocol):
 
 @record
 class _Member:
-    """A term that consists of one member."""
+    """A term that consists of a single member, such as `q[1]`."""
 
     slot: Slot
     ranges: tuple = ()
@@ -65,7 +65,8 @@ class _Rate:
 
 
 class Totals:
-    """The totals of one model, collected as expressions are expanded."""
+    """The totals (sums over members inside expressions) of one model, collected while expressions
+    are converted to nodes."""
 
     def __init__(self, x: LoopExpander, gather: Gather):
         self.x, self.g, self.gather = x, x.graph, gather
@@ -73,10 +74,11 @@ class Totals:
         self._terms: list[list[Term]] = []
         self._numbers: dict[Total, int] = {}
 
-    # -- of expressions -----------------------------------------------------------------------
+    # -- conversion of sums -------------------------------------------------------------------
 
     def of(self, expr: Sum, loop: Loop) -> Node:
-        """Returns the value of a sum. It is no total if all its terms are free of ranges."""
+        """Returns a node with the value of a sum: a sum of nodes if all its terms are written out,
+        else the symbol of a total."""
         same = independent(self.x, expr, loop)
         if same:
             loop = {name: loop[name] for name in loop.keys() - around(self.x, loop)}
@@ -88,14 +90,16 @@ class Totals:
         return self._entered(found)
 
     def _entered(self, found: list[Term]) -> Node:
-        """Returns the slot of a sum of terms; keeps its members apart from those met so far."""
+        """Returns the symbol of the total of the given terms. The list of members recorded so far
+        is not changed."""
         met, self.x.members = self.x.members, []
         total = self.gather.total([(term, 1) for term in found])
         self.x.members = met
         return self.node(total, found)
 
     def node(self, total: Total, found: Iterable[Term] = ()) -> Node:
-        """Returns the slot of a total; a number or a plain symbol is returned as it is."""
+        """Returns the symbol of a total. If the total is just a number or a scalar, returns the
+        node of this number or scalar."""
         constant = total.constant
         if not (total.parts or total.pairs) and self._plain(constant):
             return constant
@@ -107,7 +111,8 @@ class Totals:
         return self.x.slots.node("sum", str(self._numbers[total]))
 
     def throughout(self, body: Node) -> Node:
-        """Returns the body of a sum with each member of fixed index, such as `q[1]`, as a total."""
+        """Returns the summand of a sum after replacing each member with a fixed index, such as
+        `q[1]`, by the symbol of a total that consists of this member."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind not in REACHED or slot.at is None or any(map(slot.at.factor, LOOPS)):
@@ -118,14 +123,14 @@ class Totals:
         return self.x.slots.swapped(body, swap)
 
     def _plain(self, node: Node) -> bool:
-        """Returns whether a node is a number, or a symbol that is not a family's member."""
+        """Returns whether a node is a constant, or a symbol that is no member of a family."""
         if not self.g.depends[node] & ~CONSTANT:
             return True
         slot = self.x.slots.of(node)
         return self.g.op[node] is Op.SYMBOL and (slot is None or slot.at is None)
 
     def rate(self, slot: Slot) -> Node:
-        """Returns the time derivative of the total of a slot."""
+        """Returns the time derivative of the total with the symbol `slot`."""
         total, by, inner = self.all[int(slot.name)], self.x.derivative, self.gather.inner
         rates = [_Rate(term) for term in self._terms[int(slot.name)]]
         if rates:
@@ -135,10 +140,11 @@ class Totals:
         kept = (tuple(x for x in found if x.node != ZERO) for found in (parts, pairs))
         return self.node(Total(by(total.constant), *kept))
 
-    # -- their contents -----------------------------------------------------------------------
+    # -- contents of totals -------------------------------------------------------------------
 
     def below(self, *nodes: Node) -> Iterator[Slot]:
-        """Yields the slots in some nodes, including those inside totals."""
+        """Yields the meanings of the symbols in the given nodes, and of the symbols in totals that
+        occur in them."""
         waiting, seen = list(nodes), set()
         while waiting:
             for slot in self.x.slots.below(waiting.pop()):
@@ -150,19 +156,21 @@ class Totals:
                     waiting += nodes_of(self.all[int(slot.name)])
 
     def nodes(self, *nodes: Node) -> list[Node]:
-        """Returns some nodes, followed by the nodes of the totals in them."""
+        """Returns the given nodes, followed by the nodes of all totals that occur in them."""
         inside = [s for s in self.below(*nodes) if s.kind == "sum"]
         return [*nodes, *(node for s in inside for node in nodes_of(self.all[int(s.name)]))]
 
     def depends(self, node: Node) -> int:
-        """Returns the kinds of symbols (bits) that a node depends on, also through totals."""
+        """Returns the kinds of symbols on which a node depends, directly or through totals, as a
+        bit mask."""
         found = 0
         for each in self.nodes(node):
             found |= self.g.depends[each]
         return found
 
     def is_fixed(self, slot: Slot) -> bool:
-        """Returns whether the total of a slot depends on parameters, sizes and indices only."""
+        """Returns whether the total with the symbol `slot` depends only on parameters, sizes and
+        indices."""
         nodes = nodes_of(self.all[int(slot.name)])
         if any(self.g.depends[node] & BIT[Kind.TIME] for node in self.nodes(*nodes)):
             return False
@@ -174,13 +182,15 @@ class Totals:
         return frozenset(int(slot.name) for slot in slots if self.is_fixed(slot))
 
     def moving(self, *nodes: Node) -> list[Slot]:
-        """Returns the totals in some nodes that change along a motion."""
+        """Returns those totals in the given nodes that may vary with time, as the meanings of their
+        symbols."""
         return [s for s in self.below(*nodes) if s.kind == "sum" and not self.is_fixed(s)]
 
     # -- derivatives --------------------------------------------------------------------------
 
     def felt(self, found: dict[int, Total], term: Term, body: Node, factor: Node = ONE) -> None:
-        """Adds to `found` the derivatives of a term's body, times a factor, by the totals in it."""
+        """Adds to `found` the derivatives of a term's body (summand) by the totals in it, times
+        `factor`. The keys of `found` are the numbers of totals."""
         for symbol, slope in gradient(self.g, body, FELT).items():
             slot = self.x.slots.of(symbol)
             if slot.kind != "sum" or slope == ZERO:
@@ -189,7 +199,8 @@ class Totals:
             found[k] = self.gather.with_(found.get(k, Total()), term, node)
 
     def over(self, found: dict[int, Total], drag: bool) -> None:
-        """Adds the forces of L (`drag`: of D) through totals; `found`: its derivatives by them."""
+        """Adds the forces due to totals by the chain rule. `found` has the derivatives of L by
+        totals, with `drag` those of -D; it is emptied."""
         while found:
             k = max(found)
             slope = self.node(found.pop(k))
@@ -202,13 +213,13 @@ class Totals:
                 self.felt(found, term, body, slope)
 
     def body(self, term: Term) -> Node:
-        """Returns the body of a term, relative to its index."""
+        """Returns the body (summand) of a term with the index m, or m and j for a double sum."""
         if len(term.ranges) == 2:
             return pair_body(self.x, term, self.gather.found.limits)
         return self.gather.bodies.at_row(term)
 
     def check_rates(self, body: Node) -> None:
-        """Raises Unrolled if a body of L has totals of rates in it."""
+        """Raises Unrolled if a term of L contains a total with rates, which makes M dense."""
         if any(self._of_rates(int(s.name)) for s in self.below(body) if s.kind == "sum"):
             raise Unrolled("L has rates of all members inside a function: M would be dense")
 

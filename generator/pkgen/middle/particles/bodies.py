@@ -1,7 +1,8 @@
-"""One particle, its mass and place; and grouping of the components of a place by their names.
+"""A particle with its mass and position (in the code: place), and the grouping of scalar quantities
+to positions by their names.
 
-Names of the components of a place differ only in the letter x, y or z, at any position: x and y;
-x1[2] and y1[2]; rx, ry and rz; a_x and a_y; X and Y. Two components make a place in a plane.
+The names of the components of a position differ only in the letter x, y or z: x and y; x1[2] and
+y1[2]; rx, ry and rz; a_x and a_y; X and Y. Two components make a position in a plane.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ from ...model import Model
 from ...record import record
 
 AXES = "xyz"
-Key = tuple[Hashable, int]  # the part of the name shared by a place, and the axis 0, 1, 2
+# The part of the name that all components of a position share, and the axis 0, 1 or 2.
+Key = tuple[Hashable, int]
 Item = TypeVar("Item")
 
 
 class NoParticles(Exception):
-    """No particles were found; `why` is the reason."""
+    """No particles were found. `why` is the reason."""
 
     def __init__(self, why: str):
         super().__init__(why)
@@ -30,12 +32,13 @@ class NoParticles(Exception):
 @record
 class Body:
     mass: Node
-    place: Row  # three components, z = 0 in a plane
-    name: str  # "(x, y)"
+    place: Row  # The three components of the position; z is 0 in a plane.
+    name: str  # The name of the position, such as "(x, y)".
 
 
 def lengths(model: Model) -> frozenset[str]:
-    """Returns names of coordinates, definitions and outputs with unit m; all, without units."""
+    """Returns the names of coordinates, definitions and outputs with the unit m. If the model is
+    dimensionless, returns all names."""
     items = (*model.coordinates, *model.definitions, *model.observed)
     return frozenset(item.name for item in items if model.dimensionless or item.unit == "m")
 
@@ -48,7 +51,8 @@ def keys(name: str, index: int | None = None) -> Iterator[Key]:
 
 
 def places(items: Iterable[tuple[Item, Iterable[Key]]]) -> list[dict[int, Item]]:
-    """Groups two or three items that share a key, as item by axis; the largest groups first."""
+    """Groups items with the same key to positions of two or three components. Each group maps axes
+    to items. Larger groups come first."""
     by_key: dict[Hashable, list[tuple[int, Item]]] = {}
     for item, known in items:
         for shared, axis in known:
@@ -58,5 +62,5 @@ def places(items: Iterable[tuple[Item, Iterable[Key]]]) -> list[dict[int, Item]]
 
 
 def listed(names: tuple[str, ...]) -> str:
-    """Returns up to four names as text."""
+    """Returns the names as text; after four names the text ends with "..."."""
     return ", ".join(names[:4]) + (", ..." if names[4:] else "")

@@ -1,9 +1,10 @@
-"""Finds masses m of given places with M = sum of m J^T J, the mass matrix of T = sum of m/2 |r'|^2.
+"""Finds masses m for given positions r, such that M = sum of m J^T J with J = dr/dq. This is the
+mass matrix of T = sum of m/2 |r'|^2.
 
-First, numbers at some states near the start, with parameters near their defaults, show which places
-have a mass: the first independent places that give M. Then each mass is solved for as an expression
-in parameters. It does not depend on coordinates, which are set to numbers (angles to 0, others to
-0, 1 or 2).
+First, the equation is solved numerically, at some states near the start with parameters near their
+defaults. This shows which positions have a mass. Then each mass is solved for as an expression in
+the parameters. Since masses do not depend on coordinates, coordinates are set to numbers for this:
+angles to 0, others to 0, 1 or 2.
 """
 
 from __future__ import annotations
@@ -19,16 +20,20 @@ from ...graph.substitute import substituted
 from ...record import record
 from ..points.singularities import defaults
 
-Entries = dict[tuple[int, int], Node]  # nonzero entries i <= j of a symmetric matrix
-Masses = list[tuple[list[int], Node]]  # indices of equivalent places, and the mass at one of them
+# The nonzero entries i <= j of a symmetric matrix.
+Entries = dict[tuple[int, int], Node]
+# For each mass, the indices of the positions with the same J^T J, at any of which it may be, and
+# the mass.
+Masses = list[tuple[list[int], Node]]
 STATES = 5
-SAME = 1e-8  # relative tolerance for numbers equal up to rounding
+# The relative tolerance within which two numbers count as equal.
+SAME = 1e-8
 ANGLES = ("sin", "cos", "tan")
 
 
 @record
 class Given:
-    """The parameters and starts about which numbers are evaluated."""
+    """The parameters, and the initial values near which expressions are evaluated."""
 
     parameters: tuple[ParameterSlot, ...]
     start_q: Row
@@ -36,7 +41,8 @@ class Given:
 
 
 def masses_of(g: Graph, mass: Entries, squares: list[Entries], given: Given) -> Masses | None:
-    """Returns the masses; None if there are none, or one is negative."""
+    """Returns the masses; None if the equation has no solution, or a mass would be negative.
+    `squares` has J^T J for each position."""
     draw = random.Random(2385)
     fixed = {s: _about(draw, value, 4) for s, value in defaults(g, given.parameters).items()}
     chosen = _in_numbers(g, mass, squares, _states(g, draw, [mass, *squares], fixed, given))
@@ -46,7 +52,7 @@ def masses_of(g: Graph, mass: Entries, squares: list[Entries], given: Given) -> 
     return solved and list(zip(chosen, solved, strict=True))
 
 
-# -- in numbers ----------------------------------------------------------------------------------
+# -- numerical solution --------------------------------------------------------------------------
 
 
 def _states(
@@ -56,7 +62,7 @@ def _states(
     fixed: dict[Symbol, float],
     given: Given,
 ) -> list[dict[Symbol, float]]:
-    """Returns values of all symbols at states near the start, each nearer than the one before."""
+    """Returns the values of all symbols at STATES states, which approach the start."""
     start = {}
     for kind, row in ((Kind.COORDINATE, given.start_q), (Kind.STATE, given.start_states)):
         for i, value in enumerate(evaluate(g, row, fixed)):
@@ -73,14 +79,15 @@ def _states(
 
 
 def _about(draw: random.Random, at: float, part: int) -> float:
-    """Returns a random number within |at|/part of `at`; within 0.1/part..1/part if `at` is 0."""
+    """Returns a random number that differs from `at` by at most |at|/part. If `at` is 0, it is
+    between 0.1/part and 1/part."""
     return at * (1 + draw.uniform(-1, 1) / part) or draw.uniform(0.1, 1) / part
 
 
 def _in_numbers(
     g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]
 ) -> list[list[int]] | None:
-    """Returns the places with masses, in groups of places with equal J^T J."""
+    """Returns the indices of the positions with masses, in groups with equal J^T J."""
     import numpy as np
 
     a, b = _rows(g, mass, squares, states)
@@ -111,7 +118,8 @@ def _in_numbers(
 
 
 def _adds(basis: list, vector) -> bool:
-    """Returns whether a unit vector is independent of the basis; if so, extends the basis."""
+    """Returns whether a unit vector is linearly independent of the orthonormal basis. If so,
+    extends the basis by it."""
     import numpy as np
 
     for _ in range(2):  # reorthogonalizes once
@@ -130,8 +138,8 @@ def _near(a, b) -> bool:
 
 
 def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]):
-    """Returns a, b of the equations a m = b, one for each entry and state, scaled to size 1; drops
-    equations with values that are not finite."""
+    """Returns a and b of the linear equations a m = b: one equation for each state and entry of M,
+    scaled to size 1. Equations with values that are not finite are left out."""
     import numpy as np
 
     matrices = [*squares, mass]
@@ -140,26 +148,26 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
     rows = [np.reshape(evaluate(g, nodes, values), (len(at), len(matrices))) for values in states]
     every = np.concatenate(rows)
     largest = np.abs(every).max(axis=1)
-    good = (largest > 0) & (largest < np.inf)  # also false for NaN
+    good = (largest > 0) & (largest < np.inf)  # comparisons with NaN are false too
     every = every[good] / largest[good, None]
     return every[:, :-1], every[:, -1]
 
 
-# -- as expressions ------------------------------------------------------------------------------
+# -- symbolic solution ---------------------------------------------------------------------------
 
 
 def _as_expressions(
     g: Graph, mass: Entries, squares: list[Entries], fixed: dict[Symbol, float]
 ) -> list[Node] | None:
-    """Returns the masses as expressions in parameters."""
+    """Returns the masses as expressions in the parameters; None if they cannot be solved for."""
     rows = [row for others in (0, 1, 2) for row in _at_numbers(g, mass, squares, others)]
     rows = _independent(g, rows, fixed)
     return _eliminated(g, rows, fixed) if rows else None
 
 
 def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) -> list[Row]:
-    """Returns the equations with angles 0 and other coordinates equal to `others`: coefficients of
-    each mass, and the right-hand side."""
+    """Returns the equations for the masses, with all angles set to 0 and all other coordinates to
+    `others`. Each equation has the coefficients of the masses, followed by the right-hand side."""
     matrices = [*squares, mass]
     below = reachable(g, [node for matrix in matrices for node in matrix.values()], VARIABLE)
     calls = [node for node in below if g.op[node] is Op.CALL and g.data[node] in ANGLES]
@@ -171,7 +179,7 @@ def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) ->
     for place in sorted({place for matrix in matrices for place in matrix}):
         try:
             row = substituted(g, [matrix.get(place, ZERO) for matrix in matrices], swap)
-        except ArithmeticError:  # a division by zero at these numbers
+        except ArithmeticError:  # the numbers cause a division by zero
             continue
         if any(node != ZERO for node in row[:-1]):
             rows.append(tuple(row))
@@ -179,7 +187,8 @@ def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) ->
 
 
 def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Row]:
-    """Returns as many independent equations as masses, the simplest first; [] if that fails."""
+    """Returns as many linearly independent equations as there are masses, preferably simple ones;
+    [] if there are not enough."""
     import numpy as np
 
     count = len(rows[0]) - 1 if rows else 0
@@ -197,7 +206,7 @@ def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[
 
 
 def _eliminated(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Node]:
-    """Solves as many independent equations as unknowns by elimination in the given order."""
+    """Returns the solution of independent linear equations, by elimination in the given order."""
     count = len(rows)
     waiting = [list(row) for row in rows]
     order = []

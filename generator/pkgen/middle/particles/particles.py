@@ -1,9 +1,10 @@
-"""The particles of a model: masses and places whose sum of m/2 |r'|^2 is its kinetic energy.
+"""Finds the particles of a model: masses m and positions r whose sum of m/2 |r'|^2 is its kinetic
+energy.
 
-Candidates come from the text of the energy (particles/text.py), or from the places that the model
-names (particles/places.py), and are proved on the graph. If L has linear terms in the rates, from a
-rotating frame or a magnetic field, the particles give the terms of second degree. Candidates that
-give all terms are preferred.
+Candidates come from the text of the energy (particles/text.py), or from positions that have names
+in the model (particles/places.py). Each candidate is then proved. If L also has terms linear in the
+rates, due to a rotating frame or a magnetic field, the sum has to give the terms of second degree.
+Candidates that give all terms are preferred.
 """
 
 from __future__ import annotations
@@ -41,14 +42,15 @@ TURNING = "of a rotation, R*p_R is its angular momentum in space"
 
 
 def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
-    """Returns the particles of a model; empty, with the reason, if none are found."""
+    """Returns the particles of a model. If none are found, the result is empty and has the
+    reason."""
     energy = next(iter((*x.model.kinetic, *x.model.lagrangian)), None)
     span = energy.span if energy else x.model.span
     if x.model.rotations:
         return Particles((), (), (), (), why=TURNING, span=span)
     found: list[Particles] = []
     refusals: list[NoParticles] = []
-    # A polar r may be relative to another particle, so named places are tried before.
+    # Polar coordinates come last: they may be relative to another particle instead of the origin.
     for proposals in (_by_text, particles_places.proposals, partial(_by_text, polar=True)):
         try:
             for bodies in proposals(x, energies, given):
@@ -92,12 +94,14 @@ def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:
 
 
 def _beyond(x: Expander, energies: Energies, total: Node) -> str | None:
-    """Returns a text about terms of the energy beyond the sum over particles, "" if there are none;
-    None if the sum is not the part of second degree in the rates."""
+    """Returns a text about further terms of the energy besides the sum over particles, `total`; ""
+    if there are none. Returns None if the sum is not proved to be the part of second degree in the
+    rates."""
     g, kinetic = x.graph, energies.kinetic
     if kinetic is not None and _is_zero(g, g.subtract(total, kinetic)):
         return ""
-    # w.d/dv and (w.d/dv)^2 of the rest, for any w, vanish without terms of degree >= 1, >= 2.
+    # For any vector w, w.d/dv of `rest` vanishes if it has no terms of degree 1 or more in the
+    # rates; (w.d/dv)^2 vanishes if it has none of degree 2 or more.
     rest = g.subtract(total, energies.lagrangian if kinetic is None else kinetic)
     once = _along(x, rest)
     if not _is_zero(g, _along(x, once)):
@@ -108,7 +112,8 @@ def _beyond(x: Expander, energies: Energies, total: Node) -> str | None:
 
 
 def _along(x: Expander, node: Node) -> Node:
-    """Returns w.d/dv of a node, where each w_i is a symbol (an acceleration's)."""
+    """Returns the directional derivative w.d/dv of a node. The w_i are symbols: those of the
+    accelerations are used."""
     g = x.graph
     slopes = gradient(g, node, BIT[Kind.RATE]) if g.depends[node] & BIT[Kind.RATE] else {}
     w = {v: g.symbol(Symbol(Kind.ACCELERATION, g.data[v].index)) for v in slopes}

@@ -1,8 +1,9 @@
-"""Proposes particles at the places that a model names, whatever the form of its kinetic energy.
+"""Proposes particles at positions that have names in the model. The kinetic energy may have any
+form.
 
-A place is a vector that a `let` defines, or two or three coordinates, definitions and outputs with
-matching names (bodies.py). The masses m follow from M = sum of m J^T J, J = dr/dq (masses.py).
-particles.py proves the result.
+A position r is a vector that a `let` defines, or consists of two or three coordinates, definitions
+or outputs with matching names (bodies.py). The masses m follow from M = sum of m J^T J with
+J = dr/dq (masses.py). particles.py proves the result.
 """
 
 from __future__ import annotations
@@ -22,20 +23,22 @@ from .bodies import Body, Key, NoParticles, keys, lengths, listed, places
 from .masses import Entries, Given, Masses, masses_of
 
 RATES, COORDINATES = BIT[Kind.RATE], BIT[Kind.COORDINATE]
-PLACES, COUNT = 100, 150  # largest numbers of places and coordinates: seconds at most
-ALIKE = 4  # largest number of equivalent places tried for one particle
+# The largest numbers of positions and of coordinates. The computation then takes a few seconds.
+PLACES, COUNT = 100, 150
+# The largest number of positions with the same J^T J that are tried for one particle.
+ALIKE = 4
 
 
 @record
 class _Place:
     name: str
-    at: Row  # three components
-    square: Entries  # J^T J
+    at: Row  # The three components of the position.
+    square: Entries  # The matrix J^T J with J = dr/dq.
 
 
 def proposals(x: Expander, energies: Energies, given: Given) -> list[list[Body]]:
-    """Returns candidates for the particles of the kinetic energy: lists with the same masses, at
-    different places with equal J^T J. Raises NoParticles."""
+    """Returns candidates for the list of all particles. They have the same masses, at different
+    positions with equal J^T J. Raises NoParticles if there are none."""
     found = _named(x)
     if not found:
         raise NoParticles(
@@ -60,7 +63,8 @@ def proposals(x: Expander, energies: Energies, given: Given) -> list[list[Body]]
 
 
 def _named(x: Expander) -> list[_Place]:
-    """Returns places that depend on coordinates but not on rates, in the order of declaration."""
+    """Returns the positions with names, in the order of declaration. They depend on coordinates and
+    not on rates."""
     single, vectors = {}, {}
     for name, index, value in _values(x):
         if isinstance(value, tuple):
@@ -79,7 +83,8 @@ def _named(x: Expander) -> list[_Place]:
 
 
 def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
-    """Yields coordinates, definitions and outputs that are lengths and do not depend on rates."""
+    """Yields (name, index, value) for all coordinates, definitions and outputs that are lengths and
+    do not depend on rates."""
     known = lengths(x.model)
     for item in x.model.coordinates:
         family = x.coordinates[item.name]
@@ -94,7 +99,7 @@ def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
                     (index, x.value(item.value, loop))
                     for index, loop in x.unrolled(item.index, item.range)
                 ]
-        except ModelError:  # outputs may use energies and momenta, which are not known yet
+        except ModelError:  # an output with energies or momenta, which are not derived yet
             continue
         for index, value in members:
             nodes = value if isinstance(value, tuple) else (value,)
@@ -115,7 +120,7 @@ def _place(g: Graph, name: str, at: Row) -> _Place:
 
 
 def _flat(g: Graph, place: _Place) -> _Place:
-    """Returns the place without its third component, which may have the name by coincidence."""
+    """Returns the position without its third component: its name may match by coincidence."""
     names = place.name.split(", ")
     if len(names) < 3:
         return place
@@ -133,7 +138,8 @@ def _mass(g: Graph, lagrangian: Node) -> Entries:
 
 
 def _bodies(found: list[_Place], made: Masses) -> Iterator[list[Body]]:
-    """Yields the bodies at the first of the equivalent places of each mass, at the second, ..."""
+    """Yields lists of particles: first with each mass at the first of its possible positions, then
+    with each mass at the second, and so on."""
     most = max(len(alike) for alike, _ in made)
     for k in range(min(most, ALIKE)):
         chosen = [(found[alike[min(k, len(alike) - 1)]], mass) for alike, mass in made]

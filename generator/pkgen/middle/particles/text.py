@@ -1,13 +1,14 @@
-"""Reads particles from the text of `kinetic` or `lagrangian`.
+"""Finds particles in the text of the statements `kinetic` or `lagrangian`.
 
-Sums are split, factors multiplied out, families unrolled and definitions expanded, down to squares
-of rates:
+The expression is expanded, with families unrolled and definitions inserted, to a sum of squares of
+rates with factors:
 
     m/2*(x'^2 + y'^2 + z'^2)    m/2*dot(r', r')    m/2*norm(r')^2    m/2*(r'^2 + r^2*phi'^2)
 
-Squares with one mass and the names of one place (bodies.py) belong to one particle. So do two or
-three squares in one bracket that have no names, or that look like polar coordinates. Terms of lower
-degree than 2 in the rates are skipped. particles.py proves the result.
+Squares with the same mass belong to one particle if their names match as components of a position
+(bodies.py), such as x and y. Two or three squares in one bracket belong to one particle too if they
+have no names, or have the form of polar coordinates. Terms of degree 0 or 1 in the rates are
+ignored. particles.py proves the result.
 """
 
 from __future__ import annotations
@@ -27,24 +28,25 @@ RATES = BIT[Kind.RATE]
 
 
 class _Unread(Exception):
-    """The text has another form."""
+    """The energy is not a sum of squares of rates."""
 
 
 @record
 class _Square:
-    """factor * (place')^2. Squares with a common key, or the same number `bracket` of a sum, may
-    belong to one particle."""
+    """The term factor * (place')^2 of the energy. Squares that share a key, or are in the same
+    bracket (`bracket` is its number), may belong to one particle."""
 
     factor: Node
     place: Node
     name: str
     keys: tuple[Key, ...]
-    named: bool  # whether the place is a name, not an expression
+    named: bool  # whether `place` is a name in the model rather than an expression
     bracket: int
 
 
 def read(x: Expander, polar: bool) -> list[Body]:
-    """Returns the particles; [] if the text has another form."""
+    """Returns the particles; [] if the energy is not a sum of squares of rates. With `polar`, polar
+    coordinates are recognized."""
     reader = _Reader(x)
     squares = []
     try:
@@ -56,7 +58,7 @@ def read(x: Expander, polar: bool) -> list[Body]:
 
 
 class _Reader:
-    """Splits the text of the energy into squares."""
+    """Splits the energy into squares of rates with factors."""
 
     def __init__(self, x: Expander):
         self.x = x
@@ -78,13 +80,14 @@ class _Reader:
         return any(self.x.graph.depends[node] & RATES for node in nodes)
 
     def of_first_degree(self, expr: Expr, loop: Loop) -> bool:
-        """Whether an expression is at most linear in the rates."""
+        """Whether an expression has degree 0 or 1 in the rates."""
         g, node = self.x.graph, self.x.scalar(expr, loop)
         slopes = gradient(g, node, RATES).values() if g.depends[node] & RATES else ()
         return not any(g.depends[slope] & RATES for slope in slopes)
 
     def opened(self, expr: Expr, loop: Loop) -> tuple[Expr, Loop] | None:
-        """Returns the expression of a definition's name, with its loop; None for others."""
+        """Returns the expression and loop variables of the definition that a name refers to; None
+        for other expressions."""
         if not isinstance(expr, Name):
             return None
         at = None if expr.index is None else integer(expr.index, loop)
@@ -133,7 +136,8 @@ class _Reader:
     def split(
         self, expr: Multiply, loop: Loop, factor: Node, power: int = 1
     ) -> tuple[Node, list[Expr]]:
-        """Returns factor times a product's factors without rates, to a power; and the others."""
+        """Returns `factor` times all factors of a product that contain no rates, each raised to
+        `power`; and the list of the remaining factors."""
         x, g, moving = self.x, self.x.graph, []
         for part, exponent in zip(expr.factors, expr.exponents, strict=True):
             if not self.moves(part, loop):
@@ -145,7 +149,7 @@ class _Reader:
         return factor, moving
 
     def square(self, base: Expr, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
-        """Yields the squares of factor * base^2."""
+        """Yields the squares of rates of which factor * base^2 consists."""
         match base:
             case Prime(of=of):
                 name, known = self.named(of, loop)
@@ -173,7 +177,8 @@ class _Reader:
         raise _Unread
 
     def vector(self, expr: Expr, loop: Loop, factor: Node) -> Iterator[_Square]:
-        """Yields the squares of factor * expr.expr; adds a body for the rate of a vector."""
+        """Yields the squares of rates of which factor * |expr|^2 consists, for a vector `expr`. If
+        it is the rate of a vector, a particle is added to `bodies` instead."""
         match expr:
             case Prime(of=of):
                 name, _ = self.named(of, loop)
@@ -189,7 +194,8 @@ class _Reader:
                 raise _Unread
 
     def named(self, of: Expr, loop: Loop) -> tuple[str, tuple[Key, ...]]:
-        """Returns the text of a place's component, and the keys of places it may belong to."""
+        """Returns the text of a component of a position, and its keys, by which components of one
+        position are found."""
         text = self.x.model.source.text[of.span.start : of.span.end]
         match of:
             case Component(of=whole, axis=axis):
@@ -237,7 +243,8 @@ def _unnamed(x: Expander, group: list[_Square]) -> Body | None:
 
 
 def _polar(x: Expander, group: list[_Square]) -> Body | None:
-    """Reads m/2*(r'^2 + r^2*phi'^2), or m/2*(r'^2 + r^2*theta'^2 + r^2*sin(theta)^2*phi'^2)."""
+    """Returns the particle of m/2*(r'^2 + r^2*phi'^2), or of m/2*(r'^2 + r^2*theta'^2 +
+    r^2*sin(theta)^2*phi'^2); None for other squares."""
     g = x.graph
     if not 2 <= len(group) <= 3:
         return None

@@ -1,1 +1,1 @@
-"""States at which equations are evaluated, and states at which they are singular."""
+"""Finds sample states at which equations are evaluated, and states at which they are singular."""

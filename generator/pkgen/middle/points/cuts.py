@@ -1,7 +1,8 @@
-"""The branch cut of an angle atan2(y, x), from pi to -pi, and expressions that jump there.
+"""Finds expressions that jump at the branch cut of an angle atan2(y, x), from pi to -pi.
 
-If the energy jumps, the motion ends at the cut, where the cosine of half the angle vanishes. If
-only forces jump, y is a switch, so that steps end at its zeros.
+If the energy jumps, the cut is a singularity, given by the zeros of the cosine of half the angle.
+If only forces jump, y is a switch (derive/switches.py), so that steps of the integrator end at its
+zeros.
 """
 
 from __future__ import annotations
@@ -17,12 +18,14 @@ from ...graph.ranges import Ranges
 from ...graph.substitute import substituted
 from .squares import bounds_of
 
-PI = Fraction(355, 113)  # stands in for pi: cancellation does not depend on its value
+# A rational number that is used instead of pi: whether terms cancel does not depend on its value.
+PI = Fraction(355, 113)
 
 
 def jumping_angles(g: Graph, nodes: Sequence[Node], ranges: Ranges) -> Iterator[Node]:
-    """Yields angles at whose cut any of the nodes may jump. Sines and cosines of whole multiples do
-    not jump, nor do nodes even in the angle, nodes that vanish with y, or any node if x > 0."""
+    """Yields the angles atan2(y, x) at whose branch cut any of the nodes may jump. There is no jump
+    in sines and cosines of integer multiples of the angle, in even functions of the angle, in nodes
+    that vanish for y = 0, or if x is positive."""
     for angle in reachable(g, nodes, VARIABLE):
         cut = _is_call(g, angle, "atan2") and not ranges(g.args[angle][1]).positive
         if cut and any(_jumps(g, node, angle) for node in nodes):
@@ -34,7 +37,8 @@ def half_cosine(g: Graph, angle: Node) -> Node:
 
 
 def switched(e: Equations, forces: Sequence[Node]) -> list[Node]:
-    """Returns the y of each angle at whose cut forces jump and the energy does not."""
+    """Returns y for each angle atan2(y, x) at whose branch cut forces jump and the energy does
+    not."""
     g, ranges = e.graph, Ranges(e.graph, [bounds_of(e.graph, slot) for slot in e.parameters])
     ends = {*jumping_angles(g, [e.lagrangian], ranges)}
     return [g.args[x][0] for x in jumping_angles(g, forces, ranges) if x not in ends]
@@ -61,7 +65,8 @@ def _is_call(g: Graph, node: Node, *functions: str) -> bool:
 
 
 def _turns(g: Graph, node: Node, angle: Node) -> bool:
-    """Whether a node is a sine or cosine of a whole multiple of an angle plus other terms."""
+    """Whether a node is a sine or cosine of an integer multiple of the angle, plus terms without
+    the angle."""
     if not _is_call(g, node, "sin", "cos"):
         return False
     inside = g.args[node][0]

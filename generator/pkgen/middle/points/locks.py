@@ -1,4 +1,5 @@
-"""Names of the divisors of euler() and tait_bryan(), which vanish at gimbal lock."""
+"""Finds names for singularities of the functions euler() and tait_bryan(), which give the angles of
+a rotation. Their divisors vanish at gimbal lock."""
 
 from __future__ import annotations
 
@@ -14,8 +15,9 @@ from ...graph.graph import Graph, Kind, Node, Symbol
 def lock(
     g: Graph, node: Node, attitudes: tuple[Attitude, ...], name: Callable[[Symbol], str]
 ) -> str:
-    """Returns the name of such a divisor, as "cos(pitch)^2 of tait_bryan(R)", identified by its
-    values at two quaternions; "" for any other node."""
+    """Returns the name of a divisor that vanishes at gimbal lock, such as "cos(pitch)^2 of
+    tait_bryan(R)"; "" for any other node. The divisor is recognized by its values at two
+    quaternions."""
     found = set(symbols_in(g, [node]))
     for at in attitudes:
         own = [Symbol(Kind.STATE, k) for k in at.numbers]

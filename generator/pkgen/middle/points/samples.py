@@ -1,4 +1,5 @@
-"""Sample states for claims: short decimals, so that a person can check a counterexample."""
+"""Makes sample states at which claims of `conserve` statements are tested. All values have few
+digits, so that a person can check a counterexample."""
 
 from __future__ import annotations
 
@@ -17,21 +18,27 @@ from .singularities import defaults
 from .solved import accelerations
 from .squares import bounds_of
 
-TRIED = 72  # largest number of states; the first half has parameters at their defaults
-EFFORT = 100_000  # largest number of node evaluations: about 2 s
-LEAST, MOST = 1e-3, 1e6  # magnitudes of the constants near which states are tried
+# The largest number of states. In the first half, parameters have their default values.
+TRIED = 72
+# The largest number of node evaluations, which take about 2 s.
+EFFORT = 100_000
+# Values near constants in the equations are tried if the constants have magnitudes in this range.
+LEAST, MOST = 1e-3, 1e6
 
 
 @record
 class Sample:
     values: dict[Symbol, Ball]
-    chosen: dict[Symbol, Fraction]  # values other than defaults
-    varied: bool  # whether a parameter is not at its default
+    # The values in `values` except parameters at their defaults and accelerations.
+    chosen: dict[Symbol, Fraction]
+    # Whether a parameter has another value than its default.
+    varied: bool
 
 
 def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:
-    """Yields states for the symbols in the nodes: near the start, of magnitude 1, and near
-    constants of the nodes; solves for accelerations if the nodes contain any."""
+    """Yields sample states, with values for all symbols in the nodes. In turn, the values are near
+    the initial values, of magnitude 1, and near constants that occur in the nodes. If the nodes
+    contain accelerations, these are solved for."""
     draw = random.Random(2385)
     solved = any(g.depends[node] & BIT[Kind.ACCELERATION] for node in nodes)
     if solved:
@@ -51,7 +58,7 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
             at = _short(start.get(s, 0.0)) * Fraction(draw.randint(12, 20), 16)
             at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
             apart = _apart(draw) / (16, 8, 16)[how]
-            chosen[s] = at + apart or apart  # not 0, where terms may vanish by chance
+            chosen[s] = at + apart or apart  # avoids 0, where terms may vanish by chance
         varied = {}
         if k >= tried // 2:
             varied = _varied(equations, draw, used)
@@ -74,8 +81,8 @@ def _apart(draw: random.Random) -> Fraction:
 def started(
     g: Graph, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
 ) -> dict[Symbol, float]:
-    """Returns the values of coordinates, rates and states (`starts`), of parameters at their
-    defaults, and t = 0."""
+    """Returns the values of all symbols at the start: the initial values `starts` of coordinates,
+    rates and states, the default values of parameters, and t = 0."""
     values = defaults(g, parameters)
     kinds = (Kind.COORDINATE, Kind.RATE, Kind.STATE)
     found = {
@@ -87,19 +94,21 @@ def started(
 
 
 def _numbers(g: Graph, below: list[Node], fixed: dict[Symbol, float]) -> list[Fraction]:
-    """Returns the constants in nodes, and their negatives: with x - 7, x near 7 is tried."""
+    """Returns the constants in the nodes, and their negatives. If x - 7 occurs, for example, values
+    of x near 7 are tried."""
     values = evaluate(g, [n for n in below if not g.depends[n] & VARIABLE], fixed)
     sizes = {abs(_short(value)) for value in values if LEAST < abs(value) < MOST} | {Fraction(8)}
     return sorted(sign * size for size in sizes for sign in (-1, 1))
 
 
 def _short(value: float) -> Fraction:
-    """Returns a value rounded to 3 digits; 0 for an infinity or a NaN."""
+    """Returns a value rounded to 3 digits; 0 if the value is infinite or NaN."""
     return Fraction(f"{value:.3g}") if math.isfinite(value) else Fraction(0)
 
 
 def _varied(equations: Equations, draw: random.Random, used: set[int]) -> dict[Symbol, Fraction]:
-    """Returns other values within bounds for the used parameters with a number as default."""
+    """Returns values other than the defaults for the parameters in `used`, within their bounds.
+    Parameters whose default is an expression are left out."""
     g, found = equations.graph, {}
     for k, slot in enumerate(equations.parameters):
         value = g.value(slot.default)

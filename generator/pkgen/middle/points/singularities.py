@@ -1,12 +1,12 @@
-"""Singularities: the divisors and arguments of roots and logarithms in the equations of motion
-that depend on the motion and can vanish.
+"""Finds singularities of the equations of motion: divisors, and arguments of roots and logarithms,
+that depend on the state and may vanish.
 
-Each such expression is split into factors (r sin(theta) vanishes where r or sin(theta) does).
-Factors that interval arithmetic proves to be nonzero are dropped. A pivot of M that is a sum, such
-as the double pendulum's m1 + m2 sin(theta1 - theta2)^2, is a singularity only if a search finds M
-singular or indefinite somewhere, for parameters at their defaults, at a bound, or anywhere within
-their bounds. M of a sound model is positive definite almost everywhere; elsewhere, the computation
-of the acceleration reports the failure.
+Each such expression is split into factors: r sin(theta) vanishes where r or sin(theta) does.
+Factors that are proved nonzero by interval arithmetic are left out. A pivot of M that is a sum,
+such as m1 + m2 sin(theta1 - theta2)^2 for a double pendulum, counts as a singularity only if a
+search finds a state where M is singular or indefinite, for parameters at their defaults, at their
+bounds, or between these. If the search misses such a state, the runtime reports an error where the
+acceleration cannot be computed.
 """
 
 from __future__ import annotations
@@ -28,12 +28,20 @@ from ...graph.wording import wording
 from .cuts import half_cosine, jumping_angles
 from .squares import bounds_of, definite_by_squares, summands
 
-SAMPLES = 25  # random states at which the pivots of M are evaluated
-EFFORT = 50_000  # node evaluations in the search for the smallest pivot: about 0.05 s
-SCATTER = 200  # largest number of states with random parameters
-WIDE = 1e3  # largest factor from the default for parameters without bounds
-USUAL = 4  # random states that give the usual ratio of a pivot to its diagonal entry
-NEARLY = 1e-4  # a ratio below the usual one times this: M is singular nearby
+# The number of random states at which the pivots of M are evaluated.
+SAMPLES = 25
+# The number of node evaluations in the search for the smallest pivot, which take about 0.05 s.
+EFFORT = 50_000
+# The largest number of states with random parameters.
+SCATTER = 200
+# Random values of a parameter without bounds differ from its default by at most this factor.
+WIDE = 1e3
+# The number of random states from which the usual ratio of a pivot to its diagonal entry of M is
+# found.
+USUAL = 4
+# M counts as singular if the smallest ratio of a pivot to its diagonal entry that the search finds
+# is at most this factor times the usual ratio.
+NEARLY = 1e-4
 
 
 def singularities_of(
@@ -44,7 +52,8 @@ def singularities_of(
     name: Callable[[Symbol], str],
     lagrangian: Node,
 ) -> tuple[Singularity, ...]:
-    """Returns the singularities of the equations `outputs`, those of the coordinates first."""
+    """Returns the singularities of the expressions `outputs`. Singularities of M, at which the
+    coordinates are singular, come first."""
     ranges = Ranges(g, [bounds_of(g, slot) for slot in parameters])
     of_mass = [(p, size) for p, size in pivots if g.depends[p] & VARIABLE]
     charts: dict[Node, None] = {}
@@ -82,7 +91,7 @@ def singularities_of(
     return tuple(
         Singularity(Quantity(wording(g, about(g, node), name), "", ""), node, use)
         for node, use in found.items()
-        if node not in squares  # keeps sqrt(x), drops x
+        if node not in squares  # if both sqrt(x) and x are singularities, only sqrt(x) is kept
     )
 
 
@@ -91,12 +100,13 @@ def _is_call(g: Graph, node: Node, *functions: str) -> bool:
 
 
 def squared(g: Graph, node: Node) -> tuple[Node, ...]:
-    """Returns the argument of a square root, () for another node."""
+    """Returns the argument of a square root as a tuple; () for any other node."""
     return g.args[node] if _is_call(g, node, "sqrt") else ()
 
 
 def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tuple[Node, str]]:
-    """Yields the nodes at whose zeros the outputs are not finite and smooth, and their uses."""
+    """Yields the nodes at whose zeros the outputs may be infinite or not smooth, each with the
+    reason as in `Singularity.use`."""
     for node in reachable(g, outputs, VARIABLE):
         first = g.args[node][0] if g.args[node] else node
         if g.op[node] is Op.POWER:
@@ -106,22 +116,24 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
                 yield first, DIVISOR if g.data[node] < 0 else ROOT
         elif g.op[node] is Op.CALL and (singular := FUNCTIONS[g.data[node]].singular):
             vanishing, use = singular(g, *g.args[node])
-            # A root of a nonnegative argument, such as a sum of squares, has a kink at most.
+            # The root of a nonnegative argument, such as a sum of squares, is real everywhere, and
+            # has at most a kink where it vanishes.
             if use != ROOT or not ranges(vanishing).not_negative:
                 yield vanishing, use
 
 
 def about(g: Graph, singularity: Node) -> Node:
-    """Returns the expression that names a singularity: an angle for its half cosine, a base."""
-    if _is_call(g, singularity, "cos"):  # the cosine of half an angle
+    """Returns the expression whose text names a singularity: the angle for the cosine of half an
+    angle, the base for a power."""
+    if _is_call(g, singularity, "cos"):  # the cosine of half an angle atan2(y, x)
         _, angle = g.split(g.args[singularity][0])
         singularity = angle if _is_call(g, angle, "atan2") else singularity
     return g.args[g.args[singularity][0]][0] if _is_call(g, singularity, "pow") else singularity
 
 
 def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
-    """Yields the factors of a node that may vanish and are no products, each with whether it is a
-    sum that is not proved to be nonzero."""
+    """Yields the factors of a node that may vanish, and for each whether it is a sum. For a
+    function that vanishes where its argument does, yields the factors of the argument."""
     for base, _ in g.factors(node):
         if not g.depends[base] & VARIABLE or ranges(base).never_zero:
             continue
@@ -142,7 +154,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
 
 
 def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
-    """Returns the common factors of the terms of a sum, and the sum divided by them."""
+    """Returns the factors that all terms of a sum have in common, and the sum divided by these."""
     powers = [dict(g.factors(term)) for term in summands(g, node)]
     shared = {
         base: min(p[base] for p in powers)
@@ -157,7 +169,8 @@ def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
 
 
 def _moving(g: Graph, nodes: Iterable[Node]) -> tuple[list[Symbol], list[int]]:
-    """Returns the symbols of the state in nodes, and the indices of their parameters."""
+    """Returns the symbols in the nodes that are no parameters, and the indices of the parameters in
+    the nodes."""
     parameters = symbols_in(g, nodes, BIT[Kind.PARAMETER])
     return symbols_in(g, nodes, VARIABLE), [x.index for x in parameters]
 
@@ -171,7 +184,8 @@ def defaults(
     parameters: tuple[ParameterSlot, ...],
     change: Callable[[int, float], float] = lambda _, value: value,
 ) -> dict[Symbol, float]:
-    """Returns the defaults of parameters, each passed through `change` before others use it."""
+    """Returns the default values of the parameters. `change` maps (index, default) to the value
+    that is used instead, also in the defaults of later parameters."""
     fixed: dict[Symbol, float] = {}
     for k, slot in enumerate(parameters):
         fixed[Symbol(Kind.PARAMETER, k)] = change(k, evaluate(g, [slot.default], fixed)[0])
@@ -181,8 +195,9 @@ def defaults(
 def _anywhere(
     g: Graph, parameters: tuple[ParameterSlot, ...], nodes: list[Node]
 ) -> Iterator[dict[Symbol, float]]:
-    """Yields random states with random parameters: between two bounds, else the default times
-    1/WIDE..WIDE, clipped to its bounds."""
+    """Yields random states with random parameters. A parameter with two bounds gets a value between
+    them; any other gets its default times a factor between 1/WIDE and WIDE, limited to its
+    bound."""
     draw = random.Random(2385)
     moving, used = _moving(g, nodes)
     bounds = {k: bounds_of(g, parameters[k]) for k in used}
@@ -211,8 +226,8 @@ def _at_random(
 
 
 def _ratios(g: Graph, pivots: Iterable[tuple[Node, Node]]) -> Callable[..., list[float]]:
-    """Returns a function of a state: the ratio of each pivot to its diagonal entry; -1 if one of
-    the two is not positive."""
+    """Returns a function that returns, for a state, the ratios of the pivots to their diagonal
+    entries of M. A ratio is -1 if the pivot or the entry is not positive."""
     values_at = Evaluator(g, [x for pair in pivots for x in pair])
 
     def ratios(state: dict[Symbol, float]) -> list[float]:
@@ -225,8 +240,8 @@ def _ratios(g: Graph, pivots: Iterable[tuple[Node, Node]]) -> Callable[..., list
 def _least_definite(
     g: Graph, parameters: tuple[ParameterSlot, ...], pivots: Pivots
 ) -> Iterator[dict[Symbol, float]]:
-    """Yields states at which M is nearest to singular: one with the parameters' defaults, then one
-    with each parameter at each of its closed bounds."""
+    """Yields states at which M is closest to singular, found by a search: one for all parameters at
+    their defaults, and one for each bound of a parameter that it may attain."""
     nodes = [x for pair in pivots for x in pair]
     moving, used = _moving(g, nodes)
     cases: list[tuple[int, float]] = [(-1, 0.0)]
@@ -251,7 +266,7 @@ def _least_at(
     states = [fixed | {s: _drawn(draw, s) for s in moving} for _ in range(SAMPLES)]
     least, best = min((ratio(state), k) for k, state in enumerate(states))
     state, width = states[best], 1.0
-    for k in range((left - SAMPLES) // 2):  # coordinate search with shrinking steps
+    for k in range((left - SAMPLES) // 2):  # a coordinate search with decreasing steps
         symbol = moving[k % len(moving)]
         for step in (width, -width):
             moved = state | {symbol: state[symbol] + step}

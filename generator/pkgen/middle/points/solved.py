@@ -1,11 +1,12 @@
-"""Solves M a = f at one state, with a bound of the error.
+"""Solves M a = f at one state in ball arithmetic, with a rigorous bound of the error.
 
-An approximate inverse R of M and a solution x, both from the midpoints, give
+The entries of M and f are balls (midpoint, radius). Let R be an approximate inverse of M, and x an
+approximate solution, both computed from the midpoints. Then, in the maximum norm,
 
-    |x - a| <= |R| |f - M x| / (1 - |I - R M|)     in the maximum norm, where |I - R M| < 1,
+    |x - a| <= |R| |f - M x| / (1 - |I - R M|)     if |I - R M| < 1.
 
-with M and f as balls (midpoint, radius). Reference: S. M. Rump, Verification methods: rigorous
-results using floating-point arithmetic, Acta Numerica 19 (2010) 287-449, section 10.
+Reference: S. M. Rump, Verification methods: rigorous results using floating-point arithmetic,
+Acta Numerica 19 (2010) 287-449, section 10.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from ...graph.graph import Graph, Kind, Symbol
 def accelerations(
     equations: Equations, g: Graph, balls: Balls, values: Mapping[Symbol, Ball]
 ) -> dict[Symbol, Ball] | None:
-    """Returns accelerations by symbol; None if M or f has no value, or M is nearly singular."""
+    """Returns the accelerations by symbol; None if an entry of M or f has no value, or if M may be
+    nearly singular."""
     n = len(equations.force)
     entries = balls.values(g, [*sum(equations.mass, ()), *equations.force], values)
     if None in entries:
@@ -40,7 +42,7 @@ def accelerations(
         for row, f in zip(mass, force, strict=True)
     ]
     size = mp.mnorm(inverse, mp.inf)
-    # Bound of the rounding errors of the products below, plus the radii of M.
+    # A bound of the rounding errors of inverse * matrix below, plus the radii of M.
     blur = n * balls.tiny * mp.mnorm(matrix, mp.inf) + max(sum(m.rad for m in row) for row in mass)
     contraction = mp.mnorm(inverse * matrix - mp.eye(n), mp.inf) + size * blur
     if contraction >= mp.mpf(1) / 2:

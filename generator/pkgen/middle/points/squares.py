@@ -1,6 +1,9 @@
-"""Tests whether T is a sum of squares that all vanish only if all rates do: M is then positive
-definite everywhere. For a chain of links the pivots of M are long expressions, but the terms of T
-of each link have only a few rates more than those of its parent."""
+"""Proves that M is positive definite, by writing the kinetic energy T as a sum of nonnegative terms
+that all vanish only if all rates are 0.
+
+This is simpler than the test of the pivots of M for a chain of links: the pivots are long
+expressions, but the terms of T for each link have only a few rates in addition to those of the
+links before."""
 
 from __future__ import annotations
 
@@ -14,8 +17,10 @@ from ...graph.normal import Normal, squares_merged
 from ...graph.ranges import Ranges
 
 RATES = BIT[Kind.RATE]
-WORK = 500  # budget of a normal form: products of two terms
-SEVERAL = 3  # largest number of rates that one term adds
+# The limit of work for a normal form: products of two terms.
+WORK = 500
+# The largest number of rates that are proved to be 0 by one term.
+SEVERAL = 3
 
 Matrix = list[list[Node]]
 
@@ -23,8 +28,9 @@ Matrix = list[list[Node]]
 def definite_by_squares(
     g: Graph, parameters: tuple[ParameterSlot, ...], lagrangian: Node, count: int
 ) -> bool:
-    """Returns whether T is proved definite. If no term of T is negative, v.M v = 0 makes each term
-    0. Rates not yet known to be 0 are 0 if a term is definite in them: repeat until none is new."""
+    """Returns whether T is proved positive definite. If T = 0 and no term is negative, all terms
+    are 0. If a term is positive definite in the rates that are not yet known to be 0, these are 0
+    too. This is repeated until all rates are known to be 0, or no term shows more."""
     g = g.copy()
     positive = Positive(g, parameters)
     degree, rates = _degrees_and_rates(g, lagrangian)
@@ -48,7 +54,8 @@ def definite_by_squares(
 
 
 class Positive:
-    """Tests whether a node is positive in all states; takes m - m cos^2 as m sin^2."""
+    """Tests whether a node is proved positive at all states. Before interval arithmetic is used,
+    m - m cos^2 is rewritten as m sin^2."""
 
     def __init__(self, g: Graph, parameters: Iterable[ParameterSlot]):
         self.graph = g
@@ -66,8 +73,8 @@ class Positive:
 
 
 def _degrees_and_rates(g: Graph, output: Node) -> tuple[dict[Node, float], dict[Node, int]]:
-    """Returns, for all nodes below with rates, the degree in the rates (inf if not a polynomial as
-    written), and a bit mask of the rates."""
+    """Returns two maps from the nodes with rates: to their degree in the rates (inf if a node, as
+    written, is no polynomial in the rates), and to their rates as a bit mask."""
     degree: dict[Node, float] = {}
     rates: dict[Node, int] = {}
     for node in reachable(g, [output], RATES):
@@ -89,7 +96,8 @@ def _degrees_and_rates(g: Graph, output: Node) -> tuple[dict[Node, float], dict[
 
 
 def _hessian(g: Graph, term: Node, rates: list[int], of: dict[Node, int]) -> Matrix:
-    """Returns the second derivatives of a term by some rates, by a sweep over dependent nodes."""
+    """Returns the matrix of second derivatives of a term by the given rates. `of` has the rates in
+    each node, as a bit mask."""
     mask = sum(1 << i for i in rates)
     some = range(len(rates))
     zero = [ZERO] * len(rates), [[ZERO] * len(rates) for _ in rates]
@@ -128,7 +136,8 @@ def _hessian(g: Graph, term: Node, rates: list[int], of: dict[Node, int]) -> Mat
 
 
 def _below(g: Graph, node: Node, wanted: Callable[[Node], int]) -> list[Node]:
-    """Returns the node and the wanted nodes below it, each after its arguments."""
+    """Returns the node and all nodes below it for which `wanted` is true, each after its
+    arguments."""
     found, stack = {node}, [node]
     while stack:
         new = {a for a in g.args[stack.pop()] if wanted(a)} - found
@@ -144,7 +153,7 @@ def bounds_of(g: Graph, slot: ParameterSlot) -> Range:
 
 
 def summands(g: Graph, node: Node) -> list[Node]:
-    """Returns the terms of a sum, with nested sums flattened."""
+    """Returns the terms of a sum. A term that is a sum itself is replaced by its terms."""
     terms, stack = [], [node]
     while stack:
         part = stack.pop()
@@ -156,7 +165,7 @@ def summands(g: Graph, node: Node) -> list[Node]:
 
 
 def determinant(g: Graph, rows: Matrix) -> Node:
-    """Returns the determinant, expanded along the first row."""
+    """Returns the determinant of a matrix, by expansion along the first row."""
     if not rows:
         return ONE
     total = ZERO

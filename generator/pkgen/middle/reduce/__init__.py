@@ -1,1 +1,1 @@
-"""Reduces equations without changing the recorded output: cyclic coordinates, separate parts."""
+"""Reduces equations to fewer coordinates without changing the recorded outputs."""

@@ -1,5 +1,5 @@
-"""Splits a system into blocks of coordinates that do not influence one another. Each is integrated
-separately, with its own method and step sizes."""
+"""Splits a system into blocks of coordinates that do not influence each other. Each block is then
+integrated as a separate system, with its own method and step sizes."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ..quantities import symbols
 
 @record
 class Subsystem:
-    """A block as a system of its own; `coordinates` are the indices in the whole of its coordinates
-    and, counted after all coordinates, its states."""
+    """A block as a separate system. `coordinates` are the indices of its coordinates and states in
+    the whole system, where states are numbered after all coordinates."""
 
     equations: Equations
     structure: Structure
@@ -28,7 +28,8 @@ class Subsystem:
 def parts_of(
     equations: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Subsystem, ...]:
-    """Returns the parts of a system; () if it is one block, or has events or constraints."""
+    """Returns the separate parts of a system; () if it has only one part, or has events or
+    constraints."""
     if equations.events or equations.constraints:
         return ()
     blocks = _joined(equations, structure.blocks)
@@ -38,8 +39,9 @@ def parts_of(
 
 
 def _joined(equations: Equations, blocks: Indices) -> Indices:
-    """Merges blocks: the three rates of a body (for a ball, they do not influence one another); and
-    the states without a coordinate in their block with coordinate 0."""
+    """Returns the blocks after merging some of them. The three rates of a rotation get into one
+    block, even if they do not influence each other, as for a ball. Blocks of states without a
+    coordinate are merged with the block of coordinate 0."""
     n = len(equations.coordinates)
     free = tuple(i for block in blocks if block[0] >= n for i in block)
     together = (*blocks, *(tuple(a.rates) for a in equations.attitudes), (0, *free))
@@ -53,7 +55,8 @@ def _part(
     number: int,
     block: tuple[int, ...],
 ) -> Subsystem:
-    """Returns a block as a system: in L, all other coordinates and states rest at their starts."""
+    """Returns a block as a separate system. In its L, all other coordinates and states have their
+    initial values, and all other rates are 0."""
     g, n = e.graph, len(e.coordinates)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     others = [i for i in range(n) if i not in block]

@@ -1,5 +1,5 @@
-"""The reduction of cyclic coordinates: decides whether one can be removed, and whether that saves
-operations. `routh.py` makes the smaller Lagrangian."""
+"""Removes cyclic coordinates from the equations, if that is possible and saves operations.
+`routh.py` makes the Lagrangian of the remaining coordinates."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from ..report import ReportLine
 from .reduction import Needs, State, cost
 from .routh import NotReduced, Reduced, routh
 
-# Operations of a method per evaluation and number of the state: from about 7 (rk4) to 16 (gauss).
+# The operations of an integrator for each number in the state, per evaluation of the equations:
+# from about 7 (rk4) to 16 (gauss).
 OF_A_STATE = 10
 
 
 def cyclic(state: State, needs: Needs) -> State:
     """Replaces cyclic coordinates by their constant momenta (routh.py)."""
     e, lines = state.equations, []
-    # The momentum of a body rate may be constant, but a body rate is not the rate of an angle.
+    # Body rates are left out: they are not the rates of angles, even if their momenta are constant.
     cyclic = enumerate(state.structure.cyclic)
     found = [i for i, is_cyclic in cyclic if is_cyclic and i not in e.turning]
     if not found:
@@ -68,7 +69,7 @@ def cyclic(state: State, needs: Needs) -> State:
 
 
 def _states(e: Equations) -> int:
-    """Returns the size of the state that a method integrates."""
+    """Returns the number of values that an integrator advances: coordinates, rates and states."""
     return 2 * len(e.coordinates) + len(e.states)
 
 
@@ -81,8 +82,8 @@ def _not(state: State, e: Equations, which: list[int], why: str) -> State:
 def _recorded(
     state: State, needs: Needs, reduced: Reduced, chosen: list[int], angles: list[int]
 ) -> State:
-    """Returns the state with the reduced equations, without rates that are not recorded, and with a
-    report line for each coordinate."""
+    """Returns the state with the reduced equations and a report line for each removed coordinate.
+    Rates of removed coordinates are outputs if they are recorded."""
     e, found = state.equations, reduced.equations
     extra = len(e.observed)
     keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]
@@ -110,7 +111,8 @@ def _recorded(
 
 
 def _used(e: Equations) -> dict[str, str]:
-    """Returns the coordinates that are used elsewhere: in forces, outputs, events, state rates."""
+    """Returns the names of coordinates in forces, outputs, events and time derivatives of states,
+    each with a text that says where it occurs."""
     found: dict[str, str] = {}
     for what, nodes in (
         ("a force", e.applied),

@@ -1,8 +1,9 @@
-"""Equations, Structure, Needs -> smaller equations, and a Report of what was removed and why.
+"""Applies all reductions to the equations, and reports what was removed and why.
 
-A reduction is a function in REDUCTIONS, under the name that switches it off. Parameters fixed and
-coordinates held by a scene are removed earlier, before the derivation (specialise.py); kernels that
-are never called are left out of the C code (back/kernels.py).
+The reductions are functions in REDUCTIONS, each under the name by which the user can switch it off.
+Other simplifications are made elsewhere: parameters set and coordinates held by a scene are removed
+before the equations are derived (specialise.py), and kernels that are never called are left out of
+the C code (back/kernels.py).
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ from .apart import Subsystem, parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost
 
-APART = "apart"  # name of the reduction that splits a system into parts
-# Kernels of the whole system that are still needed if its parts are integrated separately.
+# The name of the reduction that splits a system into parts.
+APART = "apart"
+# The kernels of the whole system that are needed even if its parts are integrated separately.
 OF_WHOLE = frozenset({"energy", "canonical", "observe", "conserve", "kinetic", "potential"})
 
 
@@ -36,16 +38,17 @@ class Reduced:
     equations: Equations
     structure: Structure
     report: Report
-    parts: tuple[Subsystem, ...]  # (): integrated as one system
+    parts: tuple[Subsystem, ...]  # empty if the system is integrated as a whole
 
 
 def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
-    """Returns the requested kernels (None: all) that a whole with separate parts needs."""
+    """Returns those of the requested kernels (None: all) that are needed for the whole system if
+    its parts are integrated separately."""
     return OF_WHOLE if kernels is None else kernels & OF_WHOLE
 
 
 def of_a_part(kernels: frozenset[str] | None) -> frozenset[str] | None:
-    """Returns the requested kernels (None: all) that a separate part needs."""
+    """Returns those of the requested kernels (None: all) that are needed for a separate part."""
     return None if kernels is None else kernels - (OF_WHOLE - {"canonical"})
 
 
@@ -53,13 +56,13 @@ def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
 ) -> Reduced:
     """Returns the reduced equations, with the requested kernels (None: all)."""
-    equations = replace(equations, fast=None)  # only respa uses it, which takes unreduced equations
+    equations = replace(equations, fast=None)  # only the method respa uses it, without reductions
     state = State(equations, structure, Report())
     for name, reduction in REDUCTIONS.items():
         if name not in needs.off:
             state = reduction(state, needs)
     g, parts, lines = equations.graph, (), state.report.lines
-    # The runtime locates switches in one motion, not in separate parts.
+    # A system with switches is not split, since the runtime locates switches in one system only.
     if APART not in needs.off and needs.apart and state.structure.smooth:
         parts = parts_of(state.equations, state.structure, of_a_part(kernels))
     if parts:
@@ -80,7 +83,7 @@ def reduce(
 
 
 def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, ...]:
-    """Returns report lines for properties that save work without removing anything."""
+    """Returns report lines about properties of the equations that save work at run time."""
     lines = []
     if structure.mass_constant and equations.coordinates:
         lines.append(ReportLine("constant mass", "M is constant", "factored once, when prepared"))
@@ -117,8 +120,8 @@ def outputs(state: State, needs: Needs) -> State:
 
 
 def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tuple]:
-    """Yields for each kind of output: its field, its name in messages, the requested names, and why
-    the others are dropped."""
+    """Yields for each kind of output: its field in the equations, its name in messages, the
+    requested names, and the reason for dropping outputs that are not requested."""
     for field, why in _OUTPUTS.items():
         yield field, field, columns, why
     asked = needs.events | {event.name for event in model.events if event.stop}
@@ -129,7 +132,7 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
     """Removes unused outputs and events of a model whose families are loops."""
     if "outputs" in needs.off:
         return model, ()
-    # A recorded NAME[i] is a member of an output NAME by index, or an output of that name.
+    # A recorded column NAME[i] is member i of an output NAME, or an output with the name "NAME[i]".
     columns = {parted(name)[0] for name in needs.columns} | needs.columns
     lines = []
     for field, what, wanted, why in _unread(model, needs, columns):
@@ -145,10 +148,11 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
 
 
 def unconnected(state: State, needs: Needs) -> State:
-    """Fixes coordinates and states without influence on recorded quantities at their starts.
+    """Removes coordinates and states that do not influence recorded quantities: they are fixed at
+    their initial values.
 
-    Coordinates that share a block of M with a kept one are kept: their inertia affects its
-    acceleration.
+    Coordinates in the same block of M as a remaining coordinate are not removed, since their
+    inertia affects its acceleration.
     """
     e, facts = state.equations, state.structure
     kept = set(_wanted(e, needs))
@@ -196,8 +200,9 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
 
 
 def _bodies(e: Equations, kept: set[int]) -> set[int]:
-    """Returns all indices of rotations that are partly kept: body rates, and quaternions if any
-    quaternion is kept or there are constraints."""
+    """Returns the indices of all body rates and quaternions that must be kept in addition to
+    `kept`: all three rates of a rotation of which one is kept, and its quaternion if any quaternion
+    is kept or there are constraints."""
     n, found = len(e.coordinates), set()
     numbers = [{n + k for k in a.numbers} for a in e.attitudes]
     turned = e.constraints is not None or any(mine & kept for mine in numbers)
@@ -208,7 +213,7 @@ def _bodies(e: Equations, kept: set[int]) -> set[int]:
 
 
 def _moving(e: Equations) -> int:
-    """Returns the number of coordinates and states."""
+    """Returns the number of coordinates and states together."""
     return len(e.coordinates) + len(e.states)
 
 

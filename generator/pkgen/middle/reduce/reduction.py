@@ -1,4 +1,5 @@
-"""The arguments of a reduction: Needs, the requested results, and State, the equations so far."""
+"""The arguments of a reduction: the requested results (Needs), and the equations after the
+reductions before (State)."""
 
 from __future__ import annotations
 
@@ -12,31 +13,33 @@ from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
 from ..report import Report, ReportLine
 
-# The kernels that reductions need.
+# The kernels that have to be derived between reductions.
 ENOUGH = frozenset({"acceleration"})
 
 
 @record
 class Needs:
-    """The requested results. Columns are names as in the header of a CSV: "theta", "phi'"."""
+    """The requested results. `columns` are the names of recorded quantities, such as "theta" or
+    "phi'"."""
 
     columns: frozenset[str]
     events: frozenset[str] = frozenset()
-    facts: tuple[str, ...] = ()  # facts that the method requires
-    apart: bool = True  # whether blocks may be integrated separately
-    off: frozenset[str] = frozenset()  # reductions that are switched off
+    facts: tuple[str, ...] = ()  # The facts about the equations that the integrator requires.
+    apart: bool = True  # Whether parts of the system may be integrated separately.
+    off: frozenset[str] = frozenset()  # The names of the reductions that are switched off.
 
 
 @record
 class State:
-    """The state of the reduced system between reductions."""
+    """The equations between two reductions, with their proved facts and the report."""
 
     equations: Equations
     structure: Structure
     report: Report
 
     def after(self, equations: Equations, *lines: ReportLine, **more: object) -> State:
-        """Returns a State with other equations, derived again if coordinates or states changed."""
+        """Returns a State with the given equations, and with further lines in the report. The
+        motion is derived again if coordinates or states were removed."""
         before = self.equations
         if (equations.coordinates, equations.states) != (before.coordinates, before.states):
             equations = derived_again(equations, ENOUGH)

@@ -1,14 +1,16 @@
-"""Routh's reduction: cyclic coordinates replaced by their constant momenta.
+"""Routh's reduction: replaces cyclic coordinates by their constant momenta.
 
-With L = v.M v/2 + b.v + L0, its coordinates split into cyclic ones c and the rest r, and
-p_c = M_cc v_c + M_cr v_r + b_c constant, the motion of the rest has the Lagrangian
+Let L = v.M v/2 + b.v + L0, and let its coordinates be cyclic ones (index c) and other ones (index
+r). The momenta p_c = M_cc v_c + M_cr v_r + b_c are constant. The other coordinates move according
+to the Lagrangian
 
     R = L - p_c.v_c = v_r.M_rr v_r/2 + b_r.v_r + L0 - y.M_cc^-1 y/2,   y = p_c - b_c - M_cr v_r
 
-and the cyclic rates are v_c = M_cc^-1 y. Their coordinates become states that no equation uses;
-only requested ones are kept. The momenta are parameters with defaults computed from the starts,
-which become parameters too: a start set at run time takes effect.
-Reference: E. J. Routh, Stability of a Given State of Motion, Macmillan 1877; L. D. Landau,
+and the cyclic rates are v_c = M_cc^-1 y. If a cyclic coordinate is requested as an output, it
+becomes a state with this time derivative, which no equation uses. The momenta become parameters.
+Their defaults are computed from the initial values, which become parameters too, so that they can
+still be set at run time.
+References: E. J. Routh, Stability of a Given State of Motion, Macmillan 1877; L. D. Landau,
 E. M. Lifshitz, Mechanics, 3rd edition, section 41.
 """
 
@@ -32,21 +34,23 @@ STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 
 
 class NotReduced(Exception):
-    """These coordinates cannot be reduced; the text is the reason."""
+    """The cyclic coordinates cannot be removed. The text is the reason."""
 
 
 @record
 class Reduced:
-    """The reduced equations. Their motion still has to be derived again."""
+    """The reduced equations. Their motion has to be derived again."""
 
     equations: Equations
-    starts: dict[Start, str]  # parameters that replace starts
+    starts: dict[Start, str]  # the names of the parameters that replace initial values
 
 
 def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) -> Reduced:
-    """Returns the equations without the cyclic coordinates, of which `angles` become states.
+    """Returns the equations without the coordinates `cyclic`. Coordinates in `angles`, which are
+    some of these, become states.
 
-    The coordinates must be cyclic, and L of second degree in the rates. Raises NotReduced.
+    The coordinates must be cyclic, and L of second degree in the rates. Raises NotReduced if the
+    coordinates cannot be removed.
     """
     g = equations.graph
     n = len(equations.coordinates)
@@ -71,7 +75,8 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
             level,
         ]
     )
-    # L does not depend on a cyclic coordinate, but its symbol may occur: 0 replaces it.
+    # The symbol of a cyclic coordinate may occur in L, though L does not depend on it. It is
+    # replaced by 0.
     swap = {symbol: ZERO for i, symbol in enumerate(symbols(g, Kind.COORDINATE, n)) if i in cyclic}
     swap |= {rates[i]: rate for i, rate in zip(cyclic, turning, strict=True)}
     swap |= {equations.momenta[i]: momentum[i] for i in cyclic}
@@ -98,7 +103,8 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
 def _momenta(
     equations: Equations, cyclic: Sequence[int]
 ) -> tuple[StartParameters, dict[int, Node]]:
-    """Returns the parameters for the starts that momenta depend on, and those for the momenta."""
+    """Returns the parameters, including new ones for the initial values on which the momenta
+    depend and for the momenta; and the latter by coordinate."""
     g = equations.graph
     nodes = [equations.momenta[i] for i in cyclic]
     for i, node in zip(cyclic, nodes, strict=True):
@@ -108,7 +114,7 @@ def _momenta(
             raise NotReduced(f"{equations.momenta_names[i].name} contains a state")
     parameters = StartParameters(equations)
     swap = {g.symbol(s): parameters.of(s) for s in symbols_in(g, nodes, STATE)}
-    swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # runs start at t = 0
+    swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # every run starts at t = 0
     at_start = substituted(g, nodes, swap)
     says = "constant momentum, follows the starts"
     return parameters, {
@@ -118,7 +124,8 @@ def _momenta(
 
 
 def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
-    """Returns block^-1 y, and y.block^-1 y as a sum of squares over pivots, the shortest form."""
+    """Returns block^-1 y and y.block^-1 y. The latter is a sum of squares divided by the pivots of
+    the block, which takes few operations."""
     order, _ = elimination_order(g, block)
     try:
         found = factors(g, block, order)
@@ -126,7 +133,7 @@ def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
         found = None
     if found is None:
         raise NotReduced("their block of M is singular")
-    # Simplifies pivots: I1 + (I3 - I1) cos^2 - I3 cos^2 becomes I1 sin^2.
+    # The pivots are simplified: I1 + (I3 - I1) cos^2 - I3 cos^2 becomes I1 sin^2.
     pivots = [fewest(g, [pivot])[0] for pivot in found.pivots]
     inverses = [g.power(pivot, -1) for pivot in pivots]
     found = Factors(order, found.lower, pivots, inverses)
