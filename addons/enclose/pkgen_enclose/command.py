@@ -19,7 +19,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     help_ = "within rigorous bounds: a radius beside each value"
     add("--enclose", dest="instead", action="store_const", const=run, help=help_)
-    add("--digits", metavar="N", help="that --enclose is to certify (default 15)")
+    add("--digits", action=_Digits, metavar="N", help="that --enclose is to certify (default 15)")
+
+
+class _Digits(argparse.Action):
+    """Keeps the digits; without --enclose the run is refused."""
+
+    def __call__(self, parser: object, options: argparse.Namespace, value: str, *_: object) -> None:
+        options.digits = value
+        options.instead = options.instead or _refuse
+
+
+def _refuse(options: argparse.Namespace) -> int:
+    raise UsageError("--digits is for --enclose; a run's accuracy is --rtol's")
 
 
 def run(options: argparse.Namespace) -> int:
