@@ -19,24 +19,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     help_ = "within rigorous bounds: a radius beside each value"
     add("--enclose", dest="instead", action="store_const", const=run, help=help_)
-    add("--digits", metavar="N", action=_Digits, help="that --enclose is to certify (default 15)")
+    add("--digits", action=_Digits, metavar="N", help="that --enclose is to certify (default 15)")
 
 
 class _Digits(argparse.Action):
-    """Keeps N, and refuses it unless --enclose is also given."""
+    """Keeps the digits; without --enclose the run is refused."""
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        options: argparse.Namespace,
-        value: str,
-        flag: str | None = None,
-    ) -> None:
+    def __call__(self, parser: object, options: argparse.Namespace, value: str, *_: object) -> None:
         options.digits = value
-        options.instead = options.instead or _digits_alone
+        options.instead = options.instead or _refuse
 
 
-def _digits_alone(options: argparse.Namespace) -> int:
+def _refuse(options: argparse.Namespace) -> int:
     raise UsageError("--digits is for --enclose; a run's accuracy is --rtol's")
 
 
