@@ -20,9 +20,8 @@ kinetic sum(q[i]'^2/2, i = 1..N) + X'^2
 # Sums in starts, parameters and ends: of all, of those before, in each other.
 STARTED = case("started")
 # Places along the members that outputs alone have, beside a chain, a state and rates of all.
-SEEN = case(
-    "seen"
-)  # One member stands throughout a sum: in V, T, D, forces, outputs, sums of pairs.
+SEEN = case("seen")
+# One member stands throughout a sum: in V, T, D, forces, outputs, sums of pairs.
 HUB = case("hub")
 
 # The same without a chain in L.
