@@ -37,7 +37,8 @@ def patched(tree: Path, patch: Path, *options: str) -> bool:
 
 def outcome(python: Path, words: list[str]) -> tuple[int, str]:
     """The exit code of pytest, and the first test that fails."""
-    command = [python, "-m", "pytest", "-q", "-x", "-m", "not long", "-p", "no:cacheprovider", *words]
+    quick = ["-q", "-x", "-m", "not long", "-p", "no:cacheprovider"]
+    command = [python, "-m", "pytest", *quick, *words]
     env = os.environ | {"PYTHONPATH": "", "CFLAGS": "-O1"}
     done = subprocess.run(command, cwd=TREE, env=env, capture_output=True, text=True)
     failed = [line for line in done.stdout.splitlines() if line.startswith("FAILED ")]

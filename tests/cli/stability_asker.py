@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from conftest import case
 from pkgen.analysis.stability.ask import Asker
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 from pkgen.run.build import build_library
 from pkgen.run.settings import Settings
 
-PENDULUM = """model pendulum
-coord theta
-kinetic theta'^2/2
-potential -cos(theta)
-start theta = 0.001
-"""
+PENDULUM = case("stability_asker_pendulum")
 
 
 def asker(text: str, *, until: float = 100.0) -> Asker:

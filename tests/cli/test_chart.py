@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 from pkgen.analysis.chart import (
     chart,
     labels,
@@ -36,13 +36,7 @@ from pkgen.methods import inline_flags
 from pkgen.plot.names import number
 from pkgen.plot.style import Look
 
-PENDULUM = """model pendulum
-param w = 1.8 in (0, inf)
-coord theta
-kinetic theta'^2/2
-potential -w^2*cos(theta)
-start theta = 1.1
-"""
+PENDULUM = case("chart_pendulum")
 METHODS = "euler,verlet,rk4,gauss2,gauss,yoshida4,dop853"
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.errors import KINDS, ErrorKind, Measure
 from pkgen.analysis.chart.exact import Exact
@@ -26,12 +26,7 @@ from pkgen.run.library import Run
 from pkgen.scenes import run_settings as asked
 from pkgen.scenes.compile_plan import whole
 
-MODEL = """model oscillator
-coord x
-kinetic x'^2/2
-potential x^2/2
-start x = 1
-"""
+MODEL = case("oscillator")
 UNTIL, TIMES = 20.0, 100
 
 

@@ -11,14 +11,9 @@ import json
 import math
 from pathlib import Path
 
-from conftest import ran
+from conftest import case, ran
 
-MODEL = """model oscillator
-coord x
-kinetic x'^2/2
-potential x^2/2
-start x = 1
-"""
+MODEL = case("oscillator")
 METHODS = "verlet,euler,radau5,gauss2"
 STEP = 0.1
 

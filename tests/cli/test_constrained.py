@@ -126,13 +126,7 @@ def test_what_constraints_tie_is_not_reduced(pkgen, tmp_path, text):
 
 
 AXLE = case("axle")
-RAMP = """\
-model ramp
-coord y, z
-kinetic (y'^2 + z'^2)/2
-potential z
-constraint tie: sin(y + 0.3) = 0.5*z + sin(0.3)
-"""
+RAMP = case("ramp")
 
 
 @pytest.mark.parametrize("method", ["rattle", "lie_midpoint", "rattle6"])
@@ -143,13 +137,7 @@ def test_steps_from_rest_and_beside_a_spin(tmp_path, text, method):
     ran("run", path, "--until", "1", "--method", method, "--step", "0.01", "--every", "1")
 
 
-CANCELLING = """\
-model cancelling
-coord y, z
-kinetic (y'^2 + z'^2)/2
-potential 3*y
-constraint tie: sin(y + 0.3) = 0.5*z + sin(0.3)
-"""
+CANCELLING = case("cancelling")
 
 
 @pytest.mark.parametrize("step", ["1e-2", "1e-3", "1e-4"])

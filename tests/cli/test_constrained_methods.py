@@ -9,13 +9,7 @@ import pytest
 from conftest import case, rows, written
 
 ROD = case("constrained_methods_rod")
-ANGLE = """\
-model angle
-coord a
-kinetic a'^2/2
-potential 9.81*cos(a)
-start a = asin(0.6)
-"""
+ANGLE = case("angle")
 # Largest distance from the circle's x, y over a second: a few times what each errs by.
 BOUNDS = {"rk4": 2e-6, "gauss4": 3e-13, "lobatto4": 1e-10, "radau5": 3e-9, "rattle4": 6e-7}
 

@@ -23,20 +23,7 @@ from pkgen.run.simulate import build
 from pkgen.scenes import run_settings as asked
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
-PENDULUM = """
-model drawn
-param m = 1 [kg] in (0, inf)
-param l = 2 [m] in [0.5, 3)
-param g = 9.81 [m/s^2]
-param k = m*g/l
-coord theta [rad]
-let rod = [l*sin(theta), -l*cos(theta), 0]
-kinetic m/2*dot(rod', rod')
-potential m*g*rod.y
-conserve H = m/2*l^2*theta'^2 - m*g*l*cos(theta)
-event top: theta - 3 rising
-start theta = 0.5, theta' = k/(4.905 [kg/s])
-"""
+PENDULUM = case("drawn")
 DRAWN = """draw rod from O to rod
 draw bob rod radius l/10 # the bob
 draw arrow rod' at rod scale 0.5 [s]

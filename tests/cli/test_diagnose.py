@@ -235,12 +235,7 @@ def test_least_action_takes_as_many_modes_as_its_conjugate_points_ask(pkgen, tmp
 
 def test_conjugate_points_that_count_twice_are_said(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "round.lag"
-    path.write_text("""model both
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential (x^2 + y^2)/2
-start x = 1, y' = 0.5
-""")
+    path.write_text(case("both"))
     run = ("run", path, "--until", "7", "--diagnose", "least_action", "-o", tmp_path / "rows.csv")
     said = pkgen(*run).stderr  # at pi and 2 pi, each twice
     assert "4 independent ways to a neighbour with less; 4 more by points that count twice" in said

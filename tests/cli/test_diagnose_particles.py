@@ -12,13 +12,7 @@ import pytest
 from conftest import case, ran
 
 KEPLER = case("diagnose_particles_kepler")
-POLAR = """model polar
-param m = 3 in (0, inf)
-coord r, phi
-kinetic m/2*(r'^2 + r^2*phi'^2)
-potential -m/r
-start r = 0.4, phi' = 5
-"""
+POLAR = case("diagnose_particles_polar")
 TWO = case("two")
 SWING = (
     "model swing\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential x^2/2 + y^2\nstart x = 1, y' = 1"
@@ -108,13 +102,7 @@ def test_what_is_not_conserved_is_said(pkgen, tmp_path: Path) -> None:
 
 PENDULUM = case("diagnose_particles_pendulum")
 DOUBLE = case("two_bobs")
-FOUCAULT = """model foucault
-param Omega = 0.3
-coord x, y
-let r = [x, y, 0]
-lagrangian 3/2*dot(r', r') + 3*Omega*(x*y' - y*x') - x^2 - y^2
-start x = 1, y' = 0.2
-"""
+FOUCAULT = case("foucault")
 STARS = """observe X = x*cos(Omega*t) - y*sin(Omega*t)
 observe Y = x*sin(Omega*t) + y*cos(Omega*t)
 """

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy
 import pytest
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.__main__ import main
 
 ORBIT = """model orbit
@@ -28,12 +28,7 @@ conserve A_z = x'*(z*x' - x*z') - y'*(y*z' - z*y') - z/r
 conserve S = x*y' - y*x' + y*z' - z*y'   # in some planes a sum that cancels
 start x = {0!r}, y = {1!r}, z = {2!r}, x' = {3!r}, y' = {4!r}, z' = {5!r}
 """
-EXTREME = """model extreme
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -1/sqrt(x^2 + y^2)
-start x = 1.999999, y' = 7.0710695796e-4
-"""
+EXTREME = case("extreme")
 WINDING = "model w\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 0, a' = 3\n"
 
 

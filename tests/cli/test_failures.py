@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import MODELS, ROOT
+from conftest import MODELS, ROOT, case
 from pkgen import limits
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
@@ -28,13 +28,7 @@ def test_a_method_that_does_not_apply_is_refused(pkgen) -> None:
     assert "separable" in done.stderr and done.stdout.count("\n") <= 2
 
 
-FALL = """model fall
-param a = 1
-coord x
-kinetic x'^2/2
-potential a*sqrt(x)
-start x = 1
-"""
+FALL = case("failures_fall")
 
 
 def test_numerical_failure_says_when(pkgen, tmp_path: Path) -> None:

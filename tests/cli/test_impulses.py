@@ -14,12 +14,7 @@ from conftest import case, ran
 
 PLANE = "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2 + 0.3*x'*y'\n"
 STEP = "model m\ncoord x\nkinetic x'^2/2\npotential {}*step(x - 1)\nstart x' = 1\n"
-PIVOT = """model m
-coord a, X
-kinetic ((X' + cos(a)*a')^2 + (sin(a)*a')^2)/2 + X'^2/2
-potential -9.81*cos(a)
-start a = 0.5
-"""
+PIVOT = case("impulses_m2")
 CHAIN = case("impulses_m")
 DRIVEN = "model m\ncoord a\ninput u\nkinetic (u'^2 + 2*u'*cos(a)*a' + a'^2)/2\npotential -cos(a)\n"
 HELD = "scene s\n  {}\n  until 2\n  record {}\nend\n"

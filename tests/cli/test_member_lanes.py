@@ -15,23 +15,11 @@ from conftest import case
 PENDULUM = case("twice")
 LATTICE = case("lattice")
 BALL = case("ball")
-STEPS = """model stairs
-param height = 0.8 in (0, inf)
-coord x
-kinetic x'^2/2
-potential height*step(x - 1) + x^2/2
-event middle: x - 0.5
-"""
+STEPS = case("stairs")
 BEAD = case("bead")
 DRIVEN = case("member_lanes_driven")
 TOP = case("member_lanes_top")
-FALL = """model fall
-param k = 1 in (0, inf)
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -k/sqrt(x^2 + y^2)
-event across: x - 0.2
-"""
+FALL = case("member_lanes_fall")
 FREE = PENDULUM.replace("event flip: b - 2 rising stop\n", "")  # without events that are asked
 FIXED, LOOSE = {"step": 0.02}, {"rtol": 1e-7}
 TWO = {"x": (-0.5, 0.5), "y": (-0.4, 0.4), "x'": (-0.4, 0.4), "y'": (-0.3, 0.3)}

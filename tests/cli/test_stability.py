@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, no_page
+from conftest import ROOT, case, no_page
 from pkgen.__main__ import main
 from pkgen.analysis.stability import measure
 from pkgen.cli import stability as command
@@ -23,13 +23,7 @@ from pkgen.system.exits import NumericsFailed
 # matplotlib warns where labels have no room.
 pytestmark = pytest.mark.filterwarnings("error")
 
-PENDULUM = """model pendulum
-param k = 1 in (0, inf)
-coord theta
-kinetic theta'^2/2
-potential -k*cos(theta)
-start theta = 0.001
-"""
+PENDULUM = case("stability_pendulum")
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy
 import pytest
 from stability_asker import PENDULUM, asker, start
 
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.__main__ import main
 from pkgen.analysis.stability import cycles, ghosts
 from pkgen.compiler import compile_model
@@ -162,12 +162,7 @@ def test_a_damped_driven_oscillator_is_kept_as_long_as_damping_outweighs(seed: i
         assert lost.h == pytest.approx(4 * c, rel=0.05)
 
 
-VAN_DER_POL = """model v
-state x, y
-rate x = y
-rate y = (1 - x^2)*y - x
-start x = 0.5, y = 0
-"""
+VAN_DER_POL = case("v")
 OSCILLATOR = (
     "model v\ncoord x\nkinetic x'^2/2\npotential x^2/2\nforce x = (1 - x^2)*x'\nstart x = 0.5\n"
 )

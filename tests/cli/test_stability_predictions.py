@@ -15,13 +15,7 @@ from pkgen.analysis.stability.ask import Asker, Close
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import Prediction, limit, predictions
 
-MAGNETIC = """model magnetic
-param w = 1.3
-param B = 0.7
-coord x, y
-lagrangian (x'^2 + y'^2)/2 + B/2*(x*y' - y*x') - w^2/2*(x^2 + y^2)
-start x = 0.3
-"""
+MAGNETIC = case("magnetic")
 
 # lambda = -c +- i sqrt(w^2 - c^2)
 DAMPED = case("stability_predictions_damped")

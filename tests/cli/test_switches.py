@@ -107,12 +107,7 @@ def test_explain_lists_them(pkgen, write) -> None:
 
 def test_a_box_of_soft_walls(pkgen, write) -> None:
     """Twenty thousand switchings, several of them in one step: two methods find the same ones."""
-    text = """model box
-param K = 900
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential K/2*(step(x - 1)*(x - 1)^2 + step(-1 - x)*(x + 1)^2 + max(abs(y) - 1, 0)^2)
-"""
+    text = case("box")
     for method in ("gauss", "dop853"):
         text += f"""scene by_{method}
   swarm k = 1..300

@@ -7,33 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from conftest import case
 from pkgen.__main__ import main
 
-FALL = """model fall
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -1/(x^2 + y^2)
-start x = 1, y' = 1.2
-"""
+FALL = case("trust_fall")
 STOP = FALL + "event out: x^2 + y^2 - 100 rising stop\n"
-CLOSE = """model close
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -1/sqrt(x^2 + y^2)
-start x = 1, y' = 0.01
-"""
-SWING = """model swing
-coord x
-kinetic x'^2/2
-potential x^2/2
-start x = 1
-"""
-HUMP = """model hump
-coord x
-kinetic x'^2/2
-potential sin(x)/x
-start x = 1.5, x' = -0.81
-"""
+CLOSE = case("close")
+SWING = case("trust_swing")
+HUMP = case("hump")
 END = 1.3363  # of the motion: it spirals into the centre
 
 

@@ -37,7 +37,7 @@ from pkgen.compiler import compile_model  # noqa: E402
 from pkgen.scenes import lengths  # noqa: E402
 from pkgen.source import ModelError, Source  # noqa: E402
 
-SECONDS = 150
+SECONDS = 600  # for a loaded machine
 STEPS = ("--step", "0.02")
 METHODS = {
     "rk4": STEPS,

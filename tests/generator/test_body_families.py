@@ -174,13 +174,7 @@ def test_members_on_the_command_line(pkgen, tmp_path):
 
 
 def test_of_one_member_a_range_of_others_is_empty():
-    text = """model chain
-size N = 3
-body link[1..N] mass 1 at [0, 0, -1]
-joint j[1]: ground to link[1] revolute [0, 1, 0]
-joint j[i = 2..N]: link[i-1] to link[i] revolute [0, 1, 0] at [0, 0, -1]
-potential sum(j[i]^2, i = 2..N)
-"""
+    text = case("body_families_chain")
     alone = re.sub("joint j.i.*\n|potential.*\n", "", text)
     given: dict[str, float] = {}
     wanted = values_of(model_of(alone, N=1), given)

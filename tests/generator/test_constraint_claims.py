@@ -25,13 +25,7 @@ def test_claims_that_hold_on_the_constraints_alone():
         assert [claim.outcome for claim in found] == ["proved"] * count
 
 
-BEAD = """\
-model bead
-coord x, y
-kinetic (x'^2 + y'^2)/2
-constraint line: y*cos(2*t) = x*sin(2*t)
-start x = 1, y' = 2
-"""
+BEAD = case("constraint_claims_bead")
 
 
 @pytest.mark.parametrize(

@@ -125,13 +125,7 @@ STEPPED = {
     ),
     "loosely": case("loosely"),
     "ends": MODELS["ends"][0],
-    "shaken": """model shaken
-size N = 5
-coord q[1..N]
-fixed q[0] = 0.4*sin(1.3*t), q[N+1] = 0
-kinetic sum(q[i]'^2/2, i = 1..N)
-potential sum((q[i+1] - q[i])^2/2, i = 0..N)
-""",
+    "shaken": case("shaken"),
 }
 METHODS = {  # kicks, drifts
     "symplectic_euler": ((1.0, 0.0), (1.0,)),

@@ -17,13 +17,7 @@ from pkgen.middle.derive.derive import derive
 from pkgen.source import Source
 
 CHART, MOTION = True, False
-HEAD = """model m
-size N = 20
-param k = 2 in (0, inf)
-param e = 0.1
-param m[i = 1..N] = i in (0, inf)
-coord x[1..N], y[1..N], s
-"""
+HEAD = case("loops_singularities_m")
 FLAT = "sum(x[i]'^2/2 + y[i]'^2/2, i = 1..N) + s'^2/2"
 
 
@@ -117,12 +111,7 @@ def test_pivots_of_m_where_they_are_no_expression(kinetic):
 # A singularity of each kind beside the pivots of a band.
 ALL = case("all")
 # M is diagonal, and of y[N] another sum than of the rest.
-UNEVEN = """model uneven
-size N = 4
-coord x[1..N], y[1..N]
-kinetic sum(x[i]'^2/2, i = 1..N) + sum(x[i]^2*y[i]'^2, i = 1..N-1) + sum(x[i]^4*y[i]'^2, i = 2..N)
-potential 0
-"""
+UNEVEN = case("loops_singularities_uneven")
 
 
 def unrolled(text: str, size: int):

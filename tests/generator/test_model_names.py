@@ -5,17 +5,12 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-from conftest import ROOT, ran
+from conftest import ROOT, case, ran
 from pkgen.run.build import runtime_library
 from pkgen.system.toolchain import find_toolchain
 
 # Between them these have every kind of function.
-SWITCHED = """model switched
-coord x
-kinetic x'^2/2
-potential x^2/2
-force x = -abs(x)
-"""
+SWITCHED = case("switched")
 MODELS = (
     ("chains/fput", ()),
     ("pendulums/foucault", ("--canonical",)),

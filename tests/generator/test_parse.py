@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import pytest
 
+from conftest import case
 from pkgen import limits
 from pkgen.front import statements
 from pkgen.front.parse import parse, parse_all
@@ -142,56 +143,7 @@ def test_descriptions_are_clean_and_short():
 
 
 def test_every_statement_of_the_language_parses():
-    text = """
-model m  # its description
-size N = 3
-param a = 1 [m] in (0, inf)
-param b[i = 1..N] = i
-const c = 2
-coord x, y [m], z
-coord q[1..N] [rad]
-fixed q[0] = 0, q[N+1] = t
-free q, q[4]
-periodic q
-let u[i = 1..N] = q[i]
-let u[0] = 0
-kinetic x'^2
-potential x^2
-lagrangian x'^2
-dissipation x'^2
-force x = 1
-force q[i = 1..N] = 2
-force R = [0, 0, 1]
-input f [N], g
-state s [m]
-rate s = x
-rotation R
-constraint k: x = y
-constraint l[i = 1..N]: q[i] = 0
-rolling r: x' = y'
-conserve w = x
-observe o = x
-event e: x rising stop
-event e2: x
-start x = 1, x' = 2, q[1]' = 3, q[i = 1..N] = 4
-start omega(R) = [0, 0, 1]
-scene one  # described
-  set a = 1, f = sin(t)
-  start x = k
-  hold x, y = sin(t)
-  until 5 [s]
-  accuracy 1e-9
-  method rk4 step 0.01 [s]
-  method dop853 rtol 1e-9
-  method gauss4 step (1/100) rtol 1e-9
-  record x, q[1], p_x, energy every 0.01 [s] at e
-  record x at e
-  swarm k = 1..100000
-  expect x = y within 1e-6 at 2 [s]
-  expect drift(energy) < 1e-9
-  expect time(e) = 3 within 1e-3
-end
-"""
+    text = case("parse_m")
     file = parse(from_text("test.lag", text))
     assert len(file.statements) == 33
     scene = file.statements[-1]

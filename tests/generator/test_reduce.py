@@ -26,13 +26,7 @@ from pkgen.source import ModelError, Source
 
 TOP = case("reduce_top")
 CART = case("reduce_cart")
-MAGNETIC = """\
-model magnetic
-coord x, y, s
-kinetic 0.7*x'^2 + 0.6*y'^2 + 0.9*s'^2 + 0.35*x'*s'*cos(y)
-lagrangian 1.3*y*x' + 0.4*sin(s)*x' + 0.8*y*s' + 0.3*cos(t)*x' - y^2/2 - s^4
-start y = 0.3, x' = 0.5
-"""
+MAGNETIC = case("reduce_magnetic")
 TURNING = case("reduce_turning")
 PAIR = case("reduce_pair")
 

@@ -10,18 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, case
 
 pytestmark = pytest.mark.long
 # Debian's python3-venv and pip for the wheel; what the package needs comes with it.
 WITH_PIP = ("python3", "python3-venv", "gcc", "libc6-dev")
-MODEL = """model swing
-param l = 2 [m] in (0, inf)
-coord theta [rad]
-kinetic   (1 [kg])*l^2*theta'^2/2
-potential -(1 [kg])*(9.81 [m/s^2])*l*cos(theta)
-start theta = 1
-"""
+MODEL = case("installed_swing")
 
 
 class Root:

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy
 import pytest
 
+from conftest import case
 from pkgen.__main__ import main, parser_of
 from pkgen.analysis.chart.measure import Program
 from pkgen.cli.compilation import compile_within_limits
@@ -35,12 +36,7 @@ from pkgen_peers import against, command, peers
 from pkgen_peers.peers import COMPILED, Motion, Peer
 
 UNTIL = 3.0
-MODEL = """model oscillator
-coord x
-kinetic x'^2/2
-potential x^2/2
-start x = 1
-"""
+MODEL = case("oscillator")
 
 
 def motion_of(path: Path, *words: object, unroll: int | None = None) -> Motion:
