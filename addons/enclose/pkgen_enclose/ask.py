@@ -117,7 +117,7 @@ def _values(exact: Exact, options: argparse.Namespace, settings) -> tuple[dict, 
     """Returns parameters, coordinates and rates by index, as the decimals that are written."""
     parameters = {k: decimal(x) for k, x in settings.parameters}
     known, inputs = named.parameters(exact.compilation), named.inputs(exact.compilation)
-    sets, _ = exact.read([assignment("--set", text) for text in options.set if _number(text)])
+    sets = exact.read([assignment("--set", text) for text in options.set if _number(text)])
     parameters |= dict(exact.assigned("--set", sets, known, inputs))
     starts, of_parameters = exact.starts(options.start)
     _refuse_beyond(exact, {k: float(x) for k, x in parameters.items()})

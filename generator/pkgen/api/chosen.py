@@ -9,37 +9,34 @@ from typing import Any
 from ..run.settings import PartSettings, Settings
 from ..system.exits import UsageError
 
-TEXTS = ("method", "rows")
+TYPES = {"method": str, "rows": str, "parts": list, "compiled_for": list}
 NUMBERS = ("step", "rtol", "atol", "max_step")
-OF_PART = ("step", "rtol", "max_step")
+NAMES = (*TYPES, *NUMBERS)
 
 
 def data(settings: Settings) -> dict[str, Any]:
-    found: dict[str, Any] = {name: getattr(settings, name) for name in (*TEXTS, *NUMBERS)}
-    parts = [asdict(part) for part in settings.parts]
-    return {**found, "compiled_for": list(settings.compiled_for), "parts": parts}
+    found = asdict(settings)
+    return {name: found[name] for name in NAMES}
 
 
 def settled(settings: Settings, said: Any) -> Settings:
     """Returns the settings with the choice in `said`, from data(). Raises UsageError if invalid."""
     try:
-        found = {name: _is(said[name], str) for name in TEXTS}
-        found |= {name: _number(said[name]) for name in NUMBERS}
-        parts = [
-            PartSettings(_is(one["method"], str), **{name: _number(one[name]) for name in OF_PART})
-            for one in _is(said["parts"], list)
-        ]
-        compiled_for = tuple(_is(x, str) for x in _is(said["compiled_for"], list))
+        found = _checked(said, NAMES)
+        parts = [PartSettings(**_checked(part, tuple(part))) for part in found["parts"]]
+        methods = tuple(
+            _checked({"method": x}, ("method",))["method"] for x in found["compiled_for"]
+        )
     except (KeyError, TypeError):
         raise UsageError("what is kept of the choice of method is none") from None
-    return replace(settings, **found, compiled_for=compiled_for, parts=tuple(parts))
+    return replace(settings, **{**found, "compiled_for": methods, "parts": tuple(parts)})
 
 
-def _is(x: Any, *types: type) -> Any:
-    if isinstance(x, bool) or not isinstance(x, types):
-        raise TypeError
-    return x
-
-
-def _number(x: object) -> Any:
-    return _is(x, int, float, type(None))
+def _checked(said: Any, names: tuple[str, ...]) -> dict[str, Any]:
+    """Returns the values of these names. Raises TypeError for a value of another type."""
+    found = {name: said[name] for name in names}
+    for name, x in found.items():
+        types = TYPES.get(name, (int, float, type(None)))
+        if isinstance(x, bool) or not isinstance(x, types):
+            raise TypeError
+    return found

@@ -21,9 +21,8 @@ from ..run.ensemble import Ensemble, Settable
 from ..run.library import Run
 from ..run.library import load as load_library
 from ..run.settings import Settings
-from ..run.simulate import build, columns, followed
+from ..run.simulate import build, followed
 from ..scenes import lengths
-from ..scenes import run as scene_run
 from ..scenes import run_settings as parsing
 from ..scenes.scene import chosen
 from ..system.exits import INTERRUPTED, USAGE
@@ -190,19 +189,13 @@ class Model:
         if computed is not None:
             options.no_reduce = "all"  # functions get q and v of the whole model
         prepared = prepare(options, self._compiled, table).built()
-        assert prepared.library is not None
-        made = prepared.compilation, prepared.library, prepared.settings, prepared.ensemble
         errors: list[BaseException] = []
         more = computed.settings(prepared, errors) if computed else {}
-        done, told = followed(*made, threads=prepared.threads or 0, **more)
+        done, told = followed(prepared, **more)
         for error in errors:
             raise error
-        expects = []
-        if prepared.scene is not None and told.report:
-            seen = prepared.compilation, prepared.scene, prepared.settings
-            found = scene_run.verdicts(*seen, told.report, prepared.ensemble)
-            expects = [verdict.record() for verdict in found]
-        shown = columns(prepared.compilation, prepared.ensemble, prepared.settings.show, 10**9)
+        expects = [verdict.record() for verdict in prepared.verdicts(told.report)]
+        shown = prepared.columns()
         messages = arguments.worded("".join(f"{note}\n" for note in prepared.notes) + told.messages)
         result = Result(self.name, shown, done.rows(), told.report, messages, expects)
         if told.code == INTERRUPTED:

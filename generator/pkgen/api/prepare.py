@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from ..compiler import Compilation
@@ -14,28 +13,23 @@ from ..own.given import taken
 from ..record import record
 from ..run import diagnostics, rows
 from ..run.ensemble import Ensemble
-from ..run.settings import Settings
-from ..run.simulate import build
+from ..run.simulate import Runnable, build
 from ..scenes import check as scene_check
 from ..scenes import compile_plan as scene_use
 from ..scenes import lengths, scene
 from ..scenes import run as scene_run
 from ..scenes import run_settings as parsing
+from ..scenes.judge import Verdict
 from . import chosen as already
 
 
 @record
-class Prepared:
-    """A prepared run: a model, its settings, and the members of an ensemble or None."""
+class Prepared(Runnable):
+    """A prepared run of a scene, or of none."""
 
-    compilation: Compilation
-    settings: Settings
-    ensemble: Ensemble | None
-    threads: int | None
-    scene: Scene | None
+    scene: Scene | None = None
     notes: tuple[str, ...] = ()  # messages to print before the run
     chosen: dict[str, Any] | None = None  # the choice for a scene's promised accuracy
-    library: Path | None = None
 
     @property
     def spaced(self) -> bool:
@@ -43,6 +37,13 @@ class Prepared:
         record = self.scene and self.scene.record
         given = self.compilation.plan.numbers.every
         return given is not None or bool(record and record.every)
+
+    def verdicts(self, report: dict) -> list[Verdict]:
+        """Returns the verdicts on the scene's expectations."""
+        if self.scene is None or not report:
+            return []
+        made = self.compilation, self.scene, self.settings
+        return scene_run.verdicts(*made, report, self.ensemble)
 
     def built(self) -> Prepared:
         """Returns the run with the built library of the model. Raises BuildError."""
@@ -114,8 +115,8 @@ def prepare(
         kept = {"settings": already.data(settings), "said": said}
     if note := rows.note(settings, compilation):
         notes.append(f"pkgen: {note}")
-    if settings.unread:
-        names = ", ".join(settings.unread)
+    if names := ", ".join(parsing.unread(options, compilation)):
         why = f"no effect: nothing that scene '{options.scene}' needs reads it"
         notes.append(f"pkgen: --set {names}: {why}")
-    return Prepared(compilation, settings, ensemble, threads, chosen, tuple(notes), kept)
+    made = compilation, settings, ensemble, threads
+    return Prepared(*made, scene=chosen, notes=tuple(notes), chosen=kept)

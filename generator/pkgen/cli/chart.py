@@ -14,7 +14,7 @@ from ..analysis.chart import table
 from ..analysis.chart.chart import Chart
 from ..analysis.chart.errors import KINDS
 from ..analysis.chart.points import ChartedMethod
-from ..analysis.chart.sweep import Effort
+from ..analysis.chart.sweep import FULL, QUICK, Effort
 from ..analysis.chart.text import interrupted, report
 from ..compiler import Compilation
 from ..own.given import given
@@ -57,17 +57,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.own_methods(parser)
     shared.of_a_motion(parser)
     add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
-    add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
-    add("--error", choices=tuple(KINDS), default="final", help="of what (default: the final state)")
-    add("--starts", type=int, default=1, metavar="N", help="medians of N starts beside each other")
-    add("--cost", choices=tuple(COSTS), default="time", help="of the picture (default: time)")
+    add("--points", type=int, metavar="N", help=f"of a method, at most (default {FULL[0]})")
+    add("--error", choices=tuple(KINDS), help="of what (default: the final state)")
+    add("--starts", type=int, metavar="N", help="medians of N starts beside each other")
+    add("--cost", choices=tuple(COSTS), help="of the picture (default: time)")
     add("--full", action="store_true", help="pictures of all methods too, and of each family")
     shared.of_a_look(parser)
     add("--long", action="store_true", help="drifts over 1e1 to 1e7 fixed steps instead")
     add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
-    add("--quick", action="store_true", help="fewer points, shorter laps, 10 s of processor time")
-    add("--seconds", type=float, metavar="S", help="processor time of all but drawing (default 55)")
-    parser.set_defaults(others=None)
+    help_ = f"fewer points, shorter laps, {QUICK[2]:g} s of processor time"
+    add("--quick", action="store_true", help=help_)
+    help_ = f"processor time of all but drawing (default {FULL[2]:g})"
+    add("--seconds", type=float, metavar="S", help=help_)
+    parser.set_defaults(others=None, **OF_CHART)  # `others` is set by an add-on
 
 
 def run(options: argparse.Namespace) -> int:

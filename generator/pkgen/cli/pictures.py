@@ -16,7 +16,6 @@ from ..plot import view as views
 from ..plot.view import View
 from ..record import record
 from ..run import named
-from ..run.simulate import columns
 from ..scenes.run_settings import unknown
 from ..system import addons
 from ..system.exits import UsageError
@@ -110,7 +109,7 @@ def recorded(
     """Prepares a run that records all columns to be drawn, in addition to its own columns. Raises
     UsageError if a column cannot be recorded."""
     made = prepared(options)
-    names = [c.name for c in columns(made.compilation, made.ensemble, made.settings.show, 10**9)]
+    names = [c.name for c in made.columns()]
     missing = [name for name in view.columns if not _has(names, name)]
     rows = names[1 + (made.ensemble is not None) :]
     if view.kind == "drift" and not view.names and options.scene is None:

@@ -19,9 +19,7 @@ from ..model import Model
 from ..run import diagnostics, diagnostics_text
 from ..run.library import load
 from ..run.simulate import Outcome, sidecar, simulate
-from ..scenes import run as scene_run
 from ..scenes import run_settings as parsing
-from ..scenes.judge import Verdict
 from ..system import addons, children
 from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
@@ -199,28 +197,20 @@ def _text(description: dict[str, object]) -> str:
 
 def _describe(asked: Prepared, outcome: Outcome, data: str) -> dict[str, object]:
     data += "" if outcome.whole or data == "rows" else PARTIAL
-    found = sidecar(asked.compilation, asked.settings, outcome, data, asked.ensemble)
+    found = sidecar(asked, outcome, data)
     if asked.scene is not None:
         found["scene"] = asked.scene.name
     if asked.scene is not None and outcome.report:
-        found["expects"] = [verdict.record() for verdict in _verdicts(asked, outcome)]
+        found["expects"] = [verdict.record() for verdict in asked.verdicts(outcome.report)]
     if asked.chosen is not None:
         made = asked.chosen["said"]
         found["accuracy"] = made[0] if len(made) == 1 else {"parts": made}
     return found
 
 
-def _verdicts(asked: Prepared, outcome: Outcome) -> list[Verdict]:
-    if asked.scene is None:
-        return []
-    return scene_run.verdicts(
-        asked.compilation, asked.scene, asked.settings, outcome.report, asked.ensemble
-    )
-
-
 def judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int:
     """Prints missed expectations and the number of met ones; returns the exit code."""
-    verdicts = _verdicts(asked, outcome)
+    verdicts = asked.verdicts(outcome.report)
     missed = [verdict for verdict in verdicts if not verdict.met]
     if not options.json:
         source = asked.compilation.model.source
@@ -245,17 +235,7 @@ def _simulate(
     asked: Prepared, output: IO[bytes] | int, npy: bool = False, **more: object
 ) -> Outcome:
     with progress(asked.compilation.model.name) as on_progress:
-        outcome = simulate(
-            asked.compilation,
-            asked.library,
-            asked.settings,
-            output,
-            on_progress,
-            asked.ensemble,
-            asked.threads,
-            npy,
-            **more,
-        )
+        outcome = simulate(asked, output, on_progress, npy, **more)
     diagnostics.name_places(outcome.report, asked.compilation)
     return outcome
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 from ..compiler import Compilation
+from ..equations import Quantity
 from ..front.check.scene_numbers import Values, WrongValue
 from ..indices import hidden, parted
 from ..methods import Method, known, provides
@@ -60,26 +61,14 @@ def described(
         },
         "parameters": list(_parameters(compilation, settings, given)),
         "inputs": [
-            {
-                "name": q.name,
-                "index": k,
-                "unit": q.unit,
-                "description": q.description,
-                "value": dict(settings.inputs).get(k, 0.0),
-            }
+            {**_named(q, k), "value": dict(settings.inputs).get(k, 0.0)}
             for k, q in enumerate(_each(named.inputs(compilation)))
         ],
         "coordinates": list(_coordinates(compilation, settings, given)),
         "states": list(_states(compilation, settings, given)),
         "rotations": list(_rotations(compilation, settings, given)),
         "outputs": [
-            {
-                "name": q.name,
-                "index": k,
-                "unit": q.unit,
-                "description": q.description,
-                "hidden": hidden(q.name),
-            }
+            {**_named(q, k), "hidden": hidden(q.name)}
             for k, q in enumerate(named.observed(compilation))
         ],
         "whole": _whole(compilation),
@@ -103,6 +92,10 @@ def title(model: Model) -> str:
         return comment
     words = model.name.replace("_", " ")
     return words[0].upper() + words[1:]
+
+
+def _named(q: Quantity, index: int) -> dict[str, object]:
+    return {"name": q.name, "index": index, "unit": q.unit, "description": q.description}
 
 
 def _each(found: named.Named) -> Iterator:
@@ -132,10 +125,7 @@ def _parameters(
         name, index = parted(quantity.name)
         own = declared.get(name)
         found: dict[str, object] = {
-            "name": quantity.name,
-            "index": flat,
-            "unit": quantity.unit,
-            "description": quantity.description,
+            **_named(quantity, flat),
             "value": _number(given["parameters"], flat),
             **_bounds(values, own, index),
             "follows": own is not None and own.follows and place not in chosen,
@@ -189,14 +179,11 @@ def _coordinates(
         own = momenta.get(parted(quantity.name)[0])
         rate = next((r for r in rates if r.name == f"{quantity.name}'"), None)
         yield {
-            "name": quantity.name,
-            "index": flat,
-            "unit": quantity.unit,
+            **_named(quantity, flat),
             "rate": f"{quantity.name}'",
             "rate_unit": rate.unit if rate else (own.rate_unit if own else ""),
             "momentum": f"p_{quantity.name}",
             "momentum_unit": own.momentum_unit if own else "",
-            "description": quantity.description,
             "q": _number(given["q"], flat),
             "v": _number(given["v"], flat),
             "q_follows": flat not in set_q and follow(quantity.name, 0),
@@ -229,10 +216,7 @@ def _states(
     for flat, _, _, _, quantity in _flat(named.coordinates(compilation, rates=True)):
         if quantity.name in known:
             yield {
-                "name": quantity.name,
-                "index": flat,
-                "unit": quantity.unit,
-                "description": quantity.description,
+                **_named(quantity, flat),
                 "value": _number(given["v"], flat),
                 "follows": flat not in set_v and follow(quantity.name, 0),
             }
@@ -263,12 +247,9 @@ def _events(compilation: Compilation) -> Iterator[dict[str, object]]:
     for k, name in enumerate(named.events(compilation)):
         own = declared[name]
         yield {
-            "name": name,
-            "index": k,
-            "unit": own.unit,
+            **_named(Quantity(name, own.unit, own.description), k),
             "direction": own.direction,
             "stop": own.stop,
-            "description": own.description,
         }
 
 

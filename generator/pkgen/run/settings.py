@@ -88,4 +88,3 @@ class Settings:
     compiled_for: tuple[str, ...] = ()  # methods with inlined steps; (): `method` and of `parts`
     parts: tuple[PartSettings, ...] = ()  # (): all coordinates together
     units: bool = False  # whether the CSV header has units
-    unread: tuple[str, ...] = ()  # parameters that are set, but that nothing reads

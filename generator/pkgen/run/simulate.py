@@ -69,14 +69,24 @@ def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | Non
     )
 
 
+@record
+class Runnable:
+    """A compiled model with the settings of a run, and the members of an ensemble or None."""
+
+    compilation: Compilation
+    settings: Settings
+    ensemble: Ensemble | None = None
+    threads: int | None = None  # None: all processors
+    library: Path | None = None  # None: not built
+
+    def columns(self, listed: int = sys.maxsize) -> list[Quantity]:
+        return columns(self.compilation, self.ensemble, self.settings.show, listed)
+
+
 def simulate(
-    compilation: Compilation,
-    library: Path,
-    settings: Settings,
+    run: Runnable,
     output: IO[bytes] | int,
     on_progress: Callable[[float], None] | None = None,
-    ensemble: Ensemble | None = None,
-    threads: int | None = None,
     npy: bool = False,
     **more: object,
 ) -> Outcome:
@@ -86,26 +96,19 @@ def simulate(
     if npy:
         import numpy
 
-        made = compilation, library, settings, ensemble, on_progress
-        done, told = followed(*made, threads=threads or 0, **more)
-        names = columns(compilation, ensemble, settings.show, sys.maxsize)
+        done, told = followed(run, on_progress, **more)
         if len(rows := done.rows()):
-            numpy.save(output, rows.view([(c.name, float) for c in names])[:, 0])
+            numpy.save(output, rows.view([(c.name, float) for c in run.columns()])[:, 0])
         return told
     fd = output if isinstance(output, int) else output.fileno()
-    if settings.units and not more.get("resume"):
-        _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), fd)
-    more |= {"csv": fd, "header": not settings.units, "threads": threads or 0}
-    return followed(compilation, library, settings, ensemble, on_progress, **more)[1]
+    units = run.settings.units
+    if units and not more.get("resume"):
+        _write_header(run.columns(), fd)
+    return followed(run, on_progress, csv=fd, header=not units, **more)[1]
 
 
 def followed(
-    compilation: Compilation,
-    library: Path,
-    settings: Settings,
-    ensemble: Ensemble | None,
-    on_progress: Callable[[float], None] | None = None,
-    **more: object,
+    run: Runnable, on_progress: Callable[[float], None] | None = None, **more: object
 ) -> tuple[Run, Outcome]:
     """Runs the model; returns run and outcome. Rows stay in memory unless `more` has csv."""
     with children.stopping() as stopped:
@@ -115,8 +118,9 @@ def followed(
                 on_progress(part)
             return stopped()
 
-        done = load(library).run(settings, poll, ensemble, **more)
-    return done, outcome(compilation, settings, done, ensemble)
+        more |= {"threads": run.threads or 0}
+        done = load(run.library).run(run.settings, poll, run.ensemble, **more)
+    return done, outcome(run.compilation, run.settings, done, run.ensemble)
 
 
 def outcome(
@@ -137,14 +141,9 @@ def _write_header(columns: list[Quantity], fd: int) -> None:
         writer(file, lineterminator="\n").writerow(names)
 
 
-def sidecar(
-    compilation: Compilation,
-    settings: Settings,
-    outcome: Outcome,
-    data: str,
-    ensemble: Ensemble | None = None,
-) -> dict[str, object]:
+def sidecar(run: Runnable, outcome: Outcome, data: str) -> dict[str, object]:
     """Returns the content of the sidecar of an output file: units, settings and the report."""
+    compilation, settings, ensemble = run.compilation, run.settings, run.ensemble
     of = {"ensemble": ensemble.title} if ensemble else {}
     return {
         "pkgen": __version__,
@@ -153,7 +152,7 @@ def sidecar(
         "source_sha256": compilation.model.source.sha256,
         "data": data,
         "partial": not outcome.whole,
-        "columns": [asdict(c) for c in columns(compilation, ensemble, settings.show)],
+        "columns": [asdict(c) for c in run.columns(LISTED)],
         "portable": is_portable(compilation.files),
         "settings": {**asdict(settings), **of},
         "report": outcome.report,

@@ -16,7 +16,7 @@ from ..front.check.options_text import OptionError
 from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
 from ..middle.quantities import single_rotations
-from ..model import Model
+from ..model import Model, Parameter
 from ..plan import RunNumbers
 from ..record import record
 from ..system.exits import UsageError
@@ -125,22 +125,27 @@ class Values(Numbers):
                 raise UsageError(unknown(option, name, [*known, *others], "parameter or input"))
         return tuple(found)
 
-    def read(self, sets: list[tuple[str, str]]) -> tuple[list[tuple[str, str]], list[str]]:
-        """Splits `--set` into assignments of existing parameters and names of parameters that the
-        scene removed; values of these are checked too."""
-        declared = {p.name: p for p in self.compilation.declared.parameters}
-        found, unread = [], []
+    def unread(self, name: str) -> Parameter | None:
+        """Returns the parameter of a name that the scene removed; None for any other name."""
+        if name not in self.compilation.report.unused:
+            return None
+        parameters = self.compilation.declared.parameters
+        return next((p for p in parameters if p.name == parted(name)[0]), None)
+
+    def read(self, sets: list[tuple[str, str]]) -> list[tuple[str, str]]:
+        """Returns the assignments of `--set` without those of parameters that the scene removed,
+        whose values are checked here."""
+        found = []
         for left, text in sets:
             name = self.flat_name("--set", left)
-            parameter = declared.get(parted(name)[0])
-            if parameter is None or name not in self.compilation.report.unused:
+            parameter = self.unread(name)
+            if parameter is None:
                 found.append((left, text))
                 continue
             value = self.value("--set", text, parameter.unit, name)
             if not within_bounds(self.compilation.declared, parameter, parted(name)[1], value):
                 raise UsageError(f"--set {name}={text}: outside its bounds: {name}")
-            unread.append(name)
-        return found, unread
+        return found
 
     def starts(self, given: list[str]) -> tuple[list[_Start], dict[int, float]]:
         """Parses `--start`: returns starts of coordinates and rates, and starts that became

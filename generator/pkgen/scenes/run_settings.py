@@ -71,7 +71,7 @@ def settings(
     _once("--set", (values.flat_name("--set", name) for name, _ in sets))
     lefts = (assignment("--start", text)[0] for text in options.start)
     _once("--start", (values.flat_name("--start", left) for left in lefts))
-    sets, unread = values.read(sets)
+    sets = values.read(sets)
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
@@ -129,8 +129,14 @@ def settings(
             for part in compilation.parts
             if plan.source == DEFAULT
         ),
-        unread=tuple(unread),
     )
+
+
+def unread(options: argparse.Namespace, compilation: Compilation) -> list[str]:
+    """Returns the names of parameters that are set, but that nothing reads."""
+    values, sets = Values(compilation), scene_options.numbers(options)
+    names = (values.flat_name("--set", assignment("--set", text)[0]) for text in sets)
+    return [name for name in names if values.unread(name) is not None]
 
 
 def _recorded(

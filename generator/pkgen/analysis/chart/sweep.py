@@ -19,6 +19,8 @@ from .points import ChartedMethod, Point, Track
 from .scale import pieces, slope
 from .spectrum import Spectrum
 
+# Most points of a method, seconds of laps of a point, seconds of all but drawing.
+FULL, QUICK = (16, 0.03, 55.0), (9, 0.004, 10.0)
 SWEPT = 2 / 3  # part of the time for the sweep; the rest is for the answers (search.py)
 LEAST = 0.25  # least part of the time for methods, after the reference
 LOOSEST, TIGHTEST = 1e-2, 1e-14  # range of tolerances
@@ -59,11 +61,8 @@ class Effort:
 
     @staticmethod
     def usual(points: int | None, seconds: float | None, quick: bool) -> Effort:
-        return Effort(
-            points or (9 if quick else 16),
-            0.004 if quick else 0.03,
-            seconds or (10.0 if quick else 55.0),
-        )
+        most, lap, within = QUICK if quick else FULL
+        return Effort(points or most, lap, seconds or within)
 
 
 @record

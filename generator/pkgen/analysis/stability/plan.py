@@ -32,6 +32,7 @@ FACTORS = ("amplitude", "rates", "coordinates")  # factors on the start
 AMPLITUDES = (0.0, 1.5)  # range of the factor on the start's displacement
 AT_REST = 1e-12  # relative distance below which a start is at the equilibrium
 PERIODS = 50  # duration of a point, in periods of the slowest mode
+FULL, QUICK = (48, 32), (24, 12)  # step sizes, and values of the varied quantity
 MOST_POINTS = 1_000_000
 
 
@@ -108,7 +109,7 @@ class Axis:
 def numbers(text: str | None, quick: bool) -> tuple[int, int]:
     """Reads `--points 48x32`: numbers of step sizes and of values of the varied quantity."""
     if text is None:
-        return (24, 12) if quick else (48, 32)
+        return QUICK if quick else FULL
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(p.isascii() and p.isdecimal() and len(p) < 6 for p in parts):
         raise UsageError(f"--points {text}: give two numbers, steps x values, e.g. 48x32")
