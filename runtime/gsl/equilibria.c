@@ -30,19 +30,13 @@ static int open_search(struct search *s, const struct pk_problem *problem)
     memset(s, 0, sizeof *s);
     s->problem = problem;
     s->n = s->rows = n;
-    if (is_bound(s)) {
-        const size_t N = n + pk_system_coordinates(problem->system, problem->params);
-        const size_t kept = pk_gsl_kept_count(problem);
-        s->rows += kept - problem->system->n_rotations;
-        s->A = gsl_matrix_alloc(N, N);
-        s->C = gsl_matrix_alloc(kept, N);
-    }
+    s->rows += problem->system->constraints.n_holonomic + problem->system->constraints.n;
     const size_t rows = s->rows;
     double *x = (double *)calloc(13 * n + 2 * rows + 5 * rows * n, sizeof *x);
     s->turns = (unsigned char *)calloc(2 * n, 1);
     s->primes = (size_t *)calloc(n + 1, sizeof *s->primes);
     s->q = x;
-    if ((is_bound(s) && (!s->A || !s->C)) || !x || !s->turns || !s->primes)
+    if (!x || !s->turns || !s->primes)
         return 0;
     s->unread = s->turns + n;
     primes(s->primes, n + 1);
@@ -62,8 +56,6 @@ static int open_search(struct search *s, const struct pk_problem *problem)
 
 static void close_search(struct search *s)
 {
-    gsl_matrix_free(s->A);
-    gsl_matrix_free(s->C);
     free(s->q);
     free(s->turns);
     free(s->primes);

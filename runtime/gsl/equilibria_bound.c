@@ -20,18 +20,10 @@
 #include <pk/gsl_equilibria.h>
 
 #include "equilibria_search.h"
-#include "rates.h"
 
 enum { ITERATIONS = 100, NEWTON = 6 };
 static const double DEPENDENT = 1e-7; /* relative to the largest singular value: smaller are 0 */
-static const double BESIDE = 6e-6;    /* difference for derivatives, relative to the reach */
-
-/* Computes the momenta p; only those of cyclic coordinates are used. */
-static void momenta(struct search *s, double *p)
-{
-    const struct pk_problem *problem = s->problem;
-    problem->system->unconstrained(problem->params, 0, s->q, s->v, NULL, p, s->rest);
-}
+static const double BESIDE = 1e-6;    /* central differences, relative to the reach */
 
 int pk_bound_equations(struct search *s)
 {
@@ -40,7 +32,7 @@ int pk_bound_equations(struct search *s)
     const size_t n = s->n, Q = quaternions(s), w = Q - 3 * system->n_rotations;
     if (system->acceleration(problem->params, 0, s->q, s->v, NULL, s->pdot))
         return 0;
-    momenta(s, s->p);
+    system->unconstrained(problem->params, 0, s->q, s->v, NULL, s->p, s->rest);
     memset(s->rest, 0, n * sizeof *s->rest);
     for (size_t i = 0; i < n; i++)
         s->F[i] = is_cyclic(s, i)      ? s->p[i] - s->kept[i]
@@ -53,56 +45,33 @@ int pk_bound_equations(struct search *s)
             s->F[Q + 4 * r + i] = s->pdot[w + 3 * r + i];
         s->F[Q + 4 * r + 3] = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) / 2;
     }
-    pk_gsl_residuals(problem, s->q, s->v, s->F + n, s->J);
+    const struct pk_part_constraints *kept = &system->constraints;
+    if (kept->n_holonomic)
+        kept->values(problem->params, 0, s->q, s->v, NULL, s->F + n);
+    if (kept->n)
+        kept->jacobian(problem->params, 0, s->q, s->v, NULL, s->F_v, s->F + n + kept->n_holonomic);
     return pk_all_finite(s->F, s->rows);
-}
-
-/* Returns the column of unknown j in the matrix of pk_gsl_linearised(). */
-static size_t column(const struct search *s, size_t j) { return is_cyclic(s, j) ? s->n + j : j; }
-
-/* Computes dp_i of cyclic coordinates by each unknown, by central differences. */
-static void momenta_by(struct search *s)
-{
-    const size_t n = s->n;
-    for (size_t j = 0; j < n && s->problem->system->cyclic; j++) {
-        double *const x = unknown(s, j), at = *x, d = BESIDE * reach(s, j);
-        *x = at + d;
-        momenta(s, s->p);
-        *x = at - d;
-        momenta(s, s->pdot);
-        *x = at;
-        for (size_t i = 0; i < n; i++)
-            if (is_cyclic(s, i))
-                s->J[i * n + j] = (s->p[i] - s->pdot[i]) / (2 * d);
-    }
-    memset(s->rest, 0, n * sizeof *s->rest);
 }
 
 int pk_bound_derivatives(struct search *s)
 {
-    const struct pk_system *system = s->problem->system;
-    const size_t n = s->n, Q = quaternions(s), w = Q - 3 * system->n_rotations;
-    const size_t m = coordinates(s), c = system->constraints.n;
-    if (pk_gsl_linearised(s->problem, 0, s->q, s->v, s->A) != PK_DONE ||
-        pk_gsl_kept(s->problem, s->q, s->v, s->C) != PK_DONE)
-        return 0;
-    momenta_by(s);
-    for (size_t i = 0; i < s->rows; i++)
-        for (size_t j = 0; j < n; j++) {
-            const size_t k = column(s, j), part = i - Q; /* wraps to a huge number for i < Q */
-            double *const x = &s->J[i * n + j];
-            if (i >= n)
-                *x = gsl_matrix_get(s->C, i - n, k);
-            else if (part < 4 * system->n_rotations)
-                *x = part % 4 < 3
-                         ? gsl_matrix_get(s->A, w + 3 * (part / 4) + part % 4, k)
-                         : gsl_matrix_get(s->C, system->constraints.n_holonomic + c + part / 4, k);
-            else if (is_body_rate(s, i) || s->unread[i])
-                *x = i == j;
-            else if (!is_cyclic(s, i))
-                *x = gsl_matrix_get(s->A, i < m ? n + i : i, k);
+    const size_t n = s->n;
+    int good = 1;
+    memcpy(s->M, s->F, s->rows * sizeof *s->F);
+    for (size_t j = 0; j < n && good; j++) {
+        double *const x = unknown(s, j), at = *x, d = BESIDE * reach(s, j);
+        for (int side = 1; side >= -1 && good; side -= 2) {
+            *x = at + side * d;
+            good = pk_bound_equations(s);
+            for (size_t i = 0; i < s->rows; i++) {
+                double *const slope = &s->J[i * n + j];
+                *slope = side > 0 ? s->F[i] : (*slope - s->F[i]) / (2 * d);
+            }
         }
-    return pk_all_finite(s->J, s->rows * n);
+        *x = at;
+    }
+    memcpy(s->F, s->M, s->rows * sizeof *s->F);
+    return good && pk_all_finite(s->J, s->rows * n);
 }
 
 void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df)

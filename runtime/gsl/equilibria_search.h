@@ -32,7 +32,6 @@ struct search {
     double *rest, *r_t;          /* n zeros; n */
     double *M, *p_q, *F_q, *F_v; /* rows by n, of which n by n are used */
     double *J;                   /* rows by n: dF/d(unknowns) */
-    gsl_matrix *A, *C;           /* with rotations or constraints: see rates.h; else NULL */
     unsigned char *turns;        /* q_i + 2 pi is the same position */
     unsigned char *unread;       /* quadratures: first-order variables that no rate depends on */
     size_t *primes;              /* n + 1, the bases of Halton's points */

@@ -12,15 +12,4 @@
 enum pk_status pk_gsl_linearised(const struct pk_problem *problem, double t, const double *q,
                                  const double *v, gsl_matrix *A);
 
-/* Numbers that rotations and constraints keep at 0, and their derivatives C: phi of the n_holonomic
- * constraints, J v + j0 of all n, then (|Q|^2 - 1)/2 of each rotation, which is in C only. `work`:
- * n times the degrees of freedom. C has one row per number and the columns of A; d(J v + j0)/dq is
- * by differences. PK_NOT_FINITE, PK_NO_MEMORY. */
-void pk_gsl_residuals(const struct pk_problem *problem, const double *q, const double *v,
-                      double *residuals, double *work);
-enum pk_status pk_gsl_kept(const struct pk_problem *problem, const double *q, const double *v,
-                           gsl_matrix *C);
-/* Returns the number of rows of C. */
-size_t pk_gsl_kept_count(const struct pk_problem *problem);
-
 #endif

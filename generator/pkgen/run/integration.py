@@ -20,7 +20,7 @@ _CHUNK = 1 << 16  # numbers of the states of one call: between two of them Pytho
 
 
 def status_name(status: int) -> str:
-    return STATUSES[1 - status]
+    return STATUSES[1 - status] if status <= 1 else "PK_STOPPED_USER"
 
 
 def _pointer(x: numpy.ndarray) -> Array[c_double]:
@@ -61,7 +61,7 @@ class Integration:
 
     @property
     def failed(self) -> bool:
-        return self._status.value < 0
+        return self._status.value != 0
 
     def steps(self, until: float, count: int) -> numpy.ndarray:
         """Makes up to `count` steps, none beyond `until`, fewer if their states are many. Returns a

@@ -93,7 +93,7 @@ size_t pk_stability_steps(struct pk_stability *of, double until, size_t count, i
     struct pk_integrator *it = &of->it;
     size_t made = 0;
     *status = PK_DONE;
-    while (made < count && it->t < until && (*status = pk_integrator_step(it, until)) >= 0) {
+    while (made < count && it->t < until && !(*status = pk_integrator_step(it, until))) {
         watch(of, it);
         condition_step(of->looking, NULL, of->run->settings.until,
                        &(struct moment){it->t, it->q, it->v});
