@@ -71,10 +71,10 @@ class Settings:
 
     def _read_option(self, option: Element) -> None:
         self.gravity = option.numbers("gravity", 3, self.gravity) if self.on("gravity") else ZERO
-        for word in ("density", "viscosity"):
-            if option.number(word, 0.0):
-                message = f"'{word}' of <option> is not read: a fluid would change the motion"
-                raise option.wrong(message)
+        fluid = [f"'{word}'" for word in ("density", "viscosity") if option.number(word, 0.0)]
+        if fluid:
+            message = f"{' and '.join(fluid)} of <option>: a fluid is not read, and drags bodies"
+            raise option.wrong(message)
 
     def _read_compiler(self, compiler: Element) -> None:
         given = compiler.attributes

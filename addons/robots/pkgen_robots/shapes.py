@@ -14,7 +14,7 @@ from .xml import Element
 WATER = 1000.0  # density of a geom that has none [kg/m^3]
 MASSLESS = ("plane", "hfield")
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}  # numbers of a size
-HELP = "give its body an <inertial>"
+HELP = "give its body an <inertial>: MuJoCo writes them if <compiler saveinertial> is true"
 
 
 @dataclass

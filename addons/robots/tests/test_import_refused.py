@@ -106,7 +106,7 @@ MJCF_WRONG = {
         f'<default><tendon stiffness="0 2"/></default><tendon><spatial/></tendon>{JOINT}',
         "'stiffness' of <spatial> of <tendon>",
     ),
-    "fluid": (f'<option viscosity="1e-5"/>{JOINT}', "a fluid would change the motion"),
+    "fluid": (f'<option viscosity="1e-5"/>{JOINT}', "a fluid is not read"),
     "unknown option": (f'<compiler x="1"/>{JOINT}', "'x' of <compiler> is not read"),
     "global": (f'<compiler coordinate="global"/>{JOINT}', "global coordinates"),
     "aligned": (f'<compiler alignfree="true"/>{JOINT}', "'alignfree' moves the frames"),
@@ -219,7 +219,7 @@ def test_all_that_keeps_a_model_from_being_read_is_told_at_once(tmp_path):
         "<joint> of <equality> is not read, and would change the motion",
         "masses are not taken from meshes",
         "more.xml: masses are not taken from meshes (2 times)",
-        "'density' of <option> is not read: a fluid would change the motion",
+        "'density' of <option>: a fluid is not read, and drags bodies",
     ]
     assert said["more.xml: masses are not taken from meshes (2 times)"].startswith(
         "more.xml:1:18: "
