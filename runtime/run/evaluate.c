@@ -150,18 +150,6 @@ static size_t in_lanes(const struct settings *s, size_t count, const double *t, 
     return failed;
 }
 
-struct held {
-    const pk_real *u;
-    size_t n;
-};
-
-static void give(void *context, pk_real t, pk_real *u)
-{
-    const struct held *held = context;
-    (void)t;
-    memcpy(u, held->u, held->n * sizeof *u);
-}
-
 size_t pk_run_width(const struct pk_run *run, const char *what)
 {
     return find(&run->settings, what).width;
@@ -188,8 +176,8 @@ size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const
     }
     pk_real *Q = work, *V = Q + n, *U = V + n, *found = U + m, *rest = found + wide;
     size_t failed = 0;
-    struct held held = {U, m};
-    problem.input = give;
+    struct pk_constant_input held = {U, m};
+    problem.input = pk_constant_input;
     problem.context = &held;
     for (size_t k = 0; k < count; k++) {
         for (size_t i = 0; i < n; i++) {

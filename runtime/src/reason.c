@@ -108,6 +108,69 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
                             : "");
 }
 
+/* Which fact, kernel or side of a switch the method lacks. */
+static int refused(const struct pk_integrator *it, char *text, size_t size)
+{
+    const struct pk_system *system = it->problem.system;
+    char name[128];
+    for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
+        if (pk_missing_facts(system, it->method) & fact_text[i].fact)
+            return snprintf(text, size, "%s needs a system that is %s; %s is not", it->method->name,
+                            fact_text[i].text, system->name);
+    if (pk_sides_missing(it) && system->switches.impulses)
+        return snprintf(text, size,
+                        "the rates of %s jump where one of its switches vanishes: make steps by "
+                        "pk_events_step(), which does what follows there",
+                        system->name);
+    if (pk_sides_missing(it)) {
+        pk_system_switch_name(system, it->problem.params, 0, name, sizeof name);
+        return snprintf(text, size,
+                        "%s needs a smooth system; %s changes where %s vanishes: make steps by "
+                        "pk_events_step(), which ends them there",
+                        it->method->name, system->name, name);
+    }
+    if (system->families.n_sizes && (it->method->traits & PK_HOLONOMIC) &&
+        pk_missing_kernel(system, it->method))
+        return snprintf(
+            text, size,
+            "%s needs M, which %s, a chain of lets, solves link by link: take dop853, or fewer "
+            "members, which are written out",
+            it->method->name, system->name);
+    if (system->families.count && !system->families.jacobian && (it->method->traits & PK_JACOBIANS))
+        return snprintf(text, size,
+                        "%s needs Jacobians, and those of %s, whose families are loops, are no "
+                        "band: sums over pairs, lets beside constraints; take dop853",
+                        it->method->name, system->name);
+    if (!system->linear && (it->method->traits & PK_LINEAR))
+        return snprintf(text, size, "%s needs the derivatives of the acceleration; %s has none",
+                        it->method->name, system->name);
+    if (pk_missing_kernel(system, it->method))
+        return snprintf(text, size, "%s calls the kernel %s, which %s was compiled without",
+                        it->method->name, pk_missing_kernel(system, it->method), system->name);
+    if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
+        return snprintf(text, size,
+                        "%s needs the derivative by time, and %s has inputs, whose is unknown",
+                        it->method->name, system->name);
+    if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
+        pk_constraint_name(system, it->problem.params,
+                           pk_system_rows(system, it->problem.params, 1), name, sizeof name);
+        return snprintf(text, size,
+                        "%s takes constraints of positions alone, and %s is one of the rates "
+                        "(rolling): use gauss",
+                        it->method->name, name);
+    }
+    if (it->n > PK_EXPONENTIAL_MOST &&
+        (it->method->traits & PK_EXACT || pk_splitting_table(it->method)))
+        return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
+                        it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);
+    if (it->method->resolved)
+        return pk_say(it, text, size,
+                      "crossings of events could be missed in steps of %.6g: give at most "
+                      "%.6g",
+                      (double)it->options.h, (double)it->reason.value);
+    return snprintf(text, size, "%s: %s", it->method->name, pk_status_text(it->status));
+}
+
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const char *what = pk_status_text(it->status);
@@ -128,64 +191,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         kind < sizeof bad_argument / sizeof *bad_argument ? bad_argument[kind]
                                                                           : "");
     case PK_REFUSED:
-        for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
-            if (pk_missing_facts(system, it->method) & fact_text[i].fact)
-                return snprintf(text, size, "%s needs a system that is %s; %s is not",
-                                it->method->name, fact_text[i].text, system->name);
-        if (pk_sides_missing(it) && system->switches.impulses)
-            return snprintf(
-                text, size,
-                "the rates of %s jump where one of its switches vanishes: make steps by "
-                "pk_events_step(), which does what follows there",
-                system->name);
-        if (pk_sides_missing(it)) {
-            pk_system_switch_name(system, it->problem.params, 0, name, sizeof name);
-            return snprintf(text, size,
-                            "%s needs a smooth system; %s changes where %s vanishes: make steps by "
-                            "pk_events_step(), which ends them there",
-                            it->method->name, system->name, name);
-        }
-        if (system->families.n_sizes && (it->method->traits & PK_HOLONOMIC) &&
-            pk_missing_kernel(system, it->method))
-            return snprintf(
-                text, size,
-                "%s needs M, which %s, a chain of lets, solves link by link: take dop853, or fewer "
-                "members, which are written out",
-                it->method->name, system->name);
-        if (system->families.count && !system->families.jacobian &&
-            (it->method->traits & PK_JACOBIANS))
-            return snprintf(text, size,
-                            "%s needs Jacobians, and those of %s, whose families are loops, are no "
-                            "band: sums over pairs, lets beside constraints; take dop853",
-                            it->method->name, system->name);
-        if (!system->linear && (it->method->traits & PK_LINEAR))
-            return snprintf(text, size, "%s needs the derivatives of the acceleration; %s has none",
-                            it->method->name, system->name);
-        if (pk_missing_kernel(system, it->method))
-            return snprintf(text, size, "%s calls the kernel %s, which %s was compiled without",
-                            it->method->name, pk_missing_kernel(system, it->method), system->name);
-        if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
-            return snprintf(text, size,
-                            "%s needs the derivative by time, and %s has inputs, whose is unknown",
-                            it->method->name, system->name);
-        if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
-            pk_constraint_name(system, it->problem.params,
-                               pk_system_rows(system, it->problem.params, 1), name, sizeof name);
-            return snprintf(text, size,
-                            "%s takes constraints of positions alone, and %s is one of the rates "
-                            "(rolling): use gauss",
-                            it->method->name, name);
-        }
-        if (it->n > PK_EXPONENTIAL_MOST &&
-            (it->method->traits & PK_EXACT || pk_splitting_table(it->method)))
-            return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
-                            it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);
-        if (it->method->resolved)
-            return pk_say(it, text, size,
-                          "crossings of events could be missed in steps of %.6g: give at most "
-                          "%.6g",
-                          (double)it->options.h, value);
-        return snprintf(text, size, "%s: %s", it->method->name, what);
+        return refused(it, text, size);
     case PK_OUT_OF_BOUNDS:
         if (index < system->n_parameters)
             return snprintf(text, size, "%s: %s", what, system->parameters[index].what.name);

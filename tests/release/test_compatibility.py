@@ -21,9 +21,7 @@ TEXTS = Path(__file__).parent / "texts"
 PAGE = (ROOT / "docs/dev/compatibility.md").read_text(encoding="utf-8")
 KINDS = ("text", "lag")
 QUICK = ("mixed", "thrown_stone")
-# Of each number of an ABI what it numbers: the first digits of a digest of pk/system.h without
-# comments. A new layout needs new numbers in pk/system.h.
-LAYOUTS = {92: "32debf73dc9a"}
+LAYOUT = Path(__file__).parent / "layout.json"
 
 
 def frozen() -> list[Path]:
@@ -79,9 +77,9 @@ def test_no_word_of_an_earlier_version_is_gone() -> None:
             assert set(known) - set(words[kind]) == set(), kind
 
 
-def layout() -> str:
-    """pk/system.h and what it includes of ours, as the compiler sees it."""
-    text = "#include <pk/system.h>\n"
+def shared() -> str:
+    """The headers that models and the runtime share, as the compiler sees them."""
+    text = "#include <pk/step/block.h>\n"
     command = ["gcc", "-E", "-I", ROOT / "runtime/include", "-x", "c", "-"]
     said = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
     ours, lines = False, []
@@ -90,22 +88,62 @@ def layout() -> str:
             ours = "/runtime/include/pk/" in line
         elif ours:
             lines.append(line)
-    return " ".join(" ".join(lines).split())
+    return "\n".join(lines)
 
 
-def test_a_layout_has_its_number() -> None:
+def layout(folder: Path) -> dict[str, list[int]]:
+    """Offset and size of each member, "struct.member"; the size of each struct; each enumerator."""
+    text, prints = shared(), []
+    for struct, body in re.findall(r"^struct (pk_\w+) \{(.*?)^\};", text, re.S | re.M):
+        prints.append((f"struct {struct}", f"0, sizeof(struct {struct})"))
+        for declared in body.split(";")[:-1]:
+            names = re.findall(r"\(\*(\w+)\)\(", declared) or re.findall(
+                r"(\w+)(?:\[[^\]]*\])*\s*(?:,|$)", declared
+            )
+            for name in names:
+                member = f"((struct {struct} *)0)->{name}"
+                prints.append((f"{struct}.{name}", f"(size_t)&{member}, sizeof {member}"))
+    for body in re.findall(r"enum \w* ?\{(.*?)\}", text, re.S):
+        for name in re.findall(r"\bPK_\w+(?=\s*(?:,|=|$))", body):
+            prints.append((name, f"(size_t){name}, 0"))
+    lines = [f'printf("{name}\\t%zu\\t%zu\\n", {values});' for name, values in prints]
+    code = "\n".join(
+        ["#include <stdio.h>", "#include <pk/step/block.h>", "int main(void) {", *lines, "}"]
+    )
+    program = folder / "layout"
+    command = ["gcc", "-w", "-I", ROOT / "runtime/include", "-x", "c", "-", "-o", program]
+    subprocess.run(command, input=code, text=True, check=True)
+    said = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    return {
+        name: [int(x) for x in values]
+        for name, *values in (line.split("\t") for line in said.splitlines())
+    }
+
+
+def test_a_layout_has_its_number(tmp_path: Path) -> None:
+    """Members may be appended to struct pk_system; all else that moves needs another number."""
     header = (ROOT / "runtime/include/pk/system.h").read_text(encoding="utf-8")
-    numbers = [int(n) for n in re.findall(r"#define PK_ABI (\d+)u", header)]
-    assert len(set(numbers)) == 4
-    text = layout()
-    assert "struct pk_system {" in text and "/*" not in text
-    digest = hashlib.sha256(text.encode()).hexdigest()[:12]
-    assert {numbers[-1]: digest} == LAYOUTS, "four new numbers, and this digest beside the last"
+    (number,) = map(int, re.findall(r"#define PK_ABI_VERSION (\d+)u", header))
+    now = layout(tmp_path)
+    assert len(now) > 400 and now["pk_system.abi"] == [0, 4]
+    if os.environ.get("PKGEN_UPDATE"):
+        lines = ",\n".join(f' "{name}": {values}' for name, values in now.items())
+        LAYOUT.write_text(f'{{\n "version": {number},\n{lines}\n}}\n', encoding="utf-8")
+    then = json.loads(LAYOUT.read_text(encoding="utf-8"))
+    version, grows = then.pop("version"), "struct pk_system"
+    end = then.pop(grows)[1]
+    moved = {name for name, values in then.items() if now.get(name) != values}
+    inside = {n for n in now if n.startswith("pk_system.") and n not in then and now[n][0] < end}
+    if number == version:
+        assert not moved | inside, "raise PK_ABI_VERSION in pk/system.h, then set PKGEN_UPDATE=1"
+    assert (number, now.pop(grows)[1], now) == (version, end, then), (
+        "set PKGEN_UPDATE=1 to keep the new members where they are from now on"
+    )
 
 
 def test_the_page_has_the_numbers() -> None:
-    number = next(iter(LAYOUTS))
-    assert f"`PK_ABI` {number}" in PAGE and f"`schema` {SCHEMA}" in PAGE
+    number = json.loads(LAYOUT.read_text(encoding="utf-8"))["version"]
+    assert f"`PK_ABI_VERSION` {number}" in PAGE and f"`schema` {SCHEMA}" in PAGE
     assert f"pkgen {__version__}\n" in PAGE
 
 

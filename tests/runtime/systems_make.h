@@ -108,6 +108,7 @@ static const unsigned char none_cyclic[] = {0, 0};
         memcpy(v, v0, sizeof v0);                                                       \
     }                                                                                   \
     const struct pk_system NAME##_system = {.abi = PK_ABI,                              \
+                                            .size = sizeof(struct pk_system),           \
                                             .name = #NAME,                              \
                                             .source_hash = "by hand",                   \
                                             .facts = FACTS,                             \

@@ -269,9 +269,24 @@ static void words(void)
     }
 }
 
+/* A system that was compiled before its last member existed: the bytes behind it are not its. */
+static void appended_members(void)
+{
+    struct pk_system of = pendulum_system;
+    of.fast = NULL;
+    of.particles.at = (void (*)(const void *, pk_real, const pk_real *, const pk_real *,
+                                const pk_real *, const pk_real *, pk_real *, pk_real *, pk_real *,
+                                pk_real *))(void (*)(void))appended_members;
+    CU_ASSERT(of.size == sizeof of && PK_SYSTEM_HAS(&of, particles.at));
+    CU_ASSERT(PK_SYSTEM_HAS(&of, acceleration) && !PK_SYSTEM_HAS(&of, fast));
+    of.size = offsetof(struct pk_system, particles);
+    CU_ASSERT(PK_SYSTEM_HAS(&of, acceleration) && !PK_SYSTEM_HAS(&of, particles.at));
+}
+
 void add_status(void)
 {
     CU_pSuite suite = CU_add_suite("never silent", NULL, NULL);
+    CU_add_test(suite, "members behind the end of a system", appended_members);
     CU_add_test(suite, "refused where it does not apply", refused);
     CU_add_test(suite, "bad arguments", bad_arguments);
     CU_add_test(suite, "words for options", words);

@@ -191,7 +191,8 @@ def build_program(
 # A model without equations, to link the runtime with when it only lists its methods.
 NO_MODEL = """#include <pk/system.h>
 extern const struct pk_system no_model_system;
-const struct pk_system no_model_system = {.abi = PK_ABI, .name = "no_model"};
+const struct pk_system no_model_system = {
+    .abi = PK_ABI, .size = sizeof(struct pk_system), .name = "no_model"};
 """
 
 

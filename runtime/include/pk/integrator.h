@@ -39,6 +39,13 @@ struct pk_problem {
     void (*feedback)(void *context, pk_real t, const pk_real *q, const pk_real *v, pk_real *u);
 };
 
+/* `input` of constant inputs, whose context is this struct. */
+struct pk_constant_input {
+    const pk_real *u;
+    size_t count;
+};
+void pk_constant_input(void *context, pk_real t, pk_real *u);
+
 /* The default of atol: a tolerance for each component, from the motion (see pk_options.atol). */
 #define PK_ATOL_OF_MOTION PK_C(-1.0)
 

@@ -32,22 +32,28 @@
 
 PK_BEGIN
 
-/* The layout of the structs of a system, which depends on the scalar type. A library has one: a
- * system of another does not link with it, since it names the library's PK_SCALAR; a system loaded
- * at run time is refused by its number PK_ABI. */
+/* The layout of the structs that a model and the runtime share. A new kernel is appended to struct
+ * pk_system and does not change PK_ABI_VERSION; a member that moves does. A system says in `size`
+ * how many bytes it has, so the runtime asks PK_SYSTEM_HAS() before it reads a member that version
+ * 1 lacks. A system of another scalar type does not link, since it names the library's PK_SCALAR;
+ * one loaded at run time is refused by its number PK_ABI. */
+#define PK_ABI_VERSION 1u
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 93u
+#define PK_ABI (4 * PK_ABI_VERSION + 1)
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 94u
+#define PK_ABI (4 * PK_ABI_VERSION + 2)
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 95u
+#define PK_ABI (4 * PK_ABI_VERSION + 3)
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 92u
+#define PK_ABI (4 * PK_ABI_VERSION)
 #endif
+#define PK_SYSTEM_HAS(system, member)                                                         \
+    (offsetof(struct pk_system, member) + sizeof(system)->member <= (size_t)(system)->size && \
+     (system)->member)
 extern const char PK_SCALAR[];
 
 /* Facts about a system that methods may require. pkgen proves them. */
@@ -110,6 +116,7 @@ struct pk_part_particles {
 
 struct pk_system {
     unsigned abi;       /* PK_ABI */
+    unsigned size;      /* sizeof (struct pk_system) where it was compiled */
     const char *scalar; /* PK_SCALAR, so that another library does not link; or NULL */
     const char *name;
     const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
@@ -194,6 +201,7 @@ struct pk_system {
     struct pk_part_constraints constraints;
     struct pk_part_families families;
     struct pk_part_particles particles;
+    /* New members come here, behind all others. */
 };
 
 /* Returns n, the length of v. */

@@ -34,20 +34,11 @@ static const char *text(struct settings *s, const char *from)
 static const char *lists(struct settings *s)
 {
     struct pk_run_settings *x = &s->asked;
-#define COPY(list, count) x->list = x->list ? copy(s, x->list, count, sizeof *x->list) : NULL
-    COPY(sizes, x->n_sizes);
-    COPY(parameters, x->n_parameters);
-    COPY(inputs, x->n_inputs);
-    COPY(q, x->n_q);
-    COPY(v, x->n_v);
-    COPY(columns, x->n_columns);
-    COPY(hidden, x->n_hidden);
-    COPY(expected, x->n_expected);
-    COPY(drifts, x->n_drifts);
-    COPY(member_columns, x->n_member_columns);
-    COPY(member_values, x->members * x->n_member_columns);
-    COPY(reduced, x->n_reduced);
-    COPY(stops, x->n_stops);
+#define COPY_LIST(list, count) x->list = x->list ? copy(s, x->list, count, sizeof *x->list) : NULL
+#define COPY(list) COPY_LIST(list, x->n_##list)
+    COPY(sizes), COPY(parameters), COPY(inputs), COPY(q), COPY(v), COPY(columns), COPY(hidden);
+    COPY(expected), COPY(drifts), COPY(member_columns), COPY(reduced), COPY(stops);
+    COPY_LIST(member_values, x->members * x->n_member_columns);
     x->method = text(s, x->method);
     x->member_name = text(s, x->member_name ? x->member_name : "member");
     x->checkpoint = text(s, x->checkpoint);
@@ -328,8 +319,8 @@ enum pk_run_code settings_take(struct pk_run *run)
 {
     const struct pk_run_model *model = run->model;
     static const char *(*const each[])(struct settings *s) = {
-        lists,   steps,        sizes,   parameters, prepare, start,
-        columns, expectations, members, reductions};
+        lists, steps,   sizes,        parameters, prepare,
+        start, columns, expectations, members,    reductions};
     struct settings *s = &run->settings;
     const struct pk_system *system = model->system;
     const char *wrong = NULL, *method = s->asked.method ? s->asked.method : "";

@@ -120,10 +120,9 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++)
         if (!(norm_error(&w, v, r) <= PK_WRITTEN))
-            return pk_fail_with(it, PK_OFF_CONSTRAINTS,
-                                (struct pk_reason){.kind = PK_REASON_QUATERNION,
-                                                   .index = r,
-                                                   .value = norm_error(&w, v, r)});
+            return pk_fail_with(
+                it, PK_OFF_CONSTRAINTS,
+                PK_WHY(.kind = PK_REASON_QUATERNION, .index = r, .value = norm_error(&w, v, r)));
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
@@ -134,7 +133,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     pk_project_terms(&w, q, v);
     pk_project_slopes(&w, q, v, w.J, w.c, w.mu);
     if (!pk_all_finite(w.mu, w.c)) /* J is not finite */
-        return pk_fail_with(it, PK_OFF_CONSTRAINTS, (struct pk_reason){.value = (pk_real)NAN});
+        return pk_fail_with(it, PK_OFF_CONSTRAINTS, PK_WHY(.value = (pk_real)NAN));
     size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0);
     const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1);
     size_t depends = w.whole ? nothing(&w, q, v, w.d) : 0;
@@ -145,16 +144,14 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (w.inertia)
         return pk_eval_failed(it, it->t, q, v, w.inertia);
     if (row < w.h)
-        return pk_fail_with(
-            it, PK_OFF_CONSTRAINTS,
-            (struct pk_reason){.kind = PK_REASON_ROW, .index = row, .value = w.phi[row]});
+        return pk_fail_with(it, PK_OFF_CONSTRAINTS,
+                            PK_WHY(.kind = PK_REASON_ROW, .index = row, .value = w.phi[row]));
     row = off;
     if (row < w.c)
-        return pk_fail_with(
-            it, PK_OFF_CONSTRAINTS,
-            (struct pk_reason){.kind = PK_REASON_ROW_RATE, .index = row, .value = w.rate[row]});
+        return pk_fail_with(it, PK_OFF_CONSTRAINTS,
+                            PK_WHY(.kind = PK_REASON_ROW_RATE, .index = row, .value = w.rate[row]));
     if (depends)
-        return pk_fail_with(it, PK_NO_PROJECTION, (struct pk_reason){.index = depends - 1});
+        return pk_fail_with(it, PK_NO_PROJECTION, PK_WHY(.index = depends - 1));
     PK_TRY(pk_project(it, it->t, q, v, NULL, NULL, &moved));
     return pk_project_redundant(it, it->t, q, v, PK_OFF_CONSTRAINTS);
 }

@@ -188,10 +188,9 @@ enum pk_status pk_singular_crossing_fail(struct pk_integrator *it, pk_real t)
 {
     const size_t rows = pk_system_rows(it->problem.system, it->problem.params, 0);
     const size_t row = pk_index(pk_singular_crossing_parts(it).is->row, rows + 1);
-    return pk_fail_with(it, PK_NO_PROJECTION,
-                        (struct pk_reason){.kind = row < rows ? PK_REASON_BRANCH : PK_REASON_NO_ROW,
-                                           .index = row,
-                                           .time = t});
+    return pk_fail_with(
+        it, PK_NO_PROJECTION,
+        PK_WHY(.kind = row < rows ? PK_REASON_BRANCH : PK_REASON_NO_ROW, .index = row, .time = t));
 }
 
 enum pk_status pk_singular_crossing_judge(struct pk_integrator *it)

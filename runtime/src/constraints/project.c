@@ -41,7 +41,7 @@ int pk_project_dependent(struct pk_integrator *it)
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
         if (w.sines[row] < PK_DEPENDENT) {
-            it->reason = (struct pk_reason){.index = row};
+            it->reason = PK_WHY(.index = row);
             if (w.whole)
                 pk_project_explain(&w, w.c, row);
             return 1;
@@ -178,11 +178,9 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
         else if (!done)
             pk_project_solve(w, rows, residual);
         if (done || singular || (!count && off(it, w, ratio, q, of_rates ? v : q, of_rates)))
-            return pk_fail_with(
-                it, PK_NO_PROJECTION,
-                (struct pk_reason){.kind = of_rates ? PK_REASON_ROW_RATE : PK_REASON_ROW,
-                                   .index = which,
-                                   .value = residual[which]});
+            return pk_fail_with(it, PK_NO_PROJECTION,
+                                PK_WHY(.kind = of_rates ? PK_REASON_ROW_RATE : PK_REASON_ROW,
+                                       .index = which, .value = residual[which]));
         if (of_rates) {
             pk_project_seen(it, w);
             subtract(v, w->d, low_v, w->m);

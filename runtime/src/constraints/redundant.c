@@ -59,15 +59,13 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
     pk_project_slopes(&w, q, v, w.off_rows, w.r, w.off_slopes);
     size_t row = pk_project_broken(&w, w.off, w.off_size, w.off_slopes, h, q, 0);
     if (row < h)
-        return pk_fail_with(
-            it, status,
-            (struct pk_reason){.kind = PK_REASON_REDUNDANT, .index = row, .value = w.off[row]});
+        return pk_fail_with(it, status,
+                            PK_WHY(.kind = PK_REASON_REDUNDANT, .index = row, .value = w.off[row]));
     row =
         broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1, pk_project_rest(it, &w, q));
     if (row == w.r)
         return PK_DONE;
-    return pk_fail_with(it, status,
-                        (struct pk_reason){.kind = PK_REASON_REDUNDANT_RATE,
-                                           .index = row,
-                                           .value = w.off[h + row]});
+    return pk_fail_with(
+        it, status,
+        PK_WHY(.kind = PK_REASON_REDUNDANT_RATE, .index = row, .value = w.off[h + row]));
 }

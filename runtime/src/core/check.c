@@ -28,7 +28,7 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
     const int outside = system->prepare(scratch);
     if (outside)
         return pk_fail_with(it, PK_OUT_OF_BOUNDS,
-                            (struct pk_reason){.index = pk_refused_parameter(system, outside)});
+                            PK_WHY(.index = pk_refused_parameter(system, outside)));
     return memcmp(scratch, it->problem.params, system->params_size)
                ? pk_fail(it, PK_BAD_ARGUMENT, BAD_PARAMS)
                : PK_DONE;

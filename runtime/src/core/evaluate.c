@@ -17,6 +17,14 @@ int pk_all_finite(const pk_real *x, size_t count)
     return 1;
 }
 
+void pk_constant_input(void *context, pk_real t, pk_real *u)
+{
+    const struct pk_constant_input *input = (const struct pk_constant_input *)context;
+    (void)t;
+    for (size_t i = 0; i < input->count; i++)
+        u[i] = input->u[i];
+}
+
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u)
 {
     for (size_t i = 0; i < problem->system->n_inputs && !problem->input; i++)
@@ -97,7 +105,7 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
     /* A diverged state makes M NaN: then that is the cause to report. */
     if (!pk_all_finite(q, it->n_q) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
-    it->reason = (struct pk_reason){.index = (size_t)PK_FAILURE_AT(failed), .time = t};
+    it->reason = PK_WHY(.index = (size_t)PK_FAILURE_AT(failed), .time = t);
     if (PK_FAILURE(failed) == PK_FAILURE_CONSTRAINT)
         return pk_project_singular(it, q, v);
     it->reason.value = pivot_ratio(it, t, q, v, it->reason.index);
@@ -168,7 +176,7 @@ enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
             q[i] = it->q[i] + (pk_real)it->own->direction * near * it->v[i];
         if (pk_eval_acceleration(it, it->own->trouble.reason.time, q, it->v, a) !=
             PK_SINGULAR_MASS) {
-            return pk_fail_with(it, PK_STEP_UNDERFLOW, (struct pk_reason){.value = h});
+            return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = h));
         }
         pk_trouble(it, PK_SINGULAR_MASS, it->own->trouble.reason.time);
     }

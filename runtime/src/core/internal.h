@@ -48,6 +48,8 @@ enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
 /* Of PK_SINGULAR_TIME: the acceleration does not grow on the way. */
 enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
 
+#define PK_WHY(...) ((struct pk_reason){__VA_ARGS__})
+
 /* Sets and returns a status, with the kind of its reason. */
 static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status status, int kind)
 {

@@ -220,7 +220,7 @@ static int outdated(const struct pk_integrator *it)
     int counts = 0;
     for (size_t i = 0; i < it->n; i++)
         counts |= h * noise[i] > own[it->n_q + i];
-    return counts && h > LONGER * it->own->rounding.step;
+    return counts && h > LONGER * it->own->progress.rounded_step;
 }
 
 void pk_scale_step(struct pk_integrator *it)
@@ -228,11 +228,11 @@ void pk_scale_step(struct pk_integrator *it)
     if (!it->own->atol || it->options.atol >= 0)
         return;
     note(it);
-    if (it->count.rejections - it->own->rounding.rejections > 1 || it->count.steps % OFTEN == 0 ||
-        outdated(it)) {
+    if (it->count.rejections - it->own->progress.rounded_rejections > 1 ||
+        it->count.steps % OFTEN == 0 || outdated(it)) {
         pk_scale_look(it);
-        it->own->rounding.step = pk_abs(it->own->h);
+        it->own->progress.rounded_step = pk_abs(it->own->h);
     }
-    it->own->rounding.rejections = it->count.rejections;
+    it->own->progress.rounded_rejections = it->count.rejections;
     follow(it);
 }

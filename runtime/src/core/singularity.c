@@ -84,8 +84,8 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
 {
     const struct pk_system *system = it->problem.system;
     const size_t singularity = pk_system_singularity(system, it->problem.params, which).which;
-    it->reason = (struct pk_reason){
-        .kind = bounded ? PK_REASON_BOUNDED : PK_REASON_GROWS, .index = which, .time = when};
+    it->reason =
+        PK_WHY(.kind = bounded ? PK_REASON_BOUNDED : PK_REASON_GROWS, .index = which, .time = when);
     return system->singularities.table[singularity].kind == PK_SINGULARITY_COORDINATES
                ? PK_SINGULAR_COORDINATES
                : PK_SINGULAR_TIME;
@@ -103,8 +103,7 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
     const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* it cannot be too long */
     if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
-    return pk_fail_with(it, PK_STEP_TOO_LONG,
-                        (struct pk_reason){.index = k, .time = it->own->next_t});
+    return pk_fail_with(it, PK_STEP_TOO_LONG, PK_WHY(.index = k, .time = it->own->next_t));
 }
 
 enum pk_status pk_singularity_here(struct pk_integrator *it)

@@ -8,12 +8,6 @@
 
 #include "lanes.h"
 
-/* Inputs of one member: context of its pk_problem. */
-struct pk_constant_input {
-    const pk_real *u;
-    size_t count;
-};
-
 struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member);
 int pk_ensemble_stopped(const struct pk_ensemble *e);
 static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }

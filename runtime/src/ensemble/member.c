@@ -30,13 +30,6 @@ size_t pk_member_count(const struct pk_ensemble *e, size_t W)
     return e->system->singularities.n ? W : 1;
 }
 
-static void constant_input(void *context, pk_real t, pk_real *u)
-{
-    const struct pk_constant_input *input = (const struct pk_constant_input *)context;
-    (void)t;
-    memcpy(u, input->u, input->count * sizeof *u);
-}
-
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m)
 {
     e->done[member] = 0;
@@ -57,7 +50,7 @@ enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, 
     if (e->u) {
         m->input.count = e->system->n_inputs;
         m->input.u = e->u + member * m->input.count;
-        problem.input = constant_input;
+        problem.input = pk_constant_input;
         problem.context = &m->input;
     }
     return pk_integrator_init(&m->it, &problem, e->method, &e->options, e->t0, e->q0 + member * n,

@@ -259,7 +259,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
 {
     it->event = 0;
     if (it->method->resolved && it->options.h > it->method->resolved(it)) {
-        it->reason = (struct pk_reason){.value = it->method->resolved(it)};
+        it->reason = PK_WHY(.value = it->method->resolved(it));
         return it->status = PK_REFUSED;
     }
     e->from = it->t;

@@ -32,8 +32,7 @@ static void turn(struct corner *x, size_t k, pk_real side)
 
 static enum pk_status refuse(struct corner *x, size_t k, int why, size_t other)
 {
-    return pk_fail_with(x->it, PK_NO_IMPULSE,
-                        (struct pk_reason){.kind = why, .index = k, .other = other});
+    return pk_fail_with(x->it, PK_NO_IMPULSE, PK_WHY(.kind = why, .index = k, .other = other));
 }
 
 /* Sets *found to the bits of enum pk_impulse that have jumped, at the state before the impulse. */

@@ -121,6 +121,6 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
         return PK_DONE;
     pk_integrator_reset(it, e->t, e->q, e->v);
     it->own->ready = 0;
-    it->reason = status < 0 ? reason : (struct pk_reason){.index = which};
+    it->reason = status < 0 ? reason : PK_WHY(.index = which);
     return it->status = status < 0 ? status : PK_SLIDING;
 }

@@ -234,7 +234,7 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
     pk_gauss_set_step(it, w, h);
     w->kept->contraction = PK_INFINITY;
     if (status == PK_AMBIGUOUS_STEP)
-        it->reason = (struct pk_reason){.value = pk_abs(at * h)};
+        it->reason = PK_WHY(.value = pk_abs(at * h));
     return status;
 }
 

@@ -102,8 +102,7 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
             return PK_DONE; /* corrections no longer shrink: they are round-off */
         before = size;
     }
-    return pk_fail_with(it, PK_NO_CONVERGENCE,
-                        (struct pk_reason){.kind = PK_OF_RATES, .value = before});
+    return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.kind = PK_OF_RATES, .value = before));
 }
 
 static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)

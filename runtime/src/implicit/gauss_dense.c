@@ -178,7 +178,7 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
         if (rate2 * change2 <= PK_C(0.01) * (1 - rate2) ||
             change2 <= PK_C(1e4) * PK_EPS * PK_EPS * size2)
             return PK_DONE;
-        it->reason = (struct pk_reason){.value = PK_F(sqrt)(change2 / (size2 + PK_TINY))};
+        it->reason = PK_WHY(.value = PK_F(sqrt)(change2 / (size2 + PK_TINY)));
         if (count > 1 && rate2 > PK_C(0.5))
             break;
         before = change2;

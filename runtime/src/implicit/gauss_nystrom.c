@@ -88,7 +88,7 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
             return PK_NO_CONVERGENCE; /* Newton's iteration decides if it is NaN */
         if (change > PK_GAUSS_FAR && count && change > PK_GAUSS_FAST * before) {
             /* No contraction: Newton's iteration certifies its branch. */
-            return pk_fail_with(it, PK_NO_CONVERGENCE, (struct pk_reason){.value = change});
+            return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.value = change));
         }
         before = change;
         idle = change < least ? 0 : idle + 1;
@@ -97,7 +97,7 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         if (!(change > 0) || (idle > (least <= 16 * PK_EPS ? 1 : 5) && least <= PK_GAUSS_ROUND))
             break;
         if (idle > 9 || count > 200) {
-            return pk_fail_with(it, PK_NO_CONVERGENCE, (struct pk_reason){.value = least});
+            return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.value = least));
         }
     }
     stages(it, &w, of, L, P);

@@ -120,7 +120,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         pk_gauss_correct(it, w, PK_SIMPLIFIED);
         it->count.iterations++;
         const pk_real now = correction(it, w, r), asked_for = it->options.newton_tol;
-        it->reason = (struct pk_reason){.value = now};
+        it->reason = PK_WHY(.value = now);
         if (!pk_finite(now))
             return PK_NOT_FINITE;
         if (asked_for > 0) {

@@ -60,7 +60,7 @@ static int stands_still(struct pk_integrator *it, pk_real left)
                                   : MOST_AHEAD;
     const pk_real ahead = shrunk ? pk_abs(left) : pk_min(it->own->progress.passed, pk_abs(left));
     if (ahead > most * rate && (shrunk || tried >= LATER_LOOK)) {
-        it->reason = (struct pk_reason){.value = rate > 0 ? ahead / rate : PK_INFINITY};
+        it->reason = PK_WHY(.value = rate > 0 ? ahead / rate : PK_INFINITY);
         return 1;
     }
     it->own->progress.judged = tried;
@@ -83,7 +83,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
     it->own->trouble.status = PK_DONE; /* only trial steps set it */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h)
-        return pk_fail_with(it, PK_STEP_UNDERFLOW, (struct pk_reason){.value = it->options.h});
+        return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = it->options.h));
     return PK_DONE;
 }
 

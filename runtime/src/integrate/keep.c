@@ -7,11 +7,8 @@
 
 #include "../core/internal.h"
 
-/* Copies addresses, which are valid in this process alone. */
-static void addresses(struct pk_integrator_private *to, const struct pk_integrator_private *from)
-{
-    memcpy(to, from, offsetof(struct pk_integrator_private, slopes));
-}
+/* The bytes of addresses, which are valid in this process alone. */
+#define ADDRESSES offsetof(struct pk_integrator_private, slopes)
 
 static unsigned long long name(const char *text)
 {
@@ -62,9 +59,9 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     pk_keep_same(k, name(it->method->name));
     pk_keep_same(k, sizeof kept + sizeof(pk_real));
     pk_keep_same(k, (unsigned long long)(end - first));
-    addresses(&kept, &nowhere);
+    memcpy(&kept, &nowhere, ADDRESSES);
     pk_keep(k, &kept, sizeof kept);
-    addresses(&kept, own);
+    memcpy(&kept, own, ADDRESSES);
     pk_keep(k, &turned, sizeof turned);
     pk_keep(k, first, (size_t)(end - first) * sizeof *first);
     pk_keep(k, &it->t, sizeof it->t);

@@ -108,6 +108,5 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         if (left <= SMALL)
             return pk_all_finite(v, w->m) ? PK_DONE : PK_NOT_FINITE;
     }
-    return pk_fail_with(it, PK_NO_CONVERGENCE,
-                        (struct pk_reason){.kind = PK_OF_RATES, .value = left});
+    return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.kind = PK_OF_RATES, .value = left));
 }

@@ -216,9 +216,8 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
         part /= 4;
         if (part < SHORTEST) {
             w->h = h;
-            return pk_fail_with(
-                it, converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE,
-                (struct pk_reason){.kind = PK_BY_NEWTON, .value = pk_abs(it->own->h) * made});
+            return pk_fail_with(it, converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE,
+                                PK_WHY(.kind = PK_BY_NEWTON, .value = pk_abs(it->own->h) * made));
         }
     }
     return PK_DONE;

@@ -108,8 +108,7 @@ enum pk_status pk_variational_rows(struct pk_integrator *it, struct pk_variation
     const size_t singular = pk_project_factor(&w->at, w->c, q, v);
     if (singular && w->at.inertia)
         return pk_eval_failed(it, w->at.t, q, v, w->at.inertia);
-    return singular ? pk_fail_with(it, PK_NO_PROJECTION, (struct pk_reason){.index = singular - 1})
-                    : PK_DONE;
+    return singular ? pk_fail_with(it, PK_NO_PROJECTION, PK_WHY(.index = singular - 1)) : PK_DONE;
 }
 
 void pk_variational_by_mass(const struct pk_variational_work *w, pk_real *x)

@@ -25,13 +25,9 @@ struct pk_progress {
     pk_real passed;                  /* sum of the lengths of all steps since init */
     pk_real judged_passed, judged_t; /* at the last check: passed, t, trials, rejections */
     unsigned long judged, judged_rejections;
-    pk_real longest; /* longest rejected step */
-};
-
-/* When rounding was last measured: count.rejections and the step size; src/core/rounding.c. */
-struct pk_rounding {
-    unsigned long rejections;
-    pk_real step;
+    pk_real longest;                  /* longest rejected step */
+    unsigned long rounded_rejections; /* when rounding was last measured: rejections, step */
+    pk_real rounded_step;             /* size; see src/core/rounding.c */
 };
 
 /* Flags of src/constraints/singular_crossing.c: the last step crossed a singular position, the state
@@ -82,7 +78,6 @@ struct pk_integrator_private {
     pk_real error;  /* adaptive: of the last accepted step, relative to the tolerance */
     struct pk_grid grid;
     struct pk_progress progress;
-    struct pk_rounding rounding;
     struct pk_passing passing;
     struct pk_short_force short_force;
     struct pk_trouble trouble;
