@@ -1,4 +1,4 @@
-"""The reference motion, by dop853 at 1e-10, with which methods are compared. It is followed for as
+"""The reference motion, by dop853 at system.RTOL, with which methods are compared. It is followed for as
 long as a point of the map, which at long steps goes past `until`.
 
 The motion "leaves", and then judges no method, if two conditions hold. A coordinate that is not
