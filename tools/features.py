@@ -1,7 +1,4 @@
-"""Prints what pkgen offers, a word a line, as tests/features.txt has it.
-
-    python tools/features.py > tests/features.txt
-"""
+"""Prints what pkgen offers, a word a line: `python tools/features.py > tests/features.txt`."""
 
 from __future__ import annotations
 
