@@ -10,7 +10,7 @@ RT_DIR = $(BUILD)/runtime$(RT_SUFFIX)
 RT_TESTS = $(BUILD)/tests$(RT_SUFFIX)
 
 RT_HEADERS = $(wildcard runtime/include/pk/*.h runtime/include/pk/step/*.h \
-             runtime/src/*/*.h runtime/run/*.h runtime/run/*/*.h tests/runtime/*.h)
+             runtime/src/*/*.h runtime/gsl/*.h runtime/run/*.h runtime/run/*/*.h tests/runtime/*.h)
 RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime/src/*.c runtime/src/*/*.c)))
 RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/gsl/*.c)))
 # The one part with OpenMP, where the compiler has it.

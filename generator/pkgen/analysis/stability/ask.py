@@ -19,6 +19,7 @@ from .orbits import Orbit
 from .reference import Reference
 from .rest import ZERO, Equilibrium, Mode, Rest
 from .system import MOST_STEPS, System
+from .unknowns import Unknowns
 
 SLOW = 0.01  # radians or e-foldings in the duration; a lower rate counts as round-off
 TRIES = 100  # starts from which equilibria are sought
@@ -104,8 +105,9 @@ class Asker:
         return System(self.program, self.settings, self._look)
 
     @cached_property
-    def unknowns(self) -> orbits.Unknowns:
-        return orbits.Unknowns(self.system)
+    def unknowns(self) -> Unknowns:
+        with numpy.errstate(all="ignore"):
+            return Unknowns(self.system)
 
     def _look(self) -> None:
         if self._left is not None and self._left() <= 0:
@@ -148,10 +150,12 @@ class Asker:
             energy = 0.0
         return Equilibrium(_floats(q), _floats(v), float(energy), tuple(found), status, slack)
 
+    @numpy.errstate(all="ignore")
     def start(self) -> Motion:
         """Returns the start of the motion only."""
         return self._told(Reference(self.system))
 
+    @numpy.errstate(all="ignore")
     def motion(self) -> Motion:
         self._look()
         self._reference = Reference(self.system)

@@ -10,8 +10,8 @@ import numpy
 
 from ...run.integration import Integration
 from ...system.exits import UsageError
-from .orbits import Unknowns
 from .system import System
+from .unknowns import Unknowns
 
 SAMPLES, MOST_RETURNS = 8192, 8
 RETURNED = 0.1  # largest distance that counts as a return

@@ -4,29 +4,19 @@ Newton's method is applied to the map itself: its derivative by central differen
 corrections by singular values (orbits may come in families), known roots deflated. Not all
 orbits need be found.
 
-Distances are in boxes, the widths of the region that the motion covers. The unknowns are the
-numbers of a state on which something depends. A closed orbit may advance a cyclic coordinate or a
-quadrature, and by multiples of 2 pi a coordinate in which the equations have that period.
-
 References: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026; A. R.
-Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions); J. H. Halton, Numer. Math. 2
-(1960) 84 (starts that fill a box evenly).
+Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions).
 """
 
 from __future__ import annotations
-
-import math
-from itertools import count, islice
 
 import numpy
 
 from ...record import record
 from ...system.exits import UsageError
 from .system import EXACT, System
+from .unknowns import TURN, Unknowns, halton, primes
 
-TURN = 2 * math.pi
-PROBES, ODD = 3, 16  # ODD skips Halton's first points, where a sine may vanish
-ALIKE = 1e-11  # relative difference of equal rates
 MOST_KNOWN, MOST_ORBITS, MOST_TURNS = 128, 32, 60
 STATES = 4  # most states of an orbit that are returned
 BESIDE = 1e-6  # central differences, in boxes: errors are about 1e-10
@@ -68,20 +58,6 @@ class Orbit:
         return max(others, key=abs, default=0j)
 
 
-def _primes(n: int) -> list[int]:
-    return [*islice((p for p in count(2) if all(p % k for k in range(2, math.isqrt(p) + 1))), n)]
-
-
-def _halton(k: int, base: int) -> float:
-    """Returns number k of Halton's sequence, in (0, 1)."""
-    x, digit = 0.0, 1.0
-    while k:
-        k, rest = divmod(k, base)
-        digit /= base
-        x += digit * rest
-    return x
-
-
 @record
 class Closed:
     """A state whose gap is closed, and the derivatives of the gap there."""
@@ -91,52 +67,6 @@ class Closed:
     slopes: numpy.ndarray
     gap: float  # the largest left
     steps: int
-
-
-class Unknowns:
-    """Indices `of` the unknowns in a state, and which of them `turns` by 2 pi without effect."""
-
-    def __init__(self, system: System):
-        system.cover()
-        self.system = system
-        n, m, box = system.n, system.m, system.box
-        place = [*range(m), *range(n + m, 2 * n)]
-        idle = [i for i in place if self._same(i, 0.7390851 * box[i])]
-        of = sorted({*place, *range(n, n + m)}.difference(idle))
-        self.of = numpy.array(of, int)
-        self.turns = numpy.array([i in place and self._same(i, TURN) for i in of], bool)
-        self.box = box[self.of].copy()
-        self.box[self.turns] = numpy.fmin(self.box[self.turns], TURN / 2)
-        system.box[self.of] = self.box
-
-    def _same(self, i: int | None, by: float) -> bool:
-        """Returns whether the rates at some states stay the same if number i of the state, or t, is
-        increased by `by`."""
-        system = self.system
-        bases = _primes(8 * PROBES)
-        wide = range(2 * system.n)
-        numbers = range(1 + ODD, PROBES + 1 + ODD)
-        points = numpy.array([[_halton(k, bases[j % len(bases)]) for j in wide] for k in numbers])
-        states = system.middle + system.box * (2 * points - 1)
-        t = numpy.array([by * _halton(k, 5) if i is None else 0.0 for k in numbers])
-        before = system.kernel("acceleration", t, states)
-        if i is None:
-            t = t + by
-        else:
-            states[:, i] += by
-        after = system.kernel("acceleration", t, states)
-        good = ~(numpy.isnan(before).all(1) | numpy.isnan(after).all(1))
-        before, after = before[good], after[good]
-        return bool((abs(before - after) <= ALIKE * abs(before).max(1, initial=0)[:, None]).all())
-
-    def in_step(self, times: list[float]) -> bool:
-        """Returns whether the equations have each of these periods."""
-        return all(self._same(None, t) for t in times)
-
-    def apart(self, a: numpy.ndarray, b: numpy.ndarray) -> numpy.ndarray:
-        """Returns b - a of the unknowns, in boxes; an angle is taken modulo 2 pi."""
-        d = (b - a)[..., self.of]
-        return (d - self.turns * TURN * numpy.round(d / TURN)) / self.box
 
 
 class _Search:
@@ -295,10 +225,10 @@ def orbits(
     search = _Search(system, unknowns, method, h, free)
     if search.it.failed:
         return None
-    bases, of = _primes(len(unknowns.of)), unknowns.of
+    bases, of = primes(len(unknowns.of)), unknowns.of
     starts = numpy.tile(system.start if state is None else state, (tries + 1, 1))
     for number in range(1, tries + 1):
-        point = numpy.array([_halton(number, base) for base in bases])
+        point = numpy.array([halton(number, base) for base in bases])
         starts[number, of] = system.middle[of] + unknowns.box * (2 * point - 1)
     for steps in numbers if len(of) else ():
         search.sought(starts, h, numbers.start, steps, tries > 0)

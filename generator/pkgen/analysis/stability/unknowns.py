@@ -1,0 +1,79 @@
+"""The unknowns of closed orbits: the numbers of a state on which something depends. A closed orbit
+may advance a cyclic coordinate or a quadrature, and by multiples of 2 pi a coordinate in which the
+equations have that period. Distances are in boxes, the widths of the region of the motion.
+
+Reference: J. H. Halton, Numer. Math. 2 (1960) 84 (points that fill a box evenly).
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import count, islice
+
+import numpy
+
+from .system import System
+
+TURN = 2 * math.pi
+PROBES, ODD = 3, 16  # ODD skips Halton's first points, where a sine may vanish
+ALIKE = 1e-11  # relative difference of equal rates
+
+
+def primes(n: int) -> list[int]:
+    return [*islice((p for p in count(2) if all(p % k for k in range(2, math.isqrt(p) + 1))), n)]
+
+
+def halton(k: int, base: int) -> float:
+    """Returns number k of Halton's sequence, in (0, 1)."""
+    x, digit = 0.0, 1.0
+    while k:
+        k, rest = divmod(k, base)
+        digit /= base
+        x += digit * rest
+    return x
+
+
+class Unknowns:
+    """Indices `of` the unknowns in a state, and which of them `turns` by 2 pi without effect."""
+
+    def __init__(self, system: System):
+        system.cover()
+        self.system = system
+        n, m, box = system.n, system.m, system.box
+        place = [*range(m), *range(n + m, 2 * n)]
+        idle = [i for i in place if self._same(i, 0.7390851 * box[i])]
+        of = sorted({*place, *range(n, n + m)}.difference(idle))
+        self.of = numpy.array(of, int)
+        self.turns = numpy.array([i in place and self._same(i, TURN) for i in of], bool)
+        self.box = box[self.of].copy()
+        self.box[self.turns] = numpy.fmin(self.box[self.turns], TURN / 2)
+        system.box[self.of] = self.box
+
+    def _same(self, i: int | None, by: float) -> bool:
+        """Returns whether the rates at some states stay the same if number i of the state, or t, is
+        increased by `by`."""
+        system = self.system
+        bases = primes(8 * PROBES)
+        wide = range(2 * system.n)
+        numbers = range(1 + ODD, PROBES + 1 + ODD)
+        points = numpy.array([[halton(k, bases[j % len(bases)]) for j in wide] for k in numbers])
+        states = system.middle + system.box * (2 * points - 1)
+        t = numpy.array([by * halton(k, 5) if i is None else 0.0 for k in numbers])
+        before = system.kernel("acceleration", t, states)
+        if i is None:
+            t = t + by
+        else:
+            states[:, i] += by
+        after = system.kernel("acceleration", t, states)
+        good = ~(numpy.isnan(before).all(1) | numpy.isnan(after).all(1))
+        before, after = before[good], after[good]
+        return bool((abs(before - after) <= ALIKE * abs(before).max(1, initial=0)[:, None]).all())
+
+    def in_step(self, times: list[float]) -> bool:
+        """Returns whether the equations have each of these periods."""
+        return all(self._same(None, t) for t in times)
+
+    def apart(self, a: numpy.ndarray, b: numpy.ndarray) -> numpy.ndarray:
+        """Returns b - a of the unknowns, in boxes; an angle is taken modulo 2 pi."""
+        d = (b - a)[..., self.of]
+        return (d - self.turns * TURN * numpy.round(d / TURN)) / self.box
