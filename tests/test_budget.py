@@ -16,7 +16,7 @@ from conftest import ROOT
 BUDGET = {  # area: lines, tokens
     "generator": (63_000, 510_000),
     "runtime": (34_500, 324_000),
-    "addons": (20_300, 182_000),
+    "addons": (20_900, 186_000),  # MJCF: classes, springs, masses of geoms, <include>
 }
 WORDS = 37_000  # of docs for users
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
