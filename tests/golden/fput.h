@@ -103,14 +103,13 @@ typedef double pk_real;
 #define PK_INFINITY HUGE_VAL
 #endif
 
-/* What a kernel that can fail returns: 0, or which failure it is and the number of what failed. Of
- * such a value, say PK_FAILED(PK_FAILURE_MASS, i), PK_FAILURE() and PK_FAILURE_AT() are the
- * parts. */
+/* The result of a kernel that can fail: 0, or PK_FAILED(failure, number), where the number is the
+ * index of what failed. PK_FAILURE() and PK_FAILURE_AT() return the failure and the number. */
 enum pk_failure {
     PK_FAILURE_MASS = 1,   /* pivot i of M = L D L^T is not positive: M is singular or indefinite */
-    PK_FAILURE_CONSTRAINT, /* row k of the constraints depends on those before it */
+    PK_FAILURE_CONSTRAINT, /* row k of the constraints depends on previous rows */
     PK_FAILURE_PARAMETER,  /* parameter k is outside its bounds, or not finite */
-    PK_FAILURE_DERIVED,    /* what follows from the parameters is not finite (1/m at m = 0) */
+    PK_FAILURE_DERIVED,    /* a number computed from the parameters is not finite (1/m at m = 0) */
     PK_FAILURE_SIZE        /* a size is too small */
 };
 #define PK_FAILED(failure, number) ((int)(failure) + 8 * (int)(number))
@@ -119,18 +118,18 @@ enum pk_failure {
 
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
 
-/* Unsigned, as wide as pk_real where that can be: flags of a lane beside its numbers. */
+/* An unsigned type as wide as pk_real if possible, for flags in SIMD lanes. */
 #ifdef PK_FLOAT
 typedef uint32_t pk_bits;
 #else
 typedef uint64_t pk_bits;
 #endif
 
-/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. On x86 gcc 12
- * makes vector code of lanes from SSE4.2 on, not of plain SSE2: give -march=native. */
+/* Number of states in the lanes of a kernel: two vectors of AVX2, one of AVX-512. On x86 gcc 12
+ * vectorises lanes from SSE4.2 on, not for plain SSE2: use -march=native. */
 #define PK_LANES 8
 
-/* C++ has no such word, but compilers have. */
+/* C++ has no `restrict`, but its compilers have. */
 #if defined __cplusplus && (defined __GNUC__ || defined _MSC_VER)
 #define PK_RESTRICT __restrict
 #elif defined __cplusplus
@@ -147,21 +146,21 @@ typedef uint64_t pk_bits;
 #define PK_RARELY
 #endif
 
-/* How a kernel that may fail is run: in a lane without any branch, so too as a member with its own
- * parameters (those of lanes are checked ahead), once without slow cases, or carefully, with all
- * of them. */
+/* How a kernel that may fail is run: in a lane, without branches; likewise in a lane of an ensemble
+ * member, whose own parameters are checked too; once, without rare slow cases; or carefully, with
+ * all of them. */
 enum pk_pass { PK_IN_LANE, PK_IN_MEMBER, PK_ONCE, PK_CAREFULLY };
 
-/* Before a loop whose turns do not depend on each other. gcc would unroll a short one of 8 turns
- * ahead of looking for vectors, and find none. (clang sees that by `restrict`, and would warn
- * where it cannot do what a pragma of its own demands.) */
+/* Before a loop whose iterations are independent. gcc would unroll a short loop of 8 iterations
+ * before it looks for vectors, and find none. (clang finds them by `restrict`; a pragma of its own
+ * would warn wherever it cannot vectorise.) */
 #if defined __GNUC__ && !defined __clang__
 #define PK_LANE_LOOP _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
 #else
 #define PK_LANE_LOOP
 #endif
 
-/* A pivot of M smaller than this, relative to its diagonal entry, is lost in rounding. */
+/* A pivot of M that is smaller than this, relative to its diagonal entry, is rounding error. */
 #define PK_PIVOT_MIN (16 * PK_EPSILON)
 
 #endif

@@ -11,14 +11,20 @@
 
 #ifdef fput_kernels_are_here
 /* For the runtime, which does not know the type of the parameters. */
-static void fput_sys_defaults(void *p) { fput_defaults((struct fput_params *)p); }
+static void fput_sys_defaults(void *p)
+{
+    fput_defaults((struct fput_params *)p);
+}
 
 static void fput_sys_derive(void *p, const unsigned char *given)
 {
     fput_derive((struct fput_params *)p, given);
 }
 
-static int fput_sys_prepare(void *p) { return fput_prepare((struct fput_params *)p); }
+static int fput_sys_prepare(void *p)
+{
+    return fput_prepare((struct fput_params *)p);
+}
 
 static void fput_sys_bounds(const void *p, pk_real *lo, pk_real *hi)
 {
@@ -72,16 +78,25 @@ static pk_real fput_sys_potential(const void *p, pk_real t, const pk_real *q, co
     return fput_potential((const struct fput_params *)p, t, q, v, u);
 }
 
-static void fput_sys_sizes(void *p) { fput_sizes((struct fput_params *)p); }
+static void fput_sys_sizes(void *p)
+{
+    fput_sizes((struct fput_params *)p);
+}
 
-static size_t fput_sys_count(const void *p) { return fput_count((const struct fput_params *)p); }
+static size_t fput_sys_count(const void *p)
+{
+    return fput_count((const struct fput_params *)p);
+}
 
 static size_t fput_sys_block_size(const void *p)
 {
     return fput_block_size((const struct fput_params *)p);
 }
 
-static void fput_sys_attach(void *p, void *block) { fput_attach((struct fput_params *)p, block); }
+static void fput_sys_attach(void *p, void *block)
+{
+    fput_attach((struct fput_params *)p, block);
+}
 
 static void fput_sys_range(const void *params, enum pk_range_of of, size_t k,
                            struct pk_range *range)
@@ -108,7 +123,7 @@ static void fput_sys_mass(const void *p, pk_real t, const pk_real *q, const pk_r
 static void fput_sys_pattern(const void *params, struct pk_pattern *pattern)
 {
     fput_slopes_pattern((const struct fput_params *)params, &pattern->rows, &pattern->width,
-                        &pattern->border);
+        &pattern->border);
     pattern->dense = 0;
 }
 
@@ -142,8 +157,8 @@ const struct pk_system fput_system = {
     .scalar = PK_SCALAR,
     .name = "fput",
     .source_hash = fput_source_hash,
-    .facts = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SEPARABLE | PK_AUTONOMOUS |
-             PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH,
+    .facts = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SEPARABLE | PK_AUTONOMOUS
+        | PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH,
     .n = 31,
     .n_parameters = 1,
     .n_inputs = 0,
@@ -166,19 +181,10 @@ const struct pk_system fput_system = {
     .energy = fput_sys_energy,
     .kinetic = fput_sys_kinetic,
     .potential = fput_sys_potential,
-    .families = {.count = fput_sys_count,
-                 .n_sizes = 1,
-                 .sizes = fput_size_names,
-                 .set_sizes = fput_sys_sizes,
-                 .block_size = fput_sys_block_size,
-                 .attach = fput_sys_attach,
-                 .n_coordinates = 1,
-                 .range = fput_sys_range,
-                 .advance = fput_sys_advance,
-                 .diagonal = fput_sys_mass,
-                 .pattern = fput_sys_pattern,
-                 .place = fput_sys_slopes_place,
-                 .mass = fput_sys_slopes_mass,
-                 .jacobian = fput_sys_slopes_jacobian},
+    .families = {.count = fput_sys_count, .n_sizes = 1, .sizes = fput_size_names,
+        .set_sizes = fput_sys_sizes, .block_size = fput_sys_block_size, .attach = fput_sys_attach,
+        .n_coordinates = 1, .range = fput_sys_range, .advance = fput_sys_advance,
+        .diagonal = fput_sys_mass, .pattern = fput_sys_pattern, .place = fput_sys_slopes_place,
+        .mass = fput_sys_slopes_mass, .jacobian = fput_sys_slopes_jacobian},
 };
 #endif

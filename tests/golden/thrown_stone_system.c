@@ -54,34 +54,35 @@ static void thrown_stone_sys_force(const void *p, pk_real t, const pk_real *q, c
     thrown_stone_force((const struct thrown_stone_params *)p, t, q, v, u, f);
 }
 
-static void thrown_stone_sys_canonical(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                                       const pk_real *u, pk_real *momenta, pk_real *pdot)
+static void thrown_stone_sys_canonical(const void *p, pk_real t, const pk_real *q,
+                                       const pk_real *v, const pk_real *u, pk_real *momenta,
+                                       pk_real *pdot)
 {
     thrown_stone_canonical((const struct thrown_stone_params *)p, t, q, v, u, momenta, pdot);
 }
 
-static void thrown_stone_sys_gradient(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                                      const pk_real *u, pk_real *dLdq)
+static void thrown_stone_sys_gradient(const void *p, pk_real t, const pk_real *q,
+                                      const pk_real *v, const pk_real *u, pk_real *dLdq)
 {
     thrown_stone_gradient((const struct thrown_stone_params *)p, t, q, v, u, dLdq);
 }
 
-static void thrown_stone_sys_jacobian(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                                      const pk_real *u, pk_real *p_q, pk_real *pdot_q,
-                                      pk_real *pdot_v)
+static void thrown_stone_sys_jacobian(const void *p, pk_real t, const pk_real *q,
+                                      const pk_real *v, const pk_real *u, pk_real *p_q,
+                                      pk_real *pdot_q, pk_real *pdot_v)
 {
     thrown_stone_jacobian((const struct thrown_stone_params *)p, t, q, v, u, p_q, pdot_q, pdot_v);
 }
 
 static void thrown_stone_sys_linear(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v,
-                                    pk_real *r_t)
+                                    const pk_real *u, const pk_real *a, pk_real *r_q,
+                                    pk_real *r_v, pk_real *r_t)
 {
     thrown_stone_linear((const struct thrown_stone_params *)p, t, q, v, u, a, r_q, r_v, r_t);
 }
 
-static pk_real thrown_stone_sys_energy(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                                       const pk_real *u)
+static pk_real thrown_stone_sys_energy(const void *p, pk_real t, const pk_real *q,
+                                       const pk_real *v, const pk_real *u)
 {
     return thrown_stone_energy((const struct thrown_stone_params *)p, t, q, v, u);
 }
@@ -104,14 +105,15 @@ static void thrown_stone_sys_event(const void *p, pk_real t, const pk_real *q, c
     thrown_stone_event((const struct thrown_stone_params *)p, t, q, v, u, out);
 }
 
-static void thrown_stone_sys_switching(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                                       const pk_real *u, pk_real *out)
+static void thrown_stone_sys_switching(const void *p, pk_real t, const pk_real *q,
+                                       const pk_real *v, const pk_real *u, pk_real *out)
 {
     thrown_stone_switching((const struct thrown_stone_params *)p, t, q, v, u, out);
 }
 
-static unsigned long long thrown_stone_sys_lanes(const void *p, const pk_real *t, const pk_real *q,
-                                                 const pk_real *v, const pk_real *u, pk_real *a)
+static unsigned long long thrown_stone_sys_lanes(const void *p, const pk_real *t,
+                                                 const pk_real *q, const pk_real *v,
+                                                 const pk_real *u, pk_real *a)
 {
     return thrown_stone_lanes((const struct thrown_stone_params *)p, t, q, v, u, a);
 }
@@ -169,9 +171,8 @@ const struct pk_system thrown_stone_system = {
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS,
     .events = {.n = 2, .table = thrown_stone_events, .values = thrown_stone_sys_event},
-    .switches = {.n = 1,
-                 .names = thrown_stone_sys_switches,
-                 .sides = offsetof(struct thrown_stone_params, side_),
-                 .values = thrown_stone_sys_switching},
+    .switches = {.n = 1, .names = thrown_stone_sys_switches,
+        .sides = offsetof(struct thrown_stone_params, side_),
+        .values = thrown_stone_sys_switching},
 };
 #endif
