@@ -33,7 +33,7 @@ middle/expand middle/analyze
 middle/particles
 middle/derive
 middle/reduce middle/loops
-back back/wasm_kernels
+back back/host
 back/c back/wasm
 compiler
 run
