@@ -184,22 +184,34 @@ static enum pk_status within(struct pk_host_motion *m, double t)
     return found;
 }
 
-/* The last step ended at the event that stops the motion, perhaps beyond t. Returns 0 with the
- * state at t if that is before the event, else 2 with the event's state, or a failure's status. */
-static int at_stop(struct pk_host_motion *m, double t)
+/* Computes the state at t by steps aside from the start of the last step, which ended at an event or
+ * a switch and has no dense output. The switches follow the state there. */
+static enum pk_status before_end(struct pk_host_motion *m, double t)
 {
-    if (!(t < m->it.t) || pk_integrator_is_at(&m->it, t)) {
-        keep(m, m->it.t, &m->it);
-        return 2;
-    }
     const enum pk_status found = make_aside(m);
     if (found < 0)
         return m->it.status = found;
-    if (pk_integrator_reset(&m->aside, m->events.from, m->events.q0, m->events.v0) < 0 ||
-        pk_integrator_to(&m->aside, t) < 0)
-        return m->it.status = m->aside.status;
+    const void *const held = m->aside.problem.params;
+    m->aside.problem.params = m->it.problem.params;
+    enum pk_status status =
+        pk_integrator_reset(&m->aside, m->events.from, m->events.q0, m->events.v0);
+    if (status >= 0)
+        status = pk_integrator_to(&m->aside, t);
+    m->aside.problem.params = held;
+    if (status < 0)
+        return m->it.status = status;
     keep(m, t, &m->aside);
-    return 0;
+    return PK_DONE;
+}
+
+/* The event that stops the motion has happened, perhaps after t. Returns 0 with the state at t if it
+ * has, else 2 with the event's state, or a failure's status. */
+static int at_stop(struct pk_host_motion *m, double t)
+{
+    if (t < m->it.t && !pk_integrator_is_at(&m->it, t))
+        return before_end(m, t);
+    keep(m, m->it.t, &m->it);
+    return 2;
 }
 
 /* Steps until the last step covers t. Returns PK_DONE, 1 if the budget ends, or a status. */
@@ -241,11 +253,10 @@ int pk_host_to(struct pk_host_motion *m, double t, double budget)
     if (status == PK_DONE && m->stopped)
         status = at_stop(m, t);
     else if (status == PK_DONE) {
-        const enum pk_status found = within(m, t);
-        if (found == PK_BAD_ARGUMENT) /* the step ended at a switch: the state at its end serves */
-            keep(m, m->it.t, &m->it);
-        else
-            status = found < 0 ? found : 0;
+        enum pk_status found = within(m, t);
+        if (found == PK_BAD_ARGUMENT) /* the step ended at a switch */
+            found = before_end(m, t);
+        status = found < 0 ? found : 0;
     }
     if (status < 0 || status > 1)
         pk_integrator_reason(&m->it, pk_host_text, PK_HOST_TEXT);
