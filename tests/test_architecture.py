@@ -36,7 +36,7 @@ middle/expand middle/analyze
 middle/particles
 middle/derive
 middle/reduce middle/loops
-back back/wasm_kernels
+back back/host
 back/c back/wasm
 plan
 compiler
