@@ -16,6 +16,7 @@ from ..run import diagnostics, named, rows
 from ..run.settings import PartSettings, Settings, Shown
 from ..run.values import Values, assignment
 from ..system.exits import UsageError
+from ..system.files import ROWS
 from ..system.near import unknown
 from . import compile_plan as scene_use
 from . import model as scene_model
@@ -45,7 +46,7 @@ def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
 def output(path: str | None) -> Path | None:
     if path is None or path == "-":
         return None
-    if not path.endswith((".csv", ".npy")):
+    if not path.endswith(ROWS):
         raise UsageError(f"-o {path}: the file's name must end in .csv or .npy")
     return Path(path)
 
