@@ -10,7 +10,7 @@ from ..compiler import Compilation
 from ..defaults import RTOL
 from ..equations import Equations, Structure
 from ..graph.solve import looped
-from ..methods import Method, called, in_lanes, known
+from ..methods import METHODS, Method, in_lanes, known
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
@@ -147,7 +147,7 @@ def _of_method(
 ) -> frozenset[str]:
     """Returns the kernels of the run's method, or of all that it may be."""
     of = known(model.methods).get(plan.method)
-    found = called(of) if of else called("gauss") | {"mass", LINEAR_OF_FEW}
+    found = of.kernels if of else METHODS["gauss"].kernels | {"mass", LINEAR_OF_FEW}
     several = asked.several or scene.swarm is not None
     if (
         asked.event_of(scene)
