@@ -93,16 +93,15 @@ def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePla
     declared = compilation.declared
     scene = scenes.of(options, declared) or Scene(name=OPTIONS, span=declared.span)
     made = compilation.equations, compilation.structure
-    return _plan(compilation.model, scene, _asked(options, record_columns(options)), made)
+    return _plan(compilation.model, scene, _asked(options, None, frozenset()), made)
 
 
 def _asked(
-    options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str] | None = None
+    options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str]
 ) -> Overrides:
-    """Returns what options ask for; `off`: the reductions switched off besides those of options."""
+    """Returns what options ask for; `off`: the reductions that are switched off. Only options and
+    diagnostics switch the exact flow off."""
     exact = EXACT in switched_off(options.no_reduce) or options.diagnose
-    if off is None:
-        off = switched_off(options.no_reduce)
     return Overrides(
         columns=columns,
         event=options.at,
