@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from ..compiler import Compilation
-from ..defaults import RTOL
 from ..equations import Equations, Structure
 from ..graph.solve import looped
 from ..methods import METHODS, Method, in_lanes, known
@@ -17,7 +16,17 @@ from ..middle.reduce.reduction import ENOUGH, Needs
 from ..middle.report import ReportLine
 from ..middle.specialise import folded, held
 from ..model import Model, Scene
-from ..plan import DEFAULT, OPTION, SCENE, CompilePlan, Made, RunNumbers, Use, default_method
+from ..plan import (
+    DEFAULT,
+    DEFAULTS,
+    OPTION,
+    SCENE,
+    CompilePlan,
+    Made,
+    RunNumbers,
+    Use,
+    default_method,
+)
 from ..record import record
 from ..run import diagnostics
 from ..run.values import Numbers
@@ -123,7 +132,7 @@ def _plan(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> Co
         several = asked.several or scene.swarm is not None
         exact = EXACT not in asked.off and not several and (given.rtol or given.step) is None
         # A scene with a tolerance has a method.
-        method, source = default_method(made, given.rtol or RTOL, exact), DEFAULT
+        method, source = default_method(made, given.else_of(DEFAULTS).rtol, exact), DEFAULT
     return CompilePlan(None, method, source, given)
 
 
