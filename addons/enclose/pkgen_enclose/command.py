@@ -20,6 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     help_ = "within rigorous bounds: a radius beside each value"
     add("--enclose", dest="instead", action="store_const", const=run, help=help_)
     add("--digits", metavar="N", help="that --enclose is to certify (default 15)")
+    parser.set_defaults(only_with={"digits": "--enclose"})
 
 
 def run(options: argparse.Namespace) -> int:

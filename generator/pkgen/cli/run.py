@@ -21,7 +21,7 @@ from ..run.library import load
 from ..run.simulate import Outcome, sidecar, simulate
 from ..scenes import run_settings as parsing
 from ..system import children
-from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED
+from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED, UsageError
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
 from . import arguments as shared
@@ -46,13 +46,16 @@ pkgen run models/heavy_top.lag --scene nutation --method gauss4 --step 0.01
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_run(parser)
     checkpoints.arguments(parser)
-    parser.set_defaults(instead=None)
+    parser.set_defaults(instead=None, only_with={})  # both set by add-ons
 
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     if options.instead is not None:  # an option of an add-on
         return options.instead(options)
+    for name, option in options.only_with.items():
+        if getattr(options, name) is not None:
+            raise UsageError(f"--{name} is for {option}")
     output = parsing.output(options.output)
     wanted = pictures.wanted(options)
     checkpoints.refuse(options, output, wanted is not None)
