@@ -12,10 +12,10 @@ ITERATIONS = ("newton", "fixed")  # of implicit methods; the first is the defaul
 SMALLEST_RTOL = 2.0**-52  # below it steps would be rejected forever
 THREADS_MOST = 1024  # a system may refuse to start more, which would abort the program
 
-# The options of `pkgen run` that a caller may leave out, by their names in Python.
+# The options of an integration that a caller may leave out, by their names in Python.
 OPTIONS = {
     **dict.fromkeys(("until", "every", "step", "max_step", "rtol", "atol", "method", "record")),
-    **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "output", "unroll")),
+    **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "unroll")),
     "iteration": ITERATIONS[0],
     "max_steps": MAX_STEPS,
     "watch": "all",
