@@ -1,5 +1,5 @@
-"""The reference motion, by dop853 at system.RTOL, with which methods are compared. It is followed for as
-long as a point of the map, which at long steps goes past `until`.
+"""The reference motion, by dop853 at system.RTOL. It is followed for as long as a point of the map,
+which at long steps goes past `until`.
 
 The motion "leaves", and then judges no method, if two conditions hold. A coordinate that is not
 cyclic still moves away at `until`, by a fifth more in each of the last two quarters. And nothing
