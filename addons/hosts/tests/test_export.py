@@ -114,9 +114,9 @@ def test_nothing_that_is_exported_names_gsl(tmp_path: Path, tools: bool) -> None
 
 
 def test_a_model_called_as_a_file_of_the_export(tmp_path: Path) -> None:
-    (tmp_path / "m.lag").write_text(PENDULUM.read_text().replace("double_pendulum", "pk_host", 1))
-    done = run_pkgen("export", tmp_path / "m.lag", "--as", "python", cwd=tmp_path)
-    assert done.returncode == 2 and "pk_host.c is a file of the export itself" in done.stderr
+    (tmp_path / "m.lag").write_text(PENDULUM.read_text().replace("double_pendulum", "called", 1))
+    done = run_pkgen("export", tmp_path / "m.lag", "--as", "source", cwd=tmp_path)
+    assert done.returncode == 2 and "called.h is a file of the export itself" in done.stderr
 
 
 def _lines(text: str) -> int:
