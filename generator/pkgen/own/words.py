@@ -3,7 +3,8 @@
 The step is a product of exponentials, exp(kick_0 h V) exp(drift_0 h T) ... In its expansion the
 coefficient of each word of d letters V and T must be 1/d! for d up to the order, as in exp(h (V +
 T)). These are the order conditions of a splitting into two parts (E. Hairer, C. Lubich, G. Wanner,
-Geometric Numerical Integration, III.5). Numbers are integers over 2^BITS, see trees.py."""
+Geometric Numerical Integration, III.5). Numbers are integers over 2^BITS, see trees.py.
+"""
 
 from __future__ import annotations
 

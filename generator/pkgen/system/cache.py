@@ -2,7 +2,8 @@
 
 Entries are run as code. An entry is a folder with the digests of its files. It is used only if it
 belongs to this user, no one else can write it, and the digests match; otherwise it is made
-again."""
+again.
+"""
 
 from __future__ import annotations
 

@@ -2,7 +2,8 @@
 
 All are in one process group, led by a shell that waits at a pipe which only pkgen holds open.
 However pkgen ends, even by SIGKILL, the system closes the pipe, and the shell kills the group. The
-group includes children of gcc, which a signal to gcc alone (PR_SET_PDEATHSIG) would not reach."""
+group includes children of gcc, which a signal to gcc alone (PR_SET_PDEATHSIG) would not reach.
+"""
 
 from __future__ import annotations
 

@@ -2,7 +2,8 @@
 
 A file is written in the target's folder under another name and renamed at the end. The names of an
 unfinished file and of its description end in `.partial`. Pipes, devices and `-` (standard output)
-are written directly. Symbolic links are followed."""
+are written directly. Symbolic links are followed.
+"""
 
 from __future__ import annotations
 

@@ -20,7 +20,8 @@ def bounded(cpu_seconds: float, memory_bytes: int) -> Iterator[None]:
     """Within the context, using more CPU time or memory raises ResourcesExceeded.
 
     The time is that of this process without children, measured by a timer signal. The memory is
-    address space beyond that already in use. The context works in the main thread only."""
+    address space beyond that already in use. The context works in the main thread only.
+    """
 
     def out_of_time(_signal: int, _frame: object) -> None:
         raise ResourcesExceeded(

@@ -1,6 +1,5 @@
-"""Splits very long kernels into functions, since compile time grows faster than their length.
-
-A function passes values that later ones need through a work array `w`."""
+"""Splits very long kernels into functions, which pass values through a work array `w`. Compile time
+grows faster than the length of straight-line code."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Finds constants of the equations that are out of the range of double.
 
 The checker and `graph/magnitudes.py` check the constants in a model's text. Constants that
-derivatives or a canonical form make of those (`2*1e308`) are known only when C is written."""
+derivatives or a canonical form make of those (`2*1e308`) are known only when C is written.
+"""
 
 from __future__ import annotations
 

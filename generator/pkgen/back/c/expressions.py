@@ -2,7 +2,8 @@
 
 A `Form` is an expression before it is joined to one text: the terms of a sum, or the factors of a
 fraction's numerator and denominator. Nested sums and products are flattened; a minus moves to the
-front."""
+front.
+"""
 
 from __future__ import annotations
 

@@ -2,7 +2,8 @@
 
 The acceleration has two loops over lanes: first the sines and cosines of angles that depend on no
 other sine, then the rest. Two short loop bodies let a processor overlap several iterations. Checks
-of parameters alone are the same in all lanes and follow the loops."""
+of parameters alone are the same in all lanes and follow the loops.
+"""
 
 from __future__ import annotations
 

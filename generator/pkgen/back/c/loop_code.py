@@ -1,7 +1,8 @@
 """C of models whose families are loops: row functions, loops that call them, totals, pairs.
 
 A row function computes one member's equation. Templates call the methods of `LoopCode`, which
-return C text."""
+return C text.
+"""
 
 from __future__ import annotations
 

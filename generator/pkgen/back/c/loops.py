@@ -2,7 +2,8 @@
 
 A block is straight-line code in the index m (and j, in a pair). It first loads its inputs into
 local constants: in the interior directly from the arrays, near an end through functions that handle
-indices beyond it. Expressions of parameters and sizes alone are hoisted into `prepare`."""
+indices beyond it. Expressions of parameters and sizes alone are hoisted into `prepare`.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """The values that a C function computes before its rows: totals, rates of states, `let`s.
 
 They are stored in the model's memory, from where rows read them; a total that only outputs contain
-is stored in a local array. `prepare` computes the totals of parameters alone."""
+is stored in a local array. `prepare` computes the totals of parameters alone.
+"""
 
 from __future__ import annotations
 

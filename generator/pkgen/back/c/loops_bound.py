@@ -4,7 +4,8 @@ For each index the band has the member of every family with this index, then one
 of constraints. A constraint row stands at the last index whose coordinates it contains, after them.
 L D L^T then needs no pivoting: each leading block of K is regular if the constraint rows are
 independent. A dense border follows the band: rows that reach around the end of a ring (a periodic
-family), then scalar coordinates and single rows."""
+family), then scalar coordinates and single rows.
+"""
 
 from __future__ import annotations
 

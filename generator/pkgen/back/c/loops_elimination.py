@@ -4,7 +4,8 @@ A place is an index of the chain (see loops_carried.py). Each place passes a sym
 `front` on to the place below. Its variables are those that the two share: variables of lower
 places, and scalar coordinates. The pattern of its nonzero entries is found by repeating the step
 until no entry is added. `bulk` is `front` without elimination of coordinates: its diagonal is that
-of M, relative to which a pivot must be positive."""
+of M, relative to which a pivot must be positive.
+"""
 
 from __future__ import annotations
 

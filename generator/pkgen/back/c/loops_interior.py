@@ -31,7 +31,8 @@ class Interior:
         """Splits off the forces of bonds: row(m) = sum of F_k(m) - F_k(m - s), plus a remainder.
 
         By Newton's third law the derivatives of a term at its two ends are opposite. Returns the
-        F_k, their common distance s, and the interior of the row as an expression in the F_k."""
+        F_k, their common distance s, and the interior of the row as an expression in the F_k.
+        """
         bulk = [part for part in row.parts if not part.is_point]
         found: list[Node] = []
         span = 0

@@ -23,7 +23,7 @@ from .loops import Places
 
 
 def made_of(e: LoopEquations, places: Places, slots: Slots) -> tuple[Bound, ...]:
-    """Returns the row C of each carried value, ordered by level like their computation."""
+    """Returns the row C of each carried value, in the order in which the values are computed."""
     return tuple(_row(e, item, places, slots) for item in e.carried)
 
 
