@@ -1,5 +1,7 @@
-"""Splits very long kernels into functions, which pass values through a work array `w`. Compile time
-grows faster than the length of straight-line code."""
+"""Splits long kernels into functions, since compile time grows faster than their length.
+
+A function passes values to later ones through a work array `w`.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Compiles the runtime's core and one model to WebAssembly, by Debian's clang, lld and wasi-libc;
-without GSL, which is under the GPL, and without emscripten."""
+"""Compiles the runtime's core and one model to WebAssembly, with Debian's clang, lld and wasi-libc.
+GSL is not used, since it is under the GPL; emscripten is not needed."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ LINKERS = (
 )
 LIBC = (Path("/usr/lib/wasm32-wasi/libc.a"), Path("/opt/wasi-sysroot/lib/wasm32-wasi/libc.a"))
 TARGET = "--target=wasm32-wasi"
-# -msimd128: with SIMD pairs gauss is a third faster, a swarm a tenth; every browser that has
-# DecompressionStream, which the page needs, has SIMD. -fno-unroll-loops: the code is as fast and a
-# tenth smaller.
+# -msimd128: with pairs of doubles in SIMD, gauss methods are a third faster and a swarm is a tenth
+# faster; browsers with DecompressionStream, which the page needs, have SIMD. -fno-unroll-loops: the
+# code is as fast and a tenth smaller.
 FLAGS = (
     TARGET,
     STANDARD,
@@ -47,9 +47,9 @@ FLAGS = (
     "-fno-trapping-math",
     "-DPK_RUNTIME",
 )
-# There is no -O here: with it clang runs a wasm-opt on the PATH, and its version 108 breaks
-# -msimd128. The stack holds the arrays of large models. It comes first in memory, so that an
-# overflow traps instead of overwriting data.
+# No -O here: with it clang runs a wasm-opt on the PATH, whose version 108 breaks -msimd128. The
+# stack holds the arrays of large models. It comes first in memory, so that an overflow traps
+# instead of overwriting data.
 LINK = (
     TARGET,
     "-mexec-model=reactor",
@@ -65,7 +65,7 @@ CORE = "core.o"
 
 
 def missing() -> list[str]:
-    """Returns the Debian packages that a build of a page needs and that are not installed."""
+    """Returns the Debian packages that a build needs and that are not installed."""
     clang, linker, libc = _found()
     wanted = (("clang", clang), ("lld", linker), ("wasi-libc", libc))
     names = [package for package, there in wanted if not there]
@@ -90,13 +90,13 @@ def _tools() -> tuple[list[str], list[str]]:
 
 
 def _has_builtins(clang: str) -> bool:
-    """Returns whether clang's library of functions for operations that WebAssembly lacks exists."""
+    """Returns whether clang's library of operations that WebAssembly lacks is installed."""
     folder = Path(os.path.realpath(clang)).parents[1] / "lib"
     return any(folder.glob("clang/*/lib/**/libclang_rt.builtins*wasm32*"))
 
 
 def _runtime(compiles: list[str], linker: str) -> Path:
-    """Returns the cached object file of the code that all models share; compiles it if missing."""
+    """Returns the cached object file of the code that all models share; compiles it if needed."""
     folders = (RUNTIME / "src", LIVE)
     sources = sorted(path for folder in folders for path in folder.rglob("*.c"))
     digest = hashlib.sha256(repr((compiles, CORE)).encode())
@@ -121,8 +121,8 @@ def _runtime(compiles: list[str], linker: str) -> Path:
 
 
 def wasm(files: Mapping[str, str], name: str, own: Sequence[Own] = ()) -> bytes:
-    """Returns the gzipped WebAssembly module of the model NAME, from its generated files and its
-    `own` methods; the same files give the same bytes. Raises BuildError with the missing packages
+    """Returns the gzipped WebAssembly module of the model `name`, from its generated files and its
+    methods `own`; the same files give the same bytes. Raises BuildError with the missing packages
     or the compiler's output."""
     compiles, links = _tools()
     core = _runtime(compiles, links[-1].partition("=")[2])

@@ -1,14 +1,14 @@
 "use strict";
-/* The model and the runtime in WebAssembly (live/), as the page calls them. Parameters are a flat
- * Float64Array in the order of the description; q has the coordinates, v the rates and behind them
+/* Calls the model and the runtime, compiled to WebAssembly (live/). Parameters are a flat
+ * Float64Array in the order of the description; q has the coordinates, v the rates and after them
  * the first-order variables. All numbers are in SI. */
 const Engine = (() => {
-  /* What wasi-libc imports: nothing is written anywhere, and nothing is read. */
+  /* Stubs of the system calls that wasi-libc imports: no file is read or written. */
   const WASI = { fd_close: () => 0, fd_seek: () => 70, fd_write: () => 0, fd_fdstat_get: () => 0,
     proc_exit: (code) => { throw new Error("the model's code ended with " + code); } };
-  const BUDGET = 20000;    /* steps between two looks at the clock */
-  const PATIENCE = 1500;   /* milliseconds that one advance may take */
-  const KEPT = 16;         /* sets of parameters that nobody uses */
+  const BUDGET = 20000;    /* steps between two checks of the time */
+  const PATIENCE = 1500;   /* longest time of a call of advance, in ms */
+  const KEPT = 16;         /* parameter sets kept in memory while unused */
 
   async function load(bytes, description) {
     const imports = new Proxy(WASI, { get: (known, name) => known[name] || (() => 0) });
@@ -30,11 +30,11 @@ const Engine = (() => {
       this.nOut = description.outputs.length;
       this.constants = description.constants;
       this.claims = this.constants.filter((x) => x.kind === "claim").length;
-      this.sets = new Map();                            /* prepared parameters by their values, */
+      this.sets = new Map();                            /* prepared parameter sets, by their values */
       this.room = c.malloc(8 * (4 * this.n + this.inputs + Math.max(this.nOut, this.claims, 1)));
     }
 
-    /* Views die when memory grows, so each is made anew. */
+    /* Makes a new view each time: views become invalid when WebAssembly's memory grows. */
     reals(at, length) {
       return new Float64Array(this.c.memory.buffer, at, length);
     }
@@ -57,14 +57,14 @@ const Engine = (() => {
       return at;
     }
 
-    /* Defaults and starts of the description: those of the chosen scene. */
+    /* Parameters and initial state of the description, which has those of the chosen scene. */
     defaults() {
       const params = new Float64Array(this.count).fill(NaN);
       for (const p of this.description.parameters) if (!p.follows) params[p.index] = p.value;
       return this.given(params);
     }
 
-    /* All parameters, and the start, where those that are not a number follow the others. */
+    /* All parameters, and the initial state; parameters that are NaN get their default values. */
     given(params) {
       const { c } = this;
       const at = this.write(params);
@@ -80,8 +80,8 @@ const Engine = (() => {
       return { params: all, q, v };
     }
 
-    /* Starts that scene and options give stand in the description; those that follow parameters
-     * are as there while these are its own. */
+    /* Initial values that the scene or options set are in the description. Those that depend on
+     * parameters are used only while all parameters are those of the description. */
     asDescribed(all, q, v) {
       const { parameters, coordinates, states, rotations } = this.description;
       const own = parameters.every((p) => p.value === null || p.value === all[p.index]);
@@ -97,7 +97,7 @@ const Engine = (() => {
         r.rate_indices.forEach((k, i) => put(v, k, r.rate_values[i], r.rates_follow[i]));
     }
 
-    /* null, or why these parameters cannot be. */
+    /* Returns null, or the error message for invalid parameters. */
     prepare(params) {
       try {
         this.prepared(params);
@@ -107,7 +107,7 @@ const Engine = (() => {
       }
     }
 
-    /* The struct of these parameters; the last ones are kept, and those that a motion holds. */
+    /* Address of the parameter struct. The latest structs, and those that motions use, are kept. */
     prepared(params) {
       return this.set(params).at;
     }
@@ -117,7 +117,7 @@ const Engine = (() => {
       let set = this.sets.get(key);
       if (set) this.sets.delete(key);
       else set = { key, at: this.made(params), users: 0 };
-      this.sets.set(key, set);                          /* the newest is last */
+      this.sets.set(key, set);                          /* now the last one in the map */
       if (this.sets.size > KEPT) this.forget();
       return set;
     }
@@ -144,7 +144,7 @@ const Engine = (() => {
       }
     }
 
-    /* Puts a state into the room of all calls: addresses of q, v, u, and of the answer. */
+    /* Copies a state to the common buffer; returns the addresses of q, v, u and of the result. */
     state(q, v, u) {
       const [at, n] = [this.room, this.n];
       this.reals(at, n).fill(0);
@@ -182,7 +182,7 @@ const Engine = (() => {
       return good ? this.reals(out, this.claims).slice() : new Float64Array(this.claims).fill(NaN);
     }
 
-    /* What the description proves constant, in its order. */
+    /* Values of the constants of the motion in the description, in its order. */
     constantsAt(params, t, q, v, u) {
       const kinds = new Set(this.constants.map((x) => x.kind));
       const claims = kinds.has("claim") ? this.claimed(params, t, q, v, u) : [];
@@ -201,7 +201,7 @@ const Engine = (() => {
     }
   }
 
-  /* One trajectory. Throws with words where method, settings or start are refused. */
+  /* One trajectory. Throws an error with a message if method, settings or start are invalid. */
   class Motion {
     constructor(engine, { method, step, rtol, params, q, v, t = 0, inputs = null }) {
       const { c, n } = engine;
@@ -227,8 +227,8 @@ const Engine = (() => {
       this.read();
     }
 
-    /* A step for a method that must have one, of a hundredth of a unit of time where nothing is
-     * known; an adaptive one begins by itself. */
+    /* Default step: 0 for an adaptive method, which chooses its own, and for an exact one; otherwise
+     * that of the description, or 0.01. */
     usual(engine, method) {
       const known = engine.description.methods.find((x) => x.name === method);
       return known && (known.adaptive || known.exact) && !known.fixed ? 0 : engine.description.run.step || 0.01;
@@ -243,7 +243,7 @@ const Engine = (() => {
       this.evaluations = c.live_evaluations(this.at);
     }
 
-    /* To t: "" or the status in words. One that takes too long for a page is given up. */
+    /* Advances to t. Returns "" or an error message, also if it takes longer than PATIENCE. */
     advance(t) {
       const { c } = this.engine;
       const until = performance.now() + PATIENCE;
@@ -271,7 +271,7 @@ const Engine = (() => {
       return this.engine.constantsAt(this.params, this.t, this.q, this.v, this.inputs);
     }
 
-    /* Crossings since the last call. */
+    /* Events since the last call. */
     events() {
       const { c, n, nq } = this.engine;
       const count = c.live_take_crossings(this.at);
