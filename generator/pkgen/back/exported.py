@@ -76,10 +76,10 @@ class Host:
     make: Callable[[Exported], Mapping[str, bytes]]
     suffix: str = ""
     options: tuple[tuple[str, Mapping[str, Any]], ...] = ()
-    tools: str = ""  # programs that the export needs, as text
+    tools: str = ""  # The programs that an export needs, as text.
     how: Callable[[argparse.Namespace], Mapping[str, Any]] = lambda _: {}
     warnings: Callable[[Exported], list[str]] = lambda _: []
-    drawing: bool = False  # the outputs in C include the drawing's numbers
+    drawing: bool = False  # The C computes the numbers that the drawing needs.
 
 
 # The option for the machines whose binaries an export contains; see library.py.

@@ -6,7 +6,7 @@ from ..equations import Equations, Facts, Indices, Invariant, Structure, Symmetr
 from ..graph.graph import BIT, ZERO, Kind
 from ..middle.loops.loops import LoopEquations
 
-SHOWN = 8  # most terms of an invariant, or blocks of coordinates, in full
+SHOWN = 8  # Most terms of an invariant, or blocks of coordinates, that are printed.
 
 
 def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:

@@ -11,8 +11,8 @@ from ..record import record
 from .targets import CHECK, FILL, MIRROR, RETURN, STORE, Output, Target
 
 Hint = tuple[Node, str]
-_FEW_ZEROS = 8  # with more zeros, a matrix is filled by a loop
-_FEW_ROWS = 6  # with more rows, a symmetric matrix is mirrored by a loop
+_FEW_ZEROS = 8  # A matrix with more zeros is filled with 0 by a loop.
+_FEW_ROWS = 6  # A symmetric matrix with more rows is mirrored by a loop.
 
 
 @record
@@ -25,10 +25,10 @@ class KernelSpec:
     values: Callable[[Equations], Mapping[str, Row | Matrix]]
     result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
-    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # precede all stores
-    kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # nodes that become local variables
-    given: tuple[str, ...] = ()  # more vector arguments, after t, q, v and u
-    second: str = "v"  # the vector argument after q: "v" or "momenta"
+    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # They precede all stores.
+    kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # Nodes that become local variables.
+    given: tuple[str, ...] = ()  # Vector arguments after t, q, v and u.
+    second: str = "v"  # The vector argument after q: "v" or "momenta".
     symmetric: bool = False
     copies: bool = (
         False  # equal entries, like mixed second derivatives of L, are copied from the first
@@ -45,7 +45,7 @@ class KernelSpec:
         if self.result == "pk_real":
             return [Target(RETURN, "", row) for row in values.values()]
         if self.name == "acceleration" and e.acceleration is None:
-            return []  # not an expression: a loop solves M a = f
+            return []  # No expression: a loop solves M a = f.
         found = list(self.checks(e))
         for name, x in values.items():
             found += matrix_stores(name, x, self.symmetric) if _is_matrix(x) else stores(name, x)

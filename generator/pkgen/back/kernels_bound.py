@@ -54,7 +54,7 @@ BOUND = (
         symmetric=True,
     ),
 )
-# A model with constraints has these kernels, if they exist, even if they are not asked for.
+# A model with constraints has these of the kernels even if they are not asked for.
 ALWAYS = frozenset(
     {
         "constraint",

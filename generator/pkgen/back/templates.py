@@ -16,7 +16,7 @@ def filled(folder: Path, template: str, **context: object) -> str:
 
 @cache
 def environment(folder: Path) -> jinja2.Environment:
-    import jinja2  # slow: checking a model takes less time
+    import jinja2  # Loading jinja2 takes longer than checking a model.
 
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),

@@ -18,15 +18,15 @@ from ..record import record
 from ..tree import Name
 
 GROUND = "ground"
-TO = "to"  # the word between the names of a joint's two bodies
-WORDS_TO_KIND = 2  # `to` and the kind
+TO = "to"  # The word between the names of a joint's two bodies.
+WORDS_TO_KIND = 2  # Two words: `to` and the kind.
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord", "limits")}
 # Members of a body that a model may use (`point` takes a vector). All others are internal.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
-HELD = ("held", "place", "e", "f", "g")  # members of a body that is fixed to another one
-COLUMNS = ("X", "Y", "Z")  # columns of R, for families indexed by a loop variable
-TURNING = ("R", "held", "turn")  # members that are rotations
-LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # direction of the event, sign of inf
+HELD = ("held", "place", "e", "f", "g")  # Members of a body that is fixed to another one.
+COLUMNS = ("X", "Y", "Z")  # Columns of R, for families indexed by a loop variable.
+TURNING = ("R", "held", "turn")  # Members that are rotations.
+LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # Event's direction, sign of inf.
 _OWN = (*LIMITS, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
 MEMBERS = frozenset((*SHOWN, *HELD, *COLUMNS, *_OWN))
 
@@ -44,7 +44,7 @@ fixed     |      |                                      |               |       
 @record
 class Kind:
     axis: bool
-    coordinates: tuple[tuple[str, str], ...]  # name suffix; angle, length or rotation
+    coordinates: tuple[tuple[str, str], ...]  # Suffix; angle, length or rotation.
     turn: str
     shift: str
     rates: str

@@ -51,7 +51,7 @@ _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.synta
 _OF_BODIES = ("BODY", "JOINT")
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
-_TOKENS = 4 * limits.NODES  # most tokens of a model, enough for limits.NODES nodes
+_TOKENS = 4 * limits.NODES  # Most tokens of a model, enough for limits.NODES nodes.
 
 
 def statements(source: Source, before: Iterable[Token] = ()) -> list[Lexed]:
@@ -164,7 +164,7 @@ class _Lexer:
         word, *more = self.now.tokens
         shapes = shapes_of(str(word))
         if not more and self.now.errors:
-            return 0  # the shape before it is unknown, which is reported
+            return 0  # The unknown shape is reported.
         if not more:
             if name in shapes:
                 return self._add("SHAPE", name, at, end)

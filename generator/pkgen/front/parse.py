@@ -66,7 +66,7 @@ def parse(source: Source) -> st.File:
     return file
 
 
-@lru_cache(maxsize=4)  # a command may compile one file once for each scene
+@lru_cache(maxsize=4)  # A command may compile a file once for each of its scenes.
 def parse_all(source: Source) -> st.File:
     """Returns the file: statements that parse, positions and names of broken ones, and errors."""
     if len(source.text) > limits.FILE_BYTES:
@@ -97,7 +97,7 @@ class _Reader:
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
         self.scene: st.Head | None = None
-        self.headless = False  # the current scene's first line did not parse
+        self.headless = False  # The first line of the scene did not parse.
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
@@ -160,7 +160,7 @@ class _Reader:
         try:
             statement = lark.parse(lexed.tokens)
         except UnexpectedToken as error:
-            if len(self.errors) > limits.DIAGNOSTICS:  # errors beyond the limit are only counted
+            if len(self.errors) > limits.DIAGNOSTICS:  # Further errors are only counted.
                 self.errors.append(Diagnostic("a statement that does not parse", lexed.span))
             else:
                 self.errors.append(explain(self.source, lexed, error))

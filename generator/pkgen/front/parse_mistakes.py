@@ -26,7 +26,7 @@ ORDER = {
     "step": ("rtol", "method dop853 step 0.01 [s] rtol 1e-9"),
     "within": ("at", STATEMENTS["expect"].form),
 }
-# The tokens as messages show them.
+# Names of tokens in messages.
 WHAT = {
     "EQUAL": "'='", "COLON": "':'", "DOTS": "'..'", "_COMMA": "','", "RPAREN": "')'",
     "RBRACKET": "']'", "NAME": "a name", "LEND": "'(' or '['", "REND": "')' or ']'",
@@ -45,8 +45,8 @@ class Spot:
 
     source: Source
     lexed: Lexed
-    token: Token  # the rejected token; of type $END if the statement ends too early
-    before: Token  # the last accepted token
+    token: Token  # The rejected token; its type is $END at the statement's end.
+    before: Token  # The last accepted token.
     after: Token | None
     expected: frozenset[str]
 

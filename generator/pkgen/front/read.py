@@ -14,9 +14,9 @@ from functools import cache
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
-READ: dict[str, None] = {}  # the files read so far, in order: dependencies of the output
+READ: dict[str, None] = {}  # The files read so far, in order; outputs depend on them.
 _ALLOWED: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
-STANDARD = "-"  # the path that means standard input
+STANDARD = "-"  # The path that means standard input.
 
 
 class UnreadableModel(ModelError):
@@ -69,7 +69,7 @@ def inside(path: str | os.PathLike[str], *folders: str | os.PathLike[str]) -> bo
     """Whether a file lies in one of the folders, after all links are resolved."""
     try:
         place = os.path.realpath(path)
-    except ValueError:  # the path contains a NUL
+    except ValueError:  # The path contains a NUL.
         return False
     return any(os.path.commonpath((place, f)) == f for f in map(os.path.realpath, folders))
 
@@ -115,7 +115,7 @@ def _bytes(path: str, wanted: str) -> bytes:
         raise _unreadable(path, f"cannot read it: {reason}") from None
 
 
-@cache  # standard input can be read only once
+@cache  # Standard input can be read only once.
 def _standard_input() -> bytes:
     if sys.stdin is None:
         raise _unreadable(STANDARD, "the standard input is closed")

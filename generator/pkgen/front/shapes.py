@@ -43,10 +43,10 @@ space  -         width?:length                       width 2 [m]
 
 @record
 class Shape:
-    form: str  # the syntax, as hints show it
-    subject: str  # kind of the value after the shape's word, "" for none
+    form: str  # The statement's syntax, for hints.
+    subject: str  # Kind of the value after the shape's word, or "".
     subject_optional: bool
-    parts: dict[str, str]  # kind of each clause's value, by its word
+    parts: dict[str, str]  # Word of a clause -> kind of its value.
     optional: tuple[str, ...]
     view: bool
 

@@ -134,7 +134,7 @@ class Event:
     stop: bool
     description: str
     span: Span
-    limit: bool = False  # comes from the clause `limits` of a joint
+    limit: bool = False  # Made of the `limits` of a joint.
 
 
 @record
@@ -233,7 +233,7 @@ class Method:
     name_span: Span
     step: Expr | None
     rtol: Expr | None
-    file: str | None  # path of the tableau
+    file: str | None  # Path of the tableau file.
     file_span: Span | None
     span: Span
 
@@ -309,7 +309,7 @@ Statement = (
 class Broken:
     """A statement that does not parse, with the names that it probably was to declare."""
 
-    keyword: str  # "" if the statement starts with no keyword
+    keyword: str  # "": the statement starts with no keyword.
     names: tuple[str, ...]
     span: Span
 

@@ -87,15 +87,15 @@ end      end_of_scene scene.end      many
 
 @record(kw_only=True)
 class Statement:
-    syntax: str  # a key of SYNTAX
-    form: str  # the whole statement, as hints show it
-    check: str = ""  # GROUP.METHOD that checks it in a model
-    clause: str = ""  # GROUP.METHOD that checks it in a scene
-    declares: str = ""  # which names it declares: FIRST, ALL or ""
-    fills: str = ""  # the field of Model that it fills
-    needs: str = ""  # dimension of its expression: "energy", "power" or ""
-    once: bool = False  # a scene has at most one
-    soft: bool = False  # its keyword is a name elsewhere
+    syntax: str  # A key of SYNTAX.
+    form: str  # The statement's syntax, for hints.
+    check: str = ""  # GROUP.METHOD that checks it in a model.
+    clause: str = ""  # GROUP.METHOD that checks it in a scene.
+    declares: str = ""  # Which names it declares: FIRST, ALL or "".
+    fills: str = ""  # The field of Model that it fills.
+    needs: str = ""  # Dimension of its expression: "energy", "power" or "".
+    once: bool = False  # A scene has at most one.
+    soft: bool = False  # Elsewhere its keyword is a name.
 
     @property
     def stands_in(self) -> str:

@@ -16,7 +16,7 @@ from functools import cache
 
 from ..record import record
 
-Dimension = tuple  # seven exponents, in the order of BASE
+Dimension = tuple  # Seven exponents, in the order of BASE.
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 _PINT_BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela")
@@ -45,7 +45,7 @@ FORCE = dimension(1, 1, -2)
 ENERGY = dimension(1, 2, -2)
 POWER = dimension(1, 2, -3)
 
-_SIMPLE = {  # Columns: factor to SI, dimension, exponent of rad.
+_SIMPLE = {  # factor to SI, dimension, exponent of rad
     "kg": (1, dimension(1), 0),
     "g": (Fraction(1, 1000), dimension(1), 0),
     "m": (1, LENGTH, 0),
@@ -75,7 +75,7 @@ _SIMPLE = {  # Columns: factor to SI, dimension, exponent of rad.
     "rad": (1, NONE, 1),
 }
 
-# Units that are no prefixes: Nm is a mistake for N*m. (T, a prefix too, is left out: THz, TJ.)
+# Units that take no prefix: Nm is a mistake for N*m. (T is a prefix too: THz, TJ, TW.)
 _JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K")
 
 KINDS = {
@@ -142,7 +142,7 @@ class Unit:
     pi: int
     dimension: Dimension
     angle: int
-    text: str = ""  # text in the model if values are shown in this unit, else ""
+    text: str = ""  # Display text; "" for SI.
 
     @property
     def shown(self) -> str:
@@ -287,7 +287,7 @@ def _look_up(name: str) -> Unit | str:
         if not all(registry._units[u].is_multiplicative for u in units._units):
             return f"'{name}' has an offset or a logarithm; a model needs a plain unit"
         factor, base = registry.get_base_units(units)
-    except Exception:  # pint raises many exception types
+    except Exception:  # pint raises exceptions of many types.
         return f"unknown unit '{name}'"
     exponents = dict(base._units)
     if any(Fraction(x).denominator != 1 for x in exponents.values()) or _is_odd(registry, name):
@@ -295,7 +295,7 @@ def _look_up(name: str) -> Unit | str:
     dim = tuple(_plain(Fraction(exponents.get(b, 0))) for b in _PINT_BASE)
     angle = exponents.get("radian", 0)
     if not any(dim) and not angle and not set(units._units) <= RATIOS:
-        return f"unknown unit '{name}'"  # e.g. AU: to pint an absorbance unit
+        return f"unknown unit '{name}'"  # pint reads AU as an absorbance unit.
     exact, pi = _without_pi(Fraction(factor))
     return Unit(exact, pi, dim, int(angle) if angle == int(angle) else 0)
 
@@ -316,7 +316,7 @@ def _named(name: str, at: int) -> Unit:
     if isinstance(found, Unit):
         if pair is None or found.dimension == times(_SIMPLE[pair[0]][1], _SIMPLE[pair[1]][1]):
             return found
-        found = f"unknown unit '{name}'"  # e.g. Nm: to pint the metric number of yarns
+        found = f"unknown unit '{name}'"  # pint reads Nm as a unit for yarns.
     help = ""
     near = [n for n in (*_SIMPLE, "au") if n.lower() == name.lower()]
     near = near or get_close_matches(name, [*_SIMPLE, "deg", "newton", "joule", "metre"], 1, 0.75)

@@ -40,7 +40,7 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
-TABLEAU = "tableau"  # the word before a tableau file's path
+TABLEAU = "tableau"  # It precedes the path of a tableau file.
 CONSTANTS = {
     "t": "the time",
     "pi": "the number pi",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..methods import Own
 
-FILE = "own_methods.h"  # name of the header
+FILE = "own_methods.h"  # Name of the header.
 
 
 def tables(own: Sequence[Own]) -> str:

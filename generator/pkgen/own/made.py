@@ -17,7 +17,7 @@ from .trees import Conditions, symmetric, symplectic
 
 MOST_RUN = 16  # PK_MOST_STAGES of pk/step/tableau.h
 MOST_WEIGHTS = 64
-_EXACT = 2**53  # all integers up to here are exact as doubles
+_EXACT = 2**53  # All integers up to this one are exact doubles.
 
 
 def fit(name: str) -> str:
@@ -73,7 +73,7 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
     more, traits, family = "", set(), "ERK"
     if tableau.bhat is not None:
         lists["e"] = [x - y for x, y in zip(tableau.b, tableau.bhat, strict=True)]
-        if same_last:  # weight of the derivative at the new point
+        if same_last:  # The weight of the derivative at the new point.
             lists["e"][stages] = -tableau.bhat[stages]
         else:
             lists["e"].append(Fraction(0))

@@ -21,7 +21,7 @@ from fractions import Fraction
 from ..record import record
 from ..source import Diagnostic, ModelError, Source, Span
 
-MOST_STAGES = 64  # of a file; pk/step/tableau.h limits methods that run
+MOST_STAGES = 64  # Limit of a file; runs need PK_MOST_STAGES of pk/step/tableau.h.
 MOST_TEXT = 200_000
 LARGEST, SMALLEST = 10**6, Fraction(1, 10**40)
 MOST_ERRORS = 5
@@ -96,7 +96,7 @@ class _Reader:
         self.source = source
         self.errors: list[Diagnostic] = []
         self.rows: dict[str, list[list[Fraction]]] = {}
-        self.places: dict[str, list[Span]] = {}  # by section: spans of its name and its rows
+        self.places: dict[str, list[Span]] = {}  # Section -> spans of its name and rows.
 
     def error(self, message: str, span: Span, help: str = "") -> None:
         self.errors.append(Diagnostic(message, span, help))

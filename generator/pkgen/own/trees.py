@@ -29,7 +29,7 @@ MOST_ORDER = 10
 
 @record
 class Rooted:
-    children: tuple[tuple[int, int], ...]  # (order, index) of each, largest first
+    children: tuple[tuple[int, int], ...]  # (order, index in trees(order)), descending.
     gamma: int
     sigma: int
 

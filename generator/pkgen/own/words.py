@@ -31,8 +31,8 @@ class Series:
         powers = [ONE]
         for k in range(1, self.degree + 1):
             powers.append((powers[-1] * x >> BITS) // k)
-        ones = -letter  # all bits set for letter 1, none for letter 0
-        for d in range(self.degree, 0, -1):  # shorter words are read, so change them last
+        ones = -letter  # All bits set for letter 1, none for letter 0.
+        for d in range(self.degree, 0, -1):  # Shorter words are read below: change them last.
             for word in range(2**d):
                 for k in range(1, d + 1):
                     if (word ^ ones) & (1 << (k - 1)):
@@ -52,7 +52,7 @@ class Series:
 def order(kicks: Sequence[Fraction], drifts: Sequence[Fraction]) -> tuple[int, float | None]:
     """Returns the order and the error constant, the norm of the errors for words of order + 1
     letters; (MOST_ORDER, None) if no tested condition fails."""
-    for degree in (4, 7, MOST_ORDER + 1):  # few letters first: each letter doubles the work
+    for degree in (4, 7, MOST_ORDER + 1):  # Ascending: the work doubles with each letter.
         series = Series(degree)
         for k, kick in enumerate(kicks):
             series.times_exp(0, scaled(kick))

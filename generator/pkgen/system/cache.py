@@ -22,9 +22,9 @@ from .files import MARK, scratch, sweep
 from .progress import say, trace
 
 DIGESTS = "digests"
-KEPT = 100  # entries of each kind that are never removed
-RECENT = 3600.0  # seconds: a process that found an entry may still use it
-STALE = 600.0  # seconds; older unfinished folders are removed
+KEPT = 100  # Number of entries of each kind that are kept.
+RECENT = 3600.0  # seconds; an entry used since then is kept as well
+STALE = 600.0  # seconds; an older unfinished folder is removed
 
 
 def cache_directory() -> Path:
@@ -58,7 +58,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
             f"cannot write to the cache {kinds}: {error.strerror}; "
             "name another directory with the environment variable PKGEN_CACHE"
         ) from None
-    with suppress(OSError):  # fails in a read-only cache
+    with suppress(OSError):  # The cache may be read-only.
         os.utime(folder)
     return folder
 
@@ -66,7 +66,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
 def _fill(folder: Path, make: Callable[[Path], None]) -> None:
     with scratch(folder.parent, ".new-") as new:
         make(new)
-        (new / MARK).unlink(missing_ok=True)  # no longer a scratch folder
+        (new / MARK).unlink(missing_ok=True)  # The folder is no longer a scratch folder.
         files = sorted(path for path in new.iterdir() if path.is_file())
         lines = [f"{folder.name}", *(f"{_digest(path)} {path.name}" for path in files)]
         (new / DIGESTS).write_text("\n".join(lines), encoding="utf-8")
@@ -123,7 +123,7 @@ def _alone(path: Path) -> Iterator[None]:
     """Holds an exclusive lock, the file `path`."""
     while True:
         fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
-        with suppress(OSError):  # fails on a file system without locks
+        with suppress(OSError):  # Some file systems have no locks.
             try:
                 fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -133,7 +133,7 @@ def _alone(path: Path) -> Iterator[None]:
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(fd), path.stat()):
                 break
-        os.close(fd)  # another process has removed the file
+        os.close(fd)  # The file was removed by its previous owner.
     try:
         yield
     finally:
@@ -145,7 +145,7 @@ def _prune(kinds: Path) -> None:
     """Removes entries, except the KEPT newest and those used within RECENT."""
     found = []
     for path in kinds.iterdir():
-        with suppress(FileNotFoundError):  # another process may remove entries too
+        with suppress(FileNotFoundError):  # Another process may remove entries too.
             found.append((path.stat().st_mtime, path))
     entries = sorted(entry for entry in found if not entry[1].name.startswith("."))
     for used, old in entries[:-KEPT]:

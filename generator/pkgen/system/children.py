@@ -24,7 +24,7 @@ ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 ENDS += (signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)
 
 _keeper: subprocess.Popen[bytes] | None = None
-_ended = False  # True: no thread starts a process
+_ended = False  # True: new processes must not start.
 _starting = threading.Lock()
 _stops: list[Callable[[int], None]] = []
 
@@ -115,7 +115,7 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
                 for number in [*left]:
                     signal.signal(number, left[number])
                     del left[number]
-            except BaseException as error:  # raised after all handlers are restored
+            except BaseException as error:  # All handlers are restored before it is raised.
                 late = error
         if late is not None:
             raise late
@@ -149,7 +149,7 @@ def _stop(_signal: int, _frame: object) -> None:
         if _keeper is not None and _keeper.poll() is None:
             os.killpg(_keeper.pid, number)
         if own:
-            os.kill(os.getpid(), number)  # SIGSTOP suspends pkgen here until SIGCONT
+            os.kill(os.getpid(), number)  # SIGSTOP suspends this process here, until SIGCONT.
 
 
 @contextmanager

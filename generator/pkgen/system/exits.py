@@ -4,8 +4,8 @@ DONE = 0
 MODEL_WRONG = 1
 USAGE = 2
 COMPILER_FAILED = 3
-NUMERICS_FAILED = 4  # also: the C driver ended with a checkpoint for `resume`
-LEFT = 75  # ended with a checkpoint, from which the run can resume
+NUMERICS_FAILED = 4  # The C driver returns it too.
+LEFT = 75  # The run ended with a checkpoint and can resume.
 INTERRUPTED = 130
 
 

@@ -30,7 +30,7 @@ from .progress import trace
 STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
 SCRATCH = "pkgen."
-MARK = ".pkgen-scratch"  # name of the mark in a scratch folder
+MARK = ".pkgen-scratch"  # Name of the file that marks a scratch folder.
 
 
 def partial(path: Path) -> Path:
@@ -45,11 +45,11 @@ def beside(path: Path) -> Path:
 def place(path: Path) -> Path | None:
     """Returns the file's path with symbolic links followed; None for a stream such as a pipe.
     Raises OSError or UsageError if the file cannot be written."""
-    for _ in range(40):  # the limit of Linux
+    for _ in range(40):  # Linux follows at most 40 links.
         if not path.is_symlink():
             break
         to = os.readlink(path)
-        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # e.g. /dev/stdout, a stream
+        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # A stream of this process.
             return None
         path = path.parent / to
     try:
@@ -108,7 +108,7 @@ def replace(
             with _named(path), _opened(scratch, end, os.O_EXCL) as file:
                 file.write(data)
         with uninterrupted():
-            if renamed:  # so that an old description never describes a new file
+            if renamed:  # An old description must not describe a new file.
                 for end in made.values():
                     end.unlink(missing_ok=True)
             for scratch, end in ((renamed or {}) | made).items():
@@ -168,7 +168,7 @@ class Result:
     def finish(self, description: str) -> None:
         """Closes the file, renames it to its final name and writes its description."""
         with _named(self.path):
-            self.file.close()  # may raise: the disk is full
+            self.file.close()  # Raises OSError if the disk is full.
         done = {} if self.end is None else {self.growing: self.end}
         replace({beside(self.path): description}, done)
         if self.end is not None:
@@ -183,7 +183,7 @@ class Result:
             return self.path
         kept = self._rows()
         if kept:
-            with suppress(OSError):  # full disk: reported before, the old description stays
+            with suppress(OSError):  # If the disk is full, the first description stays.
                 replace({beside(self.growing): description})
         with suppress(OSError):
             self.file.close()
@@ -210,9 +210,9 @@ def _locked(path: Path, end: Path) -> IO[bytes]:
         except BlockingIOError:
             file.close()
             raise UsageError(f"{path}: another run is writing it") from None
-        except OSError:  # no locks on this file system
+        except OSError:  # The file system has no locks.
             return file
-        with suppress(FileNotFoundError):  # another run may rename it before the lock
+        with suppress(FileNotFoundError):  # Another run may rename it before the lock.
             if os.path.samestat(os.fstat(file.fileno()), path.stat()):
                 return file
         file.close()
@@ -243,9 +243,9 @@ def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]
     try:
         lock = os.open(path, os.O_RDONLY)
         try:
-            with suppress(OSError):  # no locks: then no other process removes it
+            with suppress(OSError):  # Without locks no other process removes the folder.
                 fcntl.flock(lock, fcntl.LOCK_EX)
-            # The lock comes first: a marked folder without a lock counts as abandoned.
+            # The lock comes first: a folder with a mark and without a lock counts as abandoned.
             (path / MARK).write_text(f"{_marked(path.name)}{secrets.token_hex(16)}\n")
             yield path
         finally:

@@ -32,7 +32,7 @@ def say(text: str) -> None:
     print(f"pkgen: {text}\n", end="", file=sys.stderr, flush=True)
 
 
-_watched: float | None = None  # with `-v`: the start time, for trace()
+_watched: float | None = None  # Start time of the messages of `-v`.
 
 
 @contextmanager

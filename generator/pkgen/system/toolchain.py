@@ -46,7 +46,7 @@ class Toolchain:
     gsl_cflags: tuple[str, ...] | None
     gsl_libs: tuple[str, ...]
     version: str
-    target: str  # digest of the predefined macros, which describe the processor
+    target: str  # Digest of the compiler's macros, which describe the processor.
 
     @property
     def has_gsl(self) -> bool:
@@ -128,7 +128,7 @@ def run(command: list[str], directory: Path) -> None:
         done = subprocess.run(
             command,
             cwd=directory,
-            env={**os.environ, "TMPDIR": str(directory)},  # place of gcc's temporary files
+            env={**os.environ, "TMPDIR": str(directory)},  # For the temporary files of gcc.
             capture_output=True,
             text=True,
             timeout=TIMEOUT_SECONDS,

@@ -59,7 +59,7 @@ def _block(
 ) -> Block:
     """Returns a block: the loads `lines`, the statements of `part`, and stores to `w`."""
     loaded = {base(read) for line in lines for read in line.reads}
-    if not slots:  # no block uses another's values
+    if not slots:  # A single block needs no work array.
         return Block((*lines, *part), arguments & (words | loaded))
     for statement in part:
         lines.append(statement)

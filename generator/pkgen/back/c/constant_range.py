@@ -20,7 +20,7 @@ from ...model import Model
 from ...source import Diagnostic, ModelError
 from ...tree import Number
 
-_FLOAT = 2.0**-126, 2.0**128  # normal numbers of float: least, and upper bound
+_FLOAT = 2.0**-126, 2.0**128  # Smallest normal number and upper bound of float.
 
 
 class Beyond(Exception):
@@ -51,8 +51,8 @@ class Constants:
 
     def __init__(self, work: Tables) -> None:
         self._work = work
-        self._values: dict[Node, float | None] = {}  # None: the value depends on a parameter
-        self.float_too = True  # all constants so far are in the range of float
+        self._values: dict[Node, float | None] = {}  # None: it depends on a parameter.
+        self.float_too = True  # False: a constant is out of float's range.
 
     def see(self, node: Node) -> None:
         """Raises Beyond if a constant node is out of the range of double."""

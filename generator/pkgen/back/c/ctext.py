@@ -31,7 +31,7 @@ def string(text: str) -> str:
         text = text[: _LONGEST_STRING - 3] + "..."
     parts = []
     for c in text:
-        if c == "?":  # ?? may begin a trigraph
+        if c == "?":  # Two of them may begin a trigraph.
             parts.append("\\?" if parts and parts[-1].endswith("?") else "?")
         elif c.isascii():
             parts.append(_ESCAPES.get(c, c))
@@ -44,7 +44,7 @@ def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
     """Returns the text folded into lines that begin with `first`, then `rest`."""
     lines = textwrap.wrap(
         text,
-        WIDTH - 3,  # leaves space for the comment's end
+        WIDTH - 3,  # Space for `*/`.
         initial_indent=first,
         subsequent_indent=rest,
         break_long_words=False,
@@ -53,7 +53,7 @@ def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
     return "\n".join(line.rstrip() for line in lines) if lines else first.rstrip()
 
 
-_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')  # string literals, where lines must not break
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')  # String literals must not be broken.
 _BREAK = re.compile(r" (?=[-+*/|] )| (?=&& )|(?<=,) ")
 
 

@@ -12,7 +12,7 @@ from ...model import Model
 from .names import Names, family_of, local_wish
 from .program import Field, Kernel, Program, operations_text
 
-_LISTED = 8  # the entries of longer outputs are not listed
+_LISTED = 8  # Longer arrays are described without their entries.
 
 
 def entries(program: Program, kernel: Kernel) -> list[str]:

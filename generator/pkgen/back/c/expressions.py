@@ -56,7 +56,7 @@ class Form(NamedTuple):
     sign: int = PLUS
     above: tuple[Code, ...] = ()
     below: tuple[Code, ...] = ()
-    length: int = 0  # approximate length of the text
+    length: int = 0  # approximate length of the text, in characters
 
     @property
     def is_sum(self) -> bool:
@@ -96,7 +96,7 @@ def multiplied(a: Form, b: Form) -> Form:
 
 def inverted(form: Form) -> Form:
     sign, above, below = _as_factors(form)
-    if below:  # 1/(a/b) stays as it is, since a/b may be shared
+    if below:  # 1/(a/b) is not simplified, since a/b may be shared.
         return Form((), sign, (ONE,), (_bracketed(_fraction(above, below)),), form.length + 6)
     return Form((), sign, (ONE,), above, form.length + 4)
 

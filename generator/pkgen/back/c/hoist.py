@@ -29,8 +29,8 @@ class Hoisting(ABC):
         self.prefix = name + "_"
         self.libm = libm
         self.work = Workspace(graph)
-        self.hoisted: dict[Node, str] = {}  # by node: C text of its struct member
-        self.constants: list[Constant] = []  # empty if the model has loops: numbered there
+        self.hoisted: dict[Node, str] = {}  # Node -> C text of its struct member.
+        self.constants: list[Constant] = []  # Empty in models with loops.
         self.helpers: set[str] = set()
         self._leaves: dict[Node, Code] = {}
 

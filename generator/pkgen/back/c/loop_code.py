@@ -31,7 +31,7 @@ from .tree import (
 )
 
 STATE = "p, t, q, v, u"
-KICKED = "p, t, q, q, u"  # no rates in the force: q stands in for v
+KICKED = "p, t, q, q, u"  # The force does not depend on v, so q is passed as v.
 ONE_CELL = "ptrdiff_t m, pk_real *r"
 
 

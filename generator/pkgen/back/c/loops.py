@@ -33,9 +33,9 @@ _OURS = (
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
 SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "acc": "_acc", "p": "_momentum"}
-CHUNK = 64  # members in a chunk, a loop of constant length
-BLOCK = 1024  # members per array of bond forces; so many that stores complete before rows read them
-WIDEST_BOND = 8  # longest bond with a shared force, in members; 8 doubles fill a cache line
+CHUNK = 64  # Members in a chunk: a loop of constant length.
+BLOCK = 1024  # Members per array of bond forces: enough that stores finish before rows read them.
+WIDEST_BOND = 8  # Longest bond whose force is shared, in members: 8 doubles fill a cache line.
 FLUX_STRIDE = BLOCK + WIDEST_BOND
 M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
@@ -93,23 +93,23 @@ class Places:
             self.size_texts |= {f"least{k}'": f"p->side_lo_[{k}]", f"most{k}'": f"p->side_hi_[{k}]"}
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
-        self.ids = {g.name: names.take(g.name) for g in own}  # the names as parts of C names
+        self.ids = {g.name: names.take(g.name) for g in own}  # name -> part of C names
         # Names of constraint rows that express the recurrences of carried values.
         self.made = {g.name: names.take(f"of_{g.name}") for g in e.carried_groups}
-        self.first: dict[str, Affine] = {}  # array index of its first member, by coordinate
+        self.first: dict[str, Affine] = {}  # name -> array index of the first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):
             self.first[group.name] = total
             total = total + group.count
         self.whole = total  # length of q, including carried values
         total = Affine()
-        self.lets: dict[str, tuple[Affine, Affine]] = {}  # by `let`: offset, least index
+        self.lets: dict[str, tuple[Affine, Affine]] = {}  # name -> (offset, least index)
         for item in (item for found in e.along for item in found):
             self.lets[item.name] = total, item.group.lo
             total = total + item.group.count
         self.n_lets = total
         total = Affine()
-        self.observed: list[Affine] = []  # offset of each output, then the total length
+        self.observed: list[Affine] = []  # Offset of each output, then the total length.
         for item in e.outputs:
             self.observed.append(total)
             total = total + item.count
@@ -201,7 +201,7 @@ class Lowering(Hoisting):
         super().__init__(equations.graph, equations.model.name, libm)
         for call, (side, sign) in sides.items():
             self.work.side(call, side, sign)
-        self.kept = kept  # totals stored in the model's memory
+        self.kept = kept  # Numbers of the totals stored in the model's memory.
         self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
         self.inputs = [q.name for q in equations.inputs]

@@ -26,8 +26,8 @@ from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet
 
-BESIDE = 1  # as an offset: the variable is a scalar coordinate
-Variable = tuple[int, int]  # (offset of its place, <= 0; its number at the place)
+BESIDE = 1  # An offset that marks a scalar coordinate.
+Variable = tuple[int, int]  # (offset of its place, at most 0; number at that place)
 # Passes along the chain: the fields of Piece that each computes, besides value and rate.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
 
@@ -38,8 +38,8 @@ class Level:
 
     rows: RowSet
     group: dict  # template variables of the first value
-    stores: list[str]  # the C variable for each r[k]
-    guards: list[tuple[str, str]]  # (C condition, the variable that is 0 if it holds)
+    stores: list[str]  # r[k] is stored in the k-th of these C variables.
+    guards: list[tuple[str, str]]  # (C condition, C variable that is 0 if it holds)
 
     @property
     def of_place(self) -> list[str]:
@@ -57,9 +57,9 @@ class Carrying:
         self.number = {name: k for k, name in enumerate(self.groups)}
         self.scalar = {g.name: k for k, g in enumerate(e.scalars)}
         self.low = [p.hi + 1 for item in e.carried for p in item.pieces if self._is_low(item, p)]
-        self.slopes: dict[tuple[str, Variable], str] = {}  # C variables of derivatives
-        self.changes: dict[tuple[str, Variable], str] = {}  # C variables of their rates
-        self._shared: dict[tuple[str, Variable], Node] = {}  # derivatives equal at all places
+        self.slopes: dict[tuple[str, Variable], str] = {}  # C variables of derivatives.
+        self.changes: dict[tuple[str, Variable], str] = {}  # C variables of their rates.
+        self._shared: dict[tuple[str, Variable], Node] = {}  # Derivatives equal at all places.
         self._place_slopes()
         self.levels = {mode: list(self._levels(mode)) for mode in MODES}
         self.gathered = {low: self._gathered(low, False) for low in (False, True)}

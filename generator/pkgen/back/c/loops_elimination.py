@@ -29,8 +29,8 @@ class MassRows:
     group: dict
     number: int
     set: RowSet
-    guards: list[tuple[str, int]]  # (C condition that the column is outside its range, entry)
-    is_padded: bool  # a coordinate, with pivot 1 outside its range
+    guards: list[tuple[str, int]]  # (C condition: the column is out of range, entry's number)
+    is_padded: bool  # A coordinate: the pivot is 1 outside its range.
 
 
 class _Symmetric:
@@ -87,7 +87,7 @@ class Elimination:
             while count != len(self.front) + len(self.bulk):
                 count = len(self.front) + len(self.bulk)
                 self._stepped(low)
-            if not low:  # entries added by low places come last
+            if not low:  # Low places may add entries; these come last.
                 self._common = len(self.front), len(self.bulk)
         self.steps = {low: self._step(low) for low in (False, True)}
         self.backs = {low: self._back(low) for low in (False, True)}

@@ -126,7 +126,7 @@ class _Context:
         fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried and not e.extended else acceleration
-        constant = e.facts.mass_constant and not e.carried  # else the memory is in use
+        constant = e.facts.mass_constant and not e.carried  # Carried values need the memory.
         inside = {
             kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
             for kernel, outputs in within(e).items()

@@ -41,14 +41,15 @@ PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}
 @dataclass
 class SlopeKernel:
     """A kernel that writes matrices of derivatives. `stores` says where each value of a row set is
-    added, as (output, row, column) in C; `corner` are entries with a scalar row and column."""
+    added, as (output, row, column) in C; `corner` are entries of two scalars, as (output, row,
+    column, name of the total)."""
 
     name: str
     outputs: tuple[str, ...]
     rows: list[RowSet] = field(default_factory=list)
     stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # for each row set
-    columns: list[str] = field(default_factory=list)  # C functions: row's index in the band
-    corner: list[tuple[str, str, str, str]] = field(default_factory=list)  # where, total's name
+    columns: list[str] = field(default_factory=list)  # C functions: the row's index
+    corner: list[tuple[str, str, str, str]] = field(default_factory=list)
 
 
 @dataclass
@@ -56,8 +57,8 @@ class Rates:
     """The rates of a first-order state, computed before the rows that contain them."""
 
     group: dict
-    rows: RowSet | None  # None for a scalar state
-    total: TotalSet | None  # None for a family of states
+    rows: RowSet | None  # None for a scalar state.
+    total: TotalSet | None  # None for a family of states.
     pairs: list[PairSet]
 
     @property
@@ -92,17 +93,17 @@ class Plan:
     singularities: list[TotalSet] = field(default_factory=list)
     switches: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
-    made: tuple[Bound, ...] = ()  # recurrences of carried values, as constraints
-    jacobian: dict[str, RowSet] = field(default_factory=dict)  # J in the band, by family of rows
-    border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family
-    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # by kernel, row
+    made: tuple[Bound, ...] = ()  # Recurrences of carried values, as rows.
+    jacobian: dict[str, RowSet] = field(default_factory=dict)  # J of the rows in the band.
+    border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family.
+    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # By kernel, row.
     slopes: list[SlopeKernel] = field(default_factory=list)
     slopes_of: Slopes | None = None
-    reach: int = 0  # half bandwidth of the matrices of `slopes`
-    observed: dict[int, RowSet] = field(default_factory=dict)  # outputs with a value per index
-    pull: list[RowSet] = field(default_factory=list)  # rows of J^T lambda
-    along: dict[int, Alongside] = field(default_factory=dict)  # by number of the pass over members
-    rates: dict[str, Rates] = field(default_factory=dict)  # by state whose rate rows use
+    reach: int = 0  # Half bandwidth of the matrices in `slopes`.
+    observed: dict[int, RowSet] = field(default_factory=dict)  # Outputs with a value per index.
+    pull: list[RowSet] = field(default_factory=list)  # The rows of J^T lambda.
+    along: dict[int, Alongside] = field(default_factory=dict)  # By number of the pass over members.
+    rates: dict[str, Rates] = field(default_factory=dict)  # By state: rates in rows.
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -131,9 +132,9 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     named |= {"mass", "inertia", "jacobian", "advance"}
     if wanted is None:
         return frozenset(named)
-    alone = divides(e) and not e.force.pairs  # no pair forces: an acceleration is one expression
+    alone = divides(e) and not e.force.pairs  # Each acceleration is one expression.
     solved = set() if alone else {"force"} if divides(e) else {"force", "mass"}
-    watched |= {"mass"} if e.pivots else set()  # the kernel `singularity` needs M
+    watched |= {"mass"} if e.pivots else set()  # The kernel `singularity` calls `mass`.
     return frozenset(named & wanted | solved | watched)
 
 

@@ -67,14 +67,14 @@ class RowSet:
     guarded: list[Guarded]
     lows: list[str]
     highs: list[str]
-    group: dict = field(default_factory=dict)  # template variables of the family
-    ghosts: bool = False  # a ghost cell's row is added to that of the cell it copies
-    below: int = 0  # number of ghost cells below the range
-    above: int = 0  # number of ghost cells above the range
-    plain: bool = False  # the mass r[1] is a positive number, needs no check
-    scale: Block | None = None  # factor of r[0] in the interior, equal in all rows
-    flux: Block | None = None  # computes bond forces, flux[k * stride]
-    span: int = 0  # length of a bond, in members
+    group: dict = field(default_factory=dict)  # Template variables of the family.
+    ghosts: bool = False  # Ghost cells' rows are added to the rows of the cells they copy.
+    below: int = 0  # Number of ghost cells below the range.
+    above: int = 0  # Number of ghost cells above the range.
+    plain: bool = False  # The mass r[1] is a positive number: no check.
+    scale: Block | None = None  # Common factor of r[0] in all interior rows.
+    flux: Block | None = None  # Computes the bond forces, flux[k * stride].
+    span: int = 0  # Length of a bond, in members.
 
     @property
     def blocks(self) -> list[Block]:
@@ -117,7 +117,7 @@ class PairSet:
     first: str
     last: str
     block: Block
-    own: dict[int, str] = field(default_factory=dict)  # key: the value's number in the block
+    own: dict[int, str] = field(default_factory=dict)  # number in the block -> array element
     other: dict[int, str] = field(default_factory=dict)
 
 

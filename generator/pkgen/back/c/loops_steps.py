@@ -10,8 +10,8 @@ from ...middle.loops.slots import Slots
 from .loops import BLOCK, CHUNK, Places
 from .loops_plan import Plan
 
-LINE = 8  # members per cache line; chunks of rows start at line boundaries
-STAGES = 32  # stages per pass over memory; their data and a block fit in 32 KiB of cache
+LINE = 8  # Members per cache line; chunks of rows start at line boundaries.
+STAGES = 32  # Stages per pass over memory: their data and a block fit in 32 KiB of cache.
 
 
 def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[str, Any] | None:
@@ -26,7 +26,7 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         return None
     cells = [s.at for s in below if s.kind == "q" and s.at is not None]
     if not all(at.factor(ROW) for at in cells):
-        return None  # all rows depend on one member
+        return None  # One member acts on all rows.
     reach = max((abs(at.constant) for at in cells), default=0)
     if reach > CHUNK or not all((g.lo - e.families[0].lo).is_constant for g in e.families):
         return None

@@ -28,7 +28,7 @@ from .schedule import Schedule
 
 __all__ = ["Program", "lower"]
 
-LONG = 1000  # in embedded C: an acceleration of more operations solves M a = f by a loop
+LONG = 1000  # Operations: in embedded C a longer acceleration solves M a = f by a loop.
 _ARGUMENT = {
     Kind.COORDINATE: "q",
     Kind.RATE: "v",
@@ -71,7 +71,7 @@ def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int
     of their families."""
     slots, kept = equations.parameters, set(read)
     families = {slots[k].family for k in kept}
-    for k in reversed(range(len(slots))):  # defaults use earlier parameters only
+    for k in reversed(range(len(slots))):  # A default depends on earlier parameters only.
         if k in kept or slots[k].family in families:
             kept.add(k)
             more = _parameters_in(equations.graph, [slots[k].default])
@@ -249,7 +249,7 @@ def _local_names(equations: Equations) -> dict[Symbol, str]:
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
     accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
     rows = [
-        (Kind.COORDINATE, equations.coordinates[:own]),  # no equation has a state's integral
+        (Kind.COORDINATE, equations.coordinates[:own]),  # No equation uses the integral of a state.
         (Kind.RATE, equations.rates),
         (Kind.INPUT, equations.inputs),
         (Kind.ACCELERATION, accelerations),

@@ -27,7 +27,7 @@ _KEYWORDS = """
 # all others: macros of standard and system headers, of gcc's gnu modes, of platforms.
 _CAPITALS = re.compile(
     r"(?![A-Z](_[0-9]+)+$)[A-Z][A-Z0-9_]+[A-Z0-9](f|l|q|f[0-9]+x?)?|(PRI|SCN)[a-z]\w*[^_]"
-)  # excludes pkgen's own names, like M_0_1
+)  # Names like M_0_1, made by pkgen, are excluded.
 _MACROS = """
     I B0 HZ SP IN PI AF_DECnet PF_DECnet L_ctermid L_cuserid L_tmpnam P_tmpdir
     and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq

@@ -17,7 +17,7 @@ from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG
 from .constants import Constant
 from .expressions import Code, base
 
-LANES = ("lanes", "members")  # many states at once, with one parameter set or one for each
+LANES = ("lanes", "members")  # Kernels for many states, with one parameter set or one for each.
 
 _SHOWN = {
     LOCAL: "{target} = {text}",
@@ -75,7 +75,7 @@ class Block:
     pass values through a work array. (Compilers take superlinear time on straight-line code.)"""
 
     statements: tuple[Statement, ...]
-    uses: frozenset[str]  # the arguments (p t q v u w ...) and outputs in it
+    uses: frozenset[str]  # arguments (p t q v u w ...) and outputs in use
 
     @property
     def checks(self) -> bool:
@@ -88,9 +88,9 @@ class Kernel:
     result: str  # C type of the return value
     outputs: tuple[Output, ...]
     blocks: tuple[Block, ...]
-    work: int  # length of the array in which blocks pass values
+    work: int  # Length of the array in which blocks pass values.
     operations: Counter[str] = field(default_factory=Counter)
-    solves: bool = False  # a loop solves M a = f, instead of statements
+    solves: bool = False  # A loop solves M a = f; the kernel has no statements.
 
     @property
     def uses(self) -> frozenset[str]:
@@ -115,7 +115,7 @@ class Kernel:
 class Assignment:
     """The default of one parameter, computed from earlier parameters."""
 
-    statements: tuple[Statement, ...]  # declarations that `text` needs
+    statements: tuple[Statement, ...]  # Declarations that `text` needs.
     text: str
 
 
@@ -123,7 +123,7 @@ class Assignment:
 class Interval:
     """The bounds of one parameter, as C text; None: infinite."""
 
-    statements: tuple[Statement, ...]  # declarations that the bounds need
+    statements: tuple[Statement, ...]  # Declarations that the bounds need.
     lo: str | None
     hi: str | None
 
@@ -138,8 +138,8 @@ class Field:
 
     c_name: str
     name: str
-    length: int  # 0 for a plain parameter
-    first: int  # index of the parameter, or of the first member
+    length: int  # 0 for a single parameter.
+    first: int  # Index of the parameter or of the first member.
 
 
 @record
@@ -150,14 +150,14 @@ class Program:
     parameter_names: tuple[str, ...]  # C text of each scalar parameter: "m1", "k[2]"
     defaults: tuple[Assignment, ...]
     bounds: tuple[Interval, ...]
-    prepare: Kernel  # computes the constants
-    constants: tuple[Constant, ...]  # hoisted from the kernels
+    prepare: Kernel  # Computes the hoisted constants.
+    constants: tuple[Constant, ...]  # The hoisted constants.
     start: Kernel
     kernels: tuple[Kernel, ...]
-    float_too: bool  # all constants are in the range of float
-    helpers: tuple[str, ...]  # functions that <math.h> lacks: "min", "step", ...
-    lanes: tuple[str, ...] = ()  # which of LANES it has
-    plain: bool = False  # for embedding: no tables for the runtime
+    float_too: bool  # All constants are in the range of float.
+    helpers: tuple[str, ...]  # Functions that <math.h> lacks: "min", "step", ...
+    lanes: tuple[str, ...] = ()  # A subset of LANES.
+    plain: bool = False  # C to be embedded, without the runtime's tables.
 
     def kernel(self, name: str) -> Kernel | None:
         return next((k for k in self.kernels if k.name == name), None)

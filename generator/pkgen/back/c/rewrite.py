@@ -22,7 +22,7 @@ from .constant_range import Constants, Tables
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
-SIDE = "side"  # kind of symbol, in this package only: the side of a switch
+SIDE = "side"  # The kind of a symbol that is the side of a switch; only used here.
 
 
 class Workspace(Tables):
@@ -32,7 +32,7 @@ class Workspace(Tables):
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
         self._known = graph.tables()
-        self.sides: dict[Node, Node] = {}  # by call that a switch decides: its side
+        self.sides: dict[Node, Node] = {}  # call that a switch decides -> its side
         self._side_leaves: dict[Symbol, Node] = {}
         self.constants = Constants(self)
 
@@ -283,5 +283,5 @@ def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
             power_so_far = base if power_so_far is None else work.multiply(base, power_so_far)
     if power_so_far is not None:
         result = power_so_far if root is None else work.multiply(power_so_far, root)
-    assert result is not None  # None only if the exponent is 0
+    assert result is not None  # None only if the exponent is 0.
     return result

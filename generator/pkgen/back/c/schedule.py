@@ -53,17 +53,17 @@ class Schedule:
     prefix: str
     leaf: Callable[[Node], Code | None]
     hints: Mapping[Node, str] = field(default_factory=dict)
-    kept: frozenset[Node] = frozenset()  # nodes that must become locals
-    known_after: frozenset[str] = frozenset()  # outputs that later statements may read
-    inline_sincos: bool = False  # by the runtime's inline function, not by libm
+    kept: frozenset[Node] = frozenset()  # Nodes that must become locals.
+    known_after: frozenset[str] = frozenset()  # Outputs that later statements may read.
+    inline_sincos: bool = False  # Sines are computed inline, not by libm.
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
     _forms: dict[Node, Form] = field(default_factory=dict)
     _local: set[Node] = field(default_factory=set)
-    _angles: dict[Node, None] = field(default_factory=dict)  # leaves with sines to compute
+    _angles: dict[Node, None] = field(default_factory=dict)  # Angles still to compute.
 
     def __post_init__(self) -> None:
-        self.leaf = cache(self.leaf)  # each node needs several calls
+        self.leaf = cache(self.leaf)  # Called several times for each node.
 
     def run(self, targets: Iterable[Target]) -> None:
         targets = list(targets)
@@ -109,7 +109,7 @@ class Schedule:
         for node in uses:
             if work.op[node] is Op.CALL and (self._partner(node) in uses or self._is_trig(node)):
                 local.add(node)
-        if self.known_after:  # a readable output replaces a local
+        if self.known_after:  # These outputs can be read back.
             local -= {node for target in targets for node in target.nodes}
         return {node for node in local if self.leaf(node) is None}
 
@@ -211,7 +211,7 @@ class Schedule:
         for a in args:
             self._promote(a, _LONGEST_PART)
         if op is Op.POWER:
-            assert self.work.data[node] == Fraction(-1)  # other powers are rewritten
+            assert self.work.data[node] == Fraction(-1)  # All other powers are rewritten.
             return inverted(forms[args[0]])
         function = str(self.work.data[node])
         row = FUNCTIONS[function.removeprefix(SIDE)]

@@ -6,7 +6,7 @@ const Engine = (() => {
   /* Stubs of the system calls that wasi-libc imports: no file is read or written. */
   const WASI = { fd_close: () => 0, fd_seek: () => 70, fd_write: () => 0, fd_fdstat_get: () => 0,
     proc_exit: (code) => { throw new Error("the model's code ended with " + code); } };
-  const BUDGET = 20000;    /* steps between two checks of the time */
+  const BUDGET = 20000;    /* integration steps between two checks of the time */
   const PATIENCE = 1500;   /* longest time of a call of advance, in ms */
   const KEPT = 16;         /* parameter sets kept in memory while unused */
 
@@ -117,7 +117,7 @@ const Engine = (() => {
       let set = this.sets.get(key);
       if (set) this.sets.delete(key);
       else set = { key, at: this.made(params), users: 0 };
-      this.sets.set(key, set);                          /* now the last one in the map */
+      this.sets.set(key, set);                          /* The map's last entry is the newest. */
       if (this.sets.size > KEPT) this.forget();
       return set;
     }

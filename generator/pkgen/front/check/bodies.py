@@ -34,12 +34,12 @@ class Bodies(BodyJoints):
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared, run, file)
         self.expressions.columns = self.columns
-        self.wrong: set[Span] = set()  # statements with an error, possibly in another family member
+        self.wrong: set[Span] = set()  # Statements with an error, perhaps in another member.
         self.bodies: dict[str, st.Body] = {}
-        self.joints: dict[str, st.Joint] = {}  # key: the child body
-        self.waiting: list[st.Joint] = []  # joints whose parent is not placed or child not declared
+        self.joints: dict[str, st.Joint] = {}  # By child body.
+        self.waiting: list[st.Joint] = []  # Joints whose bodies are not known yet.
         self.placed: list[str] = []
-        self.bad: set[str] = set()  # bodies with an error in them or in an ancestor
+        self.bad: set[str] = set()  # Bodies with an error in them or in an ancestor.
         self.gravity_at: Span | None = None
 
     # statements
@@ -249,7 +249,7 @@ class Bodies(BodyJoints):
         for name in names:
             own = parted(name)[0]
             entry = self.names.table.setdefault(own, Entry(own, "poisoned", UNKNOWN, Span(0, 0)))
-            entry.periodic |= own != name  # any index is accepted
+            entry.periodic |= own != name  # An error: any index is accepted.
 
     def _tree(self) -> None:
         names = [*self.bodies]

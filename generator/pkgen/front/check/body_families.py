@@ -66,7 +66,7 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
     found: dict[str, int] = {}
     for statement in file.statements:
         if isinstance(statement, st.Define) and statement.keyword == "size":
-            with suppress(NotAnInteger):  # the check of `size` reports the error
+            with suppress(NotAnInteger):  # The check of `size` reports the error.
                 found[statement.left.name] = integer(statement.value, found)
             found |= {k: v for k, v in given.items() if k == statement.left.name}
     return found

@@ -28,8 +28,8 @@ class BodyJoints(BodyParts):
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared)
         self.run, self.statements = run, file.statements
-        self.families: dict[str, st.Joint] = {}  # the first member of each family of joints
-        self.texts: dict[str, list[str]] = {}  # by the joint: axis, rotation, e, f; "" without
+        self.families: dict[str, st.Joint] = {}  # family name -> its first joint
+        self.texts: dict[str, list[str]] = {}  # joint -> axis, rotation, e, f; or ""
 
     def kind_of(self, statement: st.Joint) -> Kind | None:
         word, span = statement.kind

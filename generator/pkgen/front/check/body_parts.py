@@ -29,8 +29,8 @@ class BodyParts(Checks):
         super().__init__(shared)
         self.united = self.expressions.time_dimension != NONE
         self.masses: dict[str, Value] = {}
-        self.inertias: dict[str, tuple[Value, ...]] = {}  # by body: elements of its tensor
-        self.carriers: dict[str, str] = {}  # by body fixed to another one: its carrier
+        self.inertias: dict[str, tuple[Value, ...]] = {}  # body -> elements of its tensor
+        self.carriers: dict[str, str] = {}  # fixed body -> the body that carries it
 
     def clauses(
         self, statement: st.Body | st.Joint, words: tuple[str, ...], what: str

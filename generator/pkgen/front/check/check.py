@@ -70,9 +70,9 @@ class Seen:
 
     model: m.Model | None
     names: Names
-    parts: Mapping[str, list]  # results of the checks, by field of Model
+    parts: Mapping[str, list]  # Results of the checks, by field of Model.
     sizes: Mapping[str, int]
-    errors: tuple[Diagnostic, ...]  # sorted by place, without duplicates
+    errors: tuple[Diagnostic, ...]  # Sorted by position, without duplicates.
     warnings: tuple[Diagnostic, ...]
 
 
@@ -87,7 +87,7 @@ def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
     return Seen(model, *known, tuple(errors), tuple(warnings))
 
 
-@lru_cache(maxsize=4)  # a command may compile one file once for each scene
+@lru_cache(maxsize=4)  # A command may compile a file once for each of its scenes.
 def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ...]]:
     seen = see(file, dict(sizes))
     if seen.errors:
@@ -105,7 +105,7 @@ class _Checker:
     def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
         self.report = Report()
         counted = (expr for s in file.statements for expr in indices(s))
-        self.counting = frozenset().union(*map(names, counted))  # names in the indices of bodies
+        self.counting = frozenset().union(*map(names, counted))  # Names in indices of bodies.
         taken = {*dict(_declarations(file.statements)), *CONSTANTS}
         self.file, self.given = written_out(file, given, taken, self.report.error), dict(given)
         file = self.file
@@ -148,7 +148,7 @@ class _Checker:
         if not self.broken & {"", "body", "joint"}:
             self.bodies.finish()
         for statement in self.file.statements:
-            if isinstance(statement, st.Scene):  # scenes last: all names are known
+            if isinstance(statement, st.Scene):  # Scenes are checked last: all names are known.
                 self.scenes.check(statement)
         self.expressions.indices.finish()
         if "rate" not in self.broken:
@@ -240,7 +240,7 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
     for statement in statements:
         match statement:
             case st.Define(keyword="rate" | "force"):
-                pass  # `rate` and `force` refer to a declared name
+                pass  # `rate` and `force` declare no name.
             case st.Param(left=left) | st.Define(left=left):
                 yield left.name, left.span
             case st.Declare(items=items):

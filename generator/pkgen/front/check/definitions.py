@@ -18,7 +18,7 @@ from .scope import PLACES, Scope
 from .shared import Checks, as_is, name_span
 from .vectors import by_component
 
-_UNKNOWN = "?"  # stands for a bound with an error; no name can be "?"
+_UNKNOWN = "?"  # Stands for a bound with an error; no name can be "?".
 
 
 class Definitions(Checks):

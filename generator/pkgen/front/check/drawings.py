@@ -22,8 +22,8 @@ from .vectors import applied, component
 class Drawings(Checks):
     def __init__(self, shared: Shared) -> None:
         super().__init__(shared)
-        self.length: Dimension | None = None  # dimension of the first position
-        self.first = 0  # source line of the first position
+        self.length: Dimension | None = None  # Dimension of the first position.
+        self.first = 0  # Source line of the first position.
 
     def draw(self, statement: st.Draw) -> None:
         scope: Scope | None = Scope(PLACES["drawing"])

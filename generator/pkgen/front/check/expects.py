@@ -14,7 +14,7 @@ from .settings import Settings
 from .shared import Checks, Shared
 from .vectors import component
 
-OF_RUN = frozenset(("drift", "time"))  # functions of a whole run, not of a time
+OF_RUN = frozenset(("drift", "time"))  # Functions whose value is that of a whole run.
 
 
 class Expects(Checks):

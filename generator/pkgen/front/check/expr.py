@@ -133,7 +133,7 @@ class Expressions(Operators, Calls, Quantities):
             return expr, self._turning(expr, entry)
         return expr, entry.facts
 
-    columns: Callable[[str], tuple[str, ...]]  # from bodies.py: names of R's columns
+    columns: Callable[[str], tuple[str, ...]]  # Names of R's columns; from bodies.py.
 
     def _turning(self, expr: Name, entry: Entry) -> Facts:
         """Returns the facts of a member of a family of rotations; `expr` has its index."""
@@ -194,7 +194,7 @@ class Expressions(Operators, Calls, Quantities):
             facts = replace(facts, dimension=units.over(action, of.facts.dimension))
         if of is not None and of.kind == "rotation":
             facts = replace(facts, vector=True)
-        members = Members(of.own) if of is not None and of.own else None  # no momentum of ends
+        members = Members(of.own) if of is not None and of.own else None  # Ends have no momentum.
         return Entry(name, "built-in", facts, expr.span, members)
 
     def _once(self, name: str, message: str, span: Span, help: str = "") -> None:

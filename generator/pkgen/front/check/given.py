@@ -12,7 +12,7 @@ from .names import KIND_TEXT, Entry, Members
 from .scope import DECLARED, PLACES, Scope
 from .shared import Checks, Shared, as_is, name_span
 
-Taken = dict[str, Members]  # member indices by coordinate; a single coordinate has index 0
+Taken = dict[str, Members]  # coordinate -> indices; a single coordinate has index 0
 
 
 class Given(Checks):
@@ -26,7 +26,7 @@ class Given(Checks):
         self.holds: list[m.Hold] = []
         self.started: Taken = {}
         self.held: Taken = {}
-        self.given: dict[str, set[tuple[int, int]]] = {}  # index ranges with a value
+        self.given: dict[str, set[tuple[int, int]]] = {}  # name -> index ranges
         self.wrong_start = False
         self.members = swarm
         self.around = self._swarm(swarm) if swarm is not None else None
@@ -42,7 +42,7 @@ class Given(Checks):
         if lo is not None and hi is not None and self._swarm_fits(swarm, lo, hi):
             inside = self.indices.enter((swarm,), scope)
         if inside is None:
-            self.names.reported.add(swarm.variable)  # so that no start reports it as unknown
+            self.names.reported.add(swarm.variable)  # So no start reports it as unknown.
         return inside
 
     def _swarm_fits(self, swarm: Range, lo: int, hi: int) -> bool:
@@ -206,7 +206,7 @@ class Given(Checks):
         return " and ".join(kind for kind, names in kinds.items() if names)
 
     def _holds_all(self) -> bool:
-        if self.names.rotations:  # `hold` takes no rotations
+        if self.names.rotations:  # `hold` does not accept rotations.
             return False
         for coordinate in (*self.parts["coordinates"], *self.parts["states"]):
             whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)

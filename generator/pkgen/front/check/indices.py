@@ -26,7 +26,7 @@ class Indices:
     def __init__(self, source: Source, report: Report, names: Names, sizes: dict[str, int]) -> None:
         self.source, self.report, self.names, self.sizes = source, report, names, sizes
         self.waiting: list[tuple[Name, Entry, Scope]] = []
-        self.defining: tuple[str, Range] | None = None  # the `let` family being defined
+        self.defining: tuple[str, Range] | None = None  # The `let` family being defined.
 
     def valid(self, index: Expr, scope: Scope) -> bool:
         """Whether an index is an integer expression; reports one that is not."""

@@ -55,21 +55,21 @@ Turns = tuple[Turn, ...]
 class Facts:
     """Properties of an expression; treated as immutable, since expressions share them."""
 
-    dimension: Dimension | None  # None: fits any dimension (a literal 0, a name with an error)
-    vector: bool | None = False  # None: unknown
-    value: Fraction | float | None = None  # of a constant; else None
-    bare: bool = False  # contains only literals, pi, sizes and loop variables
-    united: bool = False  # a name or number in it has a declared unit
-    known: bool = True  # False: an error, all properties are unknown
-    time: bool = False  # contains t
+    dimension: Dimension | None  # None: any dimension fits (a literal 0; a name with an error).
+    vector: bool | None = False  # None: unknown.
+    value: Fraction | float | None = None  # The value of a constant.
+    bare: bool = False  # Contains only literals, pi, sizes and loop variables.
+    united: bool = False  # Contains a name or number with a declared unit.
+    known: bool = True  # False: the expression has an error.
+    time: bool = False  # Contains t.
     coordinates: frozenset[str] = NOTHING
     rates: frozenset[str] = NOTHING
-    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # highest derivative by input
+    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # input -> highest derivative
     states: frozenset[str] = NOTHING
     state_rates: frozenset[str] = NOTHING
-    rough: str = ""  # first non-smooth function whose argument depends on the motion
-    turns: Turns = ()  # the factors of a rotation; () for other expressions
-    accelerations: bool = False  # contains accelerations, or second derivatives of states
+    rough: str = ""  # The first non-smooth function in it that depends on the motion.
+    turns: Turns = ()  # The factors of a rotation.
+    accelerations: bool = False  # Contains accelerations, or second derivatives of states.
 
     @property
     def moves(self) -> bool:
@@ -141,11 +141,11 @@ class Entry:
     kind: str
     facts: Facts
     span: Span
-    members: Members | None = None  # of a family; includes declared ends
-    own: tuple[int, int] | None = None  # of coordinates; excludes the ends
-    periodic: bool = False  # any index is valid, also after an error
+    members: Members | None = None  # Indices of a family, including its ends.
+    own: tuple[int, int] | None = None  # Range without the ends.
+    periodic: bool = False  # Any index is valid (also after an error).
     used: bool = False
-    turning: dict[int, Facts] | None = None  # of a body's rotation: facts by member
+    turning: dict[int, Facts] | None = None  # Facts of a body's rotation, by member.
 
 
 KIND_TEXT = {
@@ -170,7 +170,7 @@ KIND_TEXT = {
     "time": "the time",
     "built-in": "built in",
 }
-MOVING = ("coordinate", "state", "rotation")  # kinds of families with ends
+MOVING = ("coordinate", "state", "rotation")  # Kinds of names whose families have ends.
 
 
 class Wrong(Exception):
@@ -205,8 +205,8 @@ class Names:
 
     def __init__(self, report: Report, line_of, later: dict[str, Span], poisoned: Iterable[str]):
         self.report = report
-        self.line_of = line_of  # line number of a span
-        self.later = later  # all names of the file, with source positions
+        self.line_of = line_of  # Returns the line number of a span.
+        self.later = later  # All names of the file, with source positions.
         self.table: dict[str, Entry] = {}
         self.reported: set[str] = set()
         for name in poisoned:
@@ -231,10 +231,10 @@ class Names:
         self.table[name] = entry
         return not why
 
-    coordinates: frozenset[str] = NOTHING  # names in the file, set before checking
+    coordinates: frozenset[str] = NOTHING  # Names in the file, set before the checks.
     states: frozenset[str] = NOTHING
     rotations: frozenset[str] = NOTHING
-    loose: frozenset[str] = NOTHING  # bodies not connected to the ground, an error
+    loose: frozenset[str] = NOTHING  # Bodies not connected to the ground.
 
     @property
     def moving(self) -> frozenset[str]:

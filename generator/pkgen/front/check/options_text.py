@@ -28,7 +28,7 @@ from .scope import PLACES, Scope
 from .shared import as_is
 from .values import NoValue, checked, evaluate
 
-_LONGEST = 1_000  # longest option, in characters
+_LONGEST = 1_000  # Longest option, in characters.
 _COMPONENT = re.compile(rf"(.*)(\.[{COMPONENTS}])('*)\s*")
 
 
@@ -142,7 +142,7 @@ def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
     except UnexpectedToken as error:
         found = explain(source, lexed, error)
         message, help = found.message, found.help
-        if message.endswith("takes one item"):  # lark saw a statement made of the value
+        if message.endswith("takes one item"):  # "item" would puzzle: it is the value.
             message, help = "one value is needed here", ""
         elif help.startswith(("the form", "e.g.")):
             help = ""

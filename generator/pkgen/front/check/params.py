@@ -46,11 +46,11 @@ def check_bounds(
                     item.default.span,
                     f"a bound without a unit is in [{item.unit}]" if item.unit else "",
                 )
-                bounds = None  # one report for each family
+                bounds = None  # One error for each family is enough.
 
 
 def _constant(item: m.Definition, values: dict, sizes: Mapping[str, int]) -> None:
-    with suppress(NoValue, KeyError):  # a `let` that varies, or a reported error
+    with suppress(NoValue, KeyError):  # The `let` is not constant, or has an error.
         values[item.name] = evaluate(item.value, values, sizes)
 
 
@@ -60,7 +60,7 @@ def _indices(item: m.Parameter, sizes: Mapping[str, int]):
     lo, hi = integer(item.range.lo, sizes), integer(item.range.hi, sizes)
     if hi - lo < limits.SAMPLED:
         return range(lo, hi + 1)
-    half = limits.SAMPLED // 2  # only the first and the last members of a longer family
+    half = limits.SAMPLED // 2  # Only the first and last members of a long family are checked.
     return [*range(lo, lo + half), *range(hi - half + 1, hi + 1)]
 
 

@@ -20,7 +20,7 @@ class Required:
 
     def _required(self) -> None:
         if not self.file.statements:
-            if not self.file.diagnostics:  # statements that did not parse are reported
+            if not self.file.diagnostics:  # Otherwise all statements have syntax errors.
                 self.report.error(
                     "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
                 )

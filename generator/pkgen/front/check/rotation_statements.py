@@ -22,7 +22,7 @@ from .scope import Scope
 from .shared import Checks
 from .vectors import component
 
-TURNS = 5  # most factors in a start or an end; the number of terms grows exponentially with it
+TURNS = 5  # Most factors in a product; its terms multiply.
 
 
 class Rotations(Checks):
@@ -80,7 +80,7 @@ class Rotations(Checks):
             help = f"start omega({left.name}) = [x, y, z]"
             self.report.error(f"the rates of a rotation are omega({left.name})", item.span, help)
         scope = self.shared.member_scope(left, entry, around) or around
-        of_rates = item.function or item.order  # R' is an error, reported above
+        of_rates = item.function or item.order  # R' is reported as an error above.
         values = self._rates(item, scope) if of_rates else self._attitude(item, scope)
         if len(self.report.errors) > before or entry is None or not values:
             return None

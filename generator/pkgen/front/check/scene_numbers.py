@@ -15,9 +15,9 @@ from ...tree import Expr
 from .params import within
 from .values import NoValue, evaluate
 
-BYTES = 20  # bytes of a number as text
+BYTES = 20  # Bytes of a number as text.
 Number = Fraction | float
-Key = tuple[str, int | None]  # a name, and the index of a family member or None
+Key = tuple[str, int | None]  # name, index of a family member
 
 
 def has_row(t: float, every: float | None, until: float) -> bool:
@@ -101,7 +101,7 @@ class Values:
     def _keep(self, key: object, expr: Expr, loop: Mapping[str, int]) -> None:
         try:
             self.values[key] = evaluate(expr, self.values, loop)
-        except (NoValue, KeyError):  # not constant, or an error that the C code reports
+        except (NoValue, KeyError):  # It is not constant, or C reports the error.
             self.values.pop(key, None)
 
     def assigned(self, item: Assignment) -> list[tuple[int | None, float]]:

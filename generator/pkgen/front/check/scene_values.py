@@ -23,7 +23,7 @@ def check_scene_values(model: Model, report: Report) -> None:
         _Numbers(model, scene, report).check()
 
 
-SHORTEST = 10 * sys.float_info.epsilon  # least step or interval over the run time, as in main.c
+SHORTEST = 10 * sys.float_info.epsilon  # Least step, as a fraction of the run time; as in main.c.
 
 
 class _Numbers:
@@ -92,7 +92,7 @@ class _Numbers:
         """Evaluates the assignments in order; reports parameters outside their bounds."""
         parameters = {p.name: p for p in self.model.parameters}
         given: dict = {}
-        outside: set[str] = set()  # each parameter is reported once
+        outside: set[str] = set()  # Each parameter is reported once.
         for item in self.scene.assignments:
             if item.varies:
                 continue

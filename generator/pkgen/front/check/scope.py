@@ -27,8 +27,8 @@ class Place:
     kinds: frozenset[str]
     may_use: str
     derivatives: bool = False
-    missing: str = ""  # hint for an unknown name; "": the default hint
-    accelerations: bool = False  # accelerations are allowed
+    missing: str = ""  # Hint for an unknown name; "": the default hint.
+    accelerations: bool = False  # Accelerations are allowed.
 
 
 DECLARED = "declare it: param {name} = 1"
@@ -82,4 +82,4 @@ class Scope:
     loops: tuple[Loop, ...] = ()
     name: str = ""
     variables: frozenset[str] = field(default=frozenset())
-    points: int = 1  # upper bound of the number of iterations of all loops
+    points: int = 1  # Upper bound of the iterations of all loops.

@@ -50,11 +50,11 @@ class Shared:
     ) -> None:
         self.expressions, self.report, self.names = expressions, report, names
         self.indices, self.sizes = expressions.indices, expressions.sizes
-        self.given = given  # sizes set on the command line
+        self.given = given  # Sizes set on the command line.
         self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
-        self.energies: list[Facts] = []  # one for each kinetic, potential or lagrangian
-        self.inputs: dict[str, int] = {}  # highest derivative by input
-        self.sound: set[Span] = set()  # parameters and constants without an error
+        self.energies: list[Facts] = []  # Facts of each kinetic, potential or lagrangian.
+        self.inputs: dict[str, int] = {}  # input -> highest derivative
+        self.sound: set[Span] = set()  # Parameters and constants without an error.
 
     @property
     def moving(self) -> tuple[str, ...]:
