@@ -128,7 +128,7 @@ def _mass(equations: Equations, structure: Structure) -> str:
 
 
 def _varying(equations: Equations, structure: Structure) -> str:
-    """Returns which kinds of quantities the mass matrix depends on, as text."""
+    """Returns the kinds of quantities on which the mass matrix depends, as text."""
     mask = 0
     for node in sum(equations.mass, ()):
         mask |= equations.graph.depends[node]

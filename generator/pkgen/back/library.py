@@ -1,8 +1,8 @@
 """Builds a shared library of a model, the runtime's files for it and a host's C code, for this
 machine or for others.
 
-The library has no GSL and runs on every processor of its architecture. Libraries for other machines
-are compiled by zig (pip install ziglang).
+The library has no GSL and runs on every processor of its architecture. zig compiles libraries for
+other machines (pip install ziglang).
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ _PUBLIC = re.compile(r"^([ \t]*#[ \t]*include[ \t]*)<(pk/[^>]+)>", re.MULTILINE)
 _WITH_RUNTIME = "#ifndef PK_RUNTIME\n#define PK_RUNTIME\n#endif\n"
 _OWN_TABLES = '#ifndef PK_OWN_TABLES\n#define PK_OWN_TABLES "../../../{}"\n#endif\n'
 _NAME = re.compile(r"\bpk_\w+")
-# clang-format puts the start of a definition at the beginning of a line.
+# clang-format lets each definition start at the beginning of a line.
 _FUNCTION = re.compile(r"^(?:\w[^;{}=#]*?)\b(pk_\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
 _OBJECT = re.compile(r"^const [^;{}()=]*?\b(pk_\w+)(?:\[[^\]]*\])*\s*=", re.MULTILINE)
 _PROTOTYPE = re.compile(r"^[a-z][^;{}#]*\([^;{}#]*;", re.MULTILINE)

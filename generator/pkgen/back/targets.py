@@ -19,7 +19,7 @@ RETURN = "return"  # return TEXT;
 
 @record
 class Target:
-    """A statement of a kernel; `also` are further C variables to which its value is copied.
+    """A statement of a kernel; its value is also copied to the C variables `also`.
 
     `template` gets the texts of `nodes`; `operations` are the operators in the template itself.
     """

@@ -14,7 +14,7 @@ _DESCRIPTION_LENGTH = 200
 
 @dataclass
 class Lexed:
-    """One statement's tokens; `comment` is the last comment at the end of one of its lines."""
+    """The tokens of a statement; `comment` is the last comment at the end of one of its lines."""
 
     tokens: list[Token] = field(default_factory=list)
     comment: str = ""

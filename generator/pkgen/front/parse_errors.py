@@ -71,7 +71,7 @@ def misplaced(lexed: Lexed) -> Diagnostic:
 
 
 def declared_names(lexed: Lexed) -> tuple[str, ...]:
-    """Returns the names that a broken statement probably was to declare."""
+    """Returns the names that a broken statement would probably declare."""
     word = lexed.keyword
     names = [str(t) for t in lexed.tokens if t.type == "NAME"]
     declares = STATEMENTS[word].declares if word in STATEMENTS else FIRST

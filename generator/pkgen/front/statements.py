@@ -307,7 +307,7 @@ Statement = (
 
 @record
 class Broken:
-    """A statement that does not parse, with the names that it probably was to declare."""
+    """A statement that does not parse, with the names that it would probably declare."""
 
     keyword: str  # "": the statement starts with no keyword.
     names: tuple[str, ...]

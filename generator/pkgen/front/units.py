@@ -268,7 +268,7 @@ def _registry():
 
 
 def _is_odd(registry, name: str) -> bool:
-    """Whether pint reads a prefix and a constant: Pc is its peta speed of light."""
+    """Whether pint reads the name as a prefix and a constant: Pc as peta speed of light."""
     prefix, unit, _ = registry.parse_unit_name(name)[0]
     return bool(prefix) and unit.endswith(("_constant", "speed_of_light"))
 

@@ -97,8 +97,8 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
 
 
 def _first_same_as_last(tableau: Tableau) -> int:
-    """Returns 1 if the tableau is of the type first same as last, else 0. The runtime evaluates the
-    derivative at the new point anyway, so this stage is left out."""
+    """Returns 1 if the method is first-same-as-last, else 0. The last stage is then left out, since
+    the runtime evaluates the derivative at the new point anyway."""
     a, b = tableau.a, tableau.b
     pair = tableau.bhat is not None and tableau.stages > 1
     return int(pair and a[-1][:-1] == b[:-1] and not b[-1] and not a[-1][-1])

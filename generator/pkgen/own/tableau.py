@@ -128,7 +128,7 @@ class _Reader:
         return Tableau(self.source, a, tuple(self.rows["b"][0]), bhat)
 
     def _line(self, section: str, words: list[tuple[str, Span]]) -> str:
-        """Parses a line; returns the section that the next line continues unless it starts one."""
+        """Parses a line; returns the section to which numbers in the next line belong."""
         word, span = words[0]
         name = word.removesuffix(":")
         if name in SECTIONS:

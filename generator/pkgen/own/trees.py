@@ -52,8 +52,7 @@ def _rooted(order: int, children: tuple[tuple[int, int], ...]) -> Rooted:
 
 
 def _forests(nodes: int, most: tuple[int, int]) -> Iterator[tuple[tuple[int, int], ...]]:
-    """Yields forests of `nodes` nodes as tuples of trees, in descending order, none above
-    `most`."""
+    """Yields tuples of trees with `nodes` nodes in all, in descending order, none above `most`."""
     if nodes == 0:
         yield ()
         return

@@ -16,8 +16,8 @@ from .trees import BITS, CLOSE, MOST_ORDER, ONE, scaled
 
 
 class Series:
-    """Coefficients by number of letters and word. A word is an integer; its lowest bit is its last
-    letter."""
+    """Coefficients by number of letters and word. Each bit of a word is a letter, the lowest the
+    last."""
 
     def __init__(self, degree: int):
         self.degree = degree

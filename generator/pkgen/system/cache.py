@@ -83,7 +83,7 @@ def _digest(path: Path) -> str:
 
 
 def _own(path: Path, kind: Callable[[int], bool]) -> bool:
-    """Whether a path is of the kind, belongs to this user, and no one else can write it."""
+    """Whether `kind` holds for a path's mode, and only this user owns and can write it."""
     known = path.lstat()
     mine = known.st_uid == os.geteuid() and not known.st_mode & 0o022
     return mine and kind(known.st_mode)

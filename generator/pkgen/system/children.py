@@ -154,8 +154,8 @@ def _stop(_signal: int, _frame: object) -> None:
 
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
-    """Yields a function: whether a signal of ENDS has come, so that the run stops and keeps its
-    rows. A second signal ends pkgen at once. In other threads the function returns False."""
+    """Yields a function that tells if a signal of ENDS has come, so that the run stops and keeps
+    its rows. A second signal ends pkgen at once. In other threads the function returns False."""
     said: list[int] = []
 
     def note(number: int, _frame: object) -> None:

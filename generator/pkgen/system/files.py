@@ -30,7 +30,7 @@ from .progress import trace
 STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
 SCRATCH = "pkgen."
-MARK = ".pkgen-scratch"  # Name of the file that marks a scratch folder.
+MARK = ".pkgen-scratch"  # Name of the marker file in scratch folders.
 
 
 def partial(path: Path) -> Path:
@@ -86,7 +86,7 @@ def _named(path: Path) -> Iterator[None]:
 def replace(
     contents: Mapping[Path, str | bytes], renamed: Mapping[Path, Path] | None = None
 ) -> None:
-    """Writes all files or none; before, renames the keys of `renamed` to their values."""
+    """Renames the keys of `renamed` to their values and writes all `contents`, or does nothing."""
     made: dict[Path, Path] = {}
     try:
         for path, content in contents.items():
@@ -234,7 +234,7 @@ def cut(path: Path) -> bool:
 
 @contextmanager
 def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]:
-    """Yields a new folder, removed at the end. The folder contains a mark, and is locked while the
+    """Yields a new folder, removed at the end. It contains a marker file, and is locked while the
     process lives, so that other processes can remove the folders of killed processes."""
     if parent is None:
         parent = Path(tempfile.gettempdir())
@@ -259,7 +259,7 @@ def _marked(name: str) -> str:
 
 
 def _is_scratch(path: str, name: str) -> bool:
-    """Whether a folder has a mark with its own name; a copy of the folder has another name."""
+    """Whether a folder's marker file has the folder's name; a copied folder has another name."""
     fd = os.open(os.path.join(path, MARK), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     with open(fd, "rb") as mark:
         if os.fstat(fd).st_uid != os.geteuid():

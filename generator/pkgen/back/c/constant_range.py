@@ -24,7 +24,7 @@ _FLOAT = 2.0**-126, 2.0**128  # Smallest normal number and upper bound of float.
 
 
 class Beyond(Exception):
-    """A constant is out of the range of double; the text says which and how."""
+    """A constant is too large or too small for a double; the text says which."""
 
     def placed(self, model: Model) -> ModelError:
         """Returns the error with the position of the model's number farthest from 1, its likely

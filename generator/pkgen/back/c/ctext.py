@@ -25,7 +25,7 @@ def comment(text: str) -> str:
 
 
 def string(text: str) -> str:
-    """Returns a C string literal; other than ASCII becomes octal escapes of UTF-8 bytes."""
+    """Returns a C string literal; non-ASCII characters become octal escapes of UTF-8 bytes."""
     text = visible(text)
     if len(text) > _LONGEST_STRING:
         text = text[: _LONGEST_STRING - 3] + "..."

@@ -83,7 +83,7 @@ class Hoisting(ABC):
 
     def hoist(self, roots: Iterable[Node], names: Names) -> Schedule:
         """Finds the constants to hoist below the roots; returns the code that computes and stores
-        them in a valid order."""
+        them."""
         found = self._to_hoist(roots)
         new = rewrite(self.work, found, gather=False)
         distinct = sorted({new[node] for node in found})

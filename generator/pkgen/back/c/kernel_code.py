@@ -102,7 +102,7 @@ class KernelCode:
 
     @property
     def vectors(self) -> list[str]:
-        """Returns the names of the first two vector arguments."""
+        """Returns the names of the first two vector arguments: q, then v or momenta."""
         return ["q", self.spec.second if self.spec else "v"]
 
     @property

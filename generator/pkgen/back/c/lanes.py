@@ -20,7 +20,7 @@ LANE_ARGUMENTS = (
 
 @record
 class LanePart:
-    """The statements of one loop over lanes, the arguments in use, and the unused ones."""
+    """The statements of one loop over lanes, and the arguments that these use and do not use."""
 
     statements: tuple[Statement, ...]
     uses: tuple[str, ...]
@@ -47,8 +47,8 @@ def is_uniform(statement: Statement) -> bool:
 
 
 def lane_parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
-    """Returns the part of the leading sines and cosines, the part of all other statements, and the
-    names of these sines and cosines."""
+    """Returns the first loop (sines and cosines), the second loop, and the names of the variables
+    that the first sets."""
     made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
     leading = [s for s in kernel.statements if s.kind == TRIG and not made & _read([s])]
     loads = [s for s in kernel.statements if s.kind == LOAD]

@@ -247,7 +247,7 @@ class LoopCode:
 
     def total_function(self, x: TotalSet, signature: str, key: str = "") -> str:
         """Returns a C function of a total. It has eight partial sums, which vectorise and reduce
-        rounding error. If `key` is given, it begins with the statements of `before(key)`."""
+        rounding error. With a `key` it begins with the lines of `before` for this key."""
         body = [
             Declare("pk_real", "total"),
             Blank(),

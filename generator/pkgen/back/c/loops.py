@@ -94,14 +94,14 @@ class Places:
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
         self.ids = {g.name: names.take(g.name) for g in own}  # name -> part of C names
-        # Names of constraint rows that express the recurrences of carried values.
+        # Names of constraint rows that express recurrences.
         self.made = {g.name: names.take(f"of_{g.name}") for g in e.carried_groups}
         self.first: dict[str, Affine] = {}  # name -> array index of the first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):
             self.first[group.name] = total
             total = total + group.count
-        self.whole = total  # length of q, including carried values
+        self.whole = total  # length of q, including recurrence values
         total = Affine()
         self.lets: dict[str, tuple[Affine, Affine]] = {}  # name -> (offset, least index)
         for item in (item for found in e.along for item in found):
@@ -142,7 +142,7 @@ class Places:
         return next(g.lo for g in groups if g.name == name)
 
     def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
-        """Returns a carried value's array and index, also of its rate or acceleration. The kinds
+        """Returns the array and index of a recurrence value, its rate or acceleration. The kinds
         "w", "d", "hung_p", "hung_f" (see Slot) follow q and the rates, in this order."""
         place, own = self.flat(name, at), self.equations.count
         behind = {"w": self.whole.times(2), "d": self.whole.times(3) - own}

@@ -21,7 +21,7 @@ STATE = "(p, t, q, v, u)"
 
 
 class Before:
-    """The statements before the rows in a model's functions, by the function's name."""
+    """The C lines that precede the rows in a model's functions, by function."""
 
     def __init__(
         self,
@@ -101,7 +101,7 @@ class Before:
         return self.plan.rates[name].blocks
 
     def _needed(self, blocks: Iterable[Block]) -> list[Key]:
-        """Returns all values that some blocks need computed before, in order of computation."""
+        """Returns all values to compute before some blocks, in order of computation."""
         done: dict[Key, None] = {}
 
         def need(key: Key) -> None:

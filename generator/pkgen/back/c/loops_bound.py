@@ -41,7 +41,7 @@ def _reach(e: LoopEquations, rows: Bound) -> Iterator[tuple[Group, int]]:
 
 
 def _ahead(e: LoopEquations, rows: Bound) -> int:
-    """Returns the distance from a constraint row's own index to the index at which it stands."""
+    """Returns the distance from a constraint row's own index to the last index that it contains."""
     return max(shift + _free(g, e, -1) for g, shift in _reach(e, rows))
 
 

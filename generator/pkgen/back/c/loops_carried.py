@@ -1,13 +1,13 @@
-"""Carried values (recurrences along a chain) in C, and the elimination of M a = f with them.
+"""Recurrence values (`carried`) in C, and the elimination of M a = f with them.
 
-Carried values X have X'' = A a + ... with the accelerations a of the coordinates, which obey
+Recurrence values X, defined along a chain, have X'' = A a + ... with the accelerations a of the
+coordinates, which obey
 
     A~^T M~ A~ a = A~^T f~          A~ = (1, A), M~ and f~ those of L with X as a family
 
-M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. From the last place to the
+M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. From the last index to the
 first, this is substituted for X''[m], and a[m] is eliminated. The matrix passed on is small and
 symmetric: the articulated-body inertia of the chain beyond. The pivots are those of M.
-A place is an index of the chain; it has one unknown for each family in M~.
 
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7.
 """
@@ -27,14 +27,14 @@ from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet
 
 BESIDE = 1  # An offset that marks a scalar coordinate.
-Variable = tuple[int, int]  # (offset of its place, at most 0; number at that place)
+Variable = tuple[int, int]  # (offset of its index, at most 0; number of its family)
 # Passes along the chain: the fields of Piece that each computes, besides value and rate.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
 
 
 @dataclass
 class Level:
-    """Carried values of one level and index range; one loop computes them."""
+    """Recurrence values of one level and index range, which one loop computes."""
 
     rows: RowSet
     group: dict  # template variables of the first value
@@ -43,12 +43,12 @@ class Level:
 
     @property
     def of_place(self) -> list[str]:
-        """Returns the derivatives' variables, set to 0 at places outside the index range."""
+        """Returns the C variables of derivatives, which are 0 outside the index range."""
         return [x for x in self.stores if x.startswith(("slopes", "changes"))]
 
 
 class Carrying:
-    """The C blocks of one model's carried values; may add nodes to the graph."""
+    """The C blocks of one model's recurrence values; may add nodes to the graph."""
 
     def __init__(self, e: LoopEquations, places: Places, make: Builder):
         self.e, self.g, self.places, self.make = e, e.graph, places, make
@@ -59,7 +59,7 @@ class Carrying:
         self.low = [p.hi + 1 for item in e.carried for p in item.pieces if self._is_low(item, p)]
         self.slopes: dict[tuple[str, Variable], str] = {}  # C variables of derivatives.
         self.changes: dict[tuple[str, Variable], str] = {}  # C variables of their rates.
-        self._shared: dict[tuple[str, Variable], Node] = {}  # Derivatives equal at all places.
+        self._shared: dict[tuple[str, Variable], Node] = {}  # Derivatives equal at all indices.
         self._place_slopes()
         self.levels = {mode: list(self._levels(mode)) for mode in MODES}
         self.gathered = {low: self._gathered(low, False) for low in (False, True)}
@@ -71,7 +71,7 @@ class Carrying:
 
     @cached_property
     def reach(self) -> int:
-        """Returns how many places back the coupling of rows extends, at least 1."""
+        """Returns the largest difference between the indices of coupled rows, at least 1."""
         found = [offset for _, (offset, _) in (*self.slopes, *self._shared)]
         found += [shift for _, _, shift in self.e.mass.entries]
         return -min([-1, *found])
@@ -133,8 +133,8 @@ class Carrying:
         return f"{at} < {self.places.index(target.lo)} || {at} > {self.places.index(target.hi)}"
 
     def slope(self, name: str, low: bool, change: bool = False) -> Iterator[tuple[Variable, Node]]:
-        """Yields the derivatives of a carried value by the variables that define it; with `change`
-        the rates of these derivatives. Pieces at low places are left out unless `low`."""
+        """Yields the derivatives of a recurrence value by the variables that define it; with
+        `change` the rates of these derivatives. Pieces at low indices are left out unless `low`."""
         [item] = [item for item in self.e.carried if item.group.name == name]
         pieces = [p for p in item.pieces if low or not self._is_low(item, p)]
         for slot in dict.fromkeys(z for piece in pieces for z in piece.by):
@@ -201,16 +201,16 @@ class Carrying:
         inside = self.slots.inside
         return Row(tuple(Part(p.lo, p.hi, x, inside(x, carried)) for p, x in parts if x != ZERO))
 
-    # -- from forces on carried values to forces on coordinates ----------------------------------
+    # -- from forces on recurrence values to forces on coordinates -------------------------------
 
     def hung(self, low: bool) -> Block:
-        """Returns the block of _gathered with `moving`, which also stores the place's own sums."""
+        """Returns the block of _gathered with `moving`, which here also stores its own sums."""
         return self._gathered(low, True, own=True)
 
     def _gathered(self, low: bool, moving: bool, own: bool = False) -> Block:
-        """Returns the block that passes the forces on a place's carried values on to the variables
-        that define these, by the chain rule. With `moving` it passes dL/dq and momenta; momenta add
-        to dL/dq too, since the rates of carried values depend on coordinates."""
+        """Returns the block that passes the forces on the recurrence values of one index on to the
+        variables that define these, by the chain rule. With `moving` it passes dL/dq and momenta;
+        these add to dL/dq too, since the rates of recurrence values depend on coordinates."""
         known: dict[str, Node] = {}
         changed: dict[str, None] = {}
 

@@ -1,4 +1,4 @@
-"""The C blocks of carried values (recurrences along a chain), and their template variables."""
+"""The C blocks of recurrence values, and their template variables."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NEEDS = {"force": "force", "momenta": "force", "gradient": "motion", "canonical"
 
 
 class Chain:
-    """The carried values of one model; may add nodes to the graph."""
+    """The recurrence values of one model; may add nodes to the graph."""
 
     def __init__(self, e: LoopEquations, places: Places, make: Builder, hung: bool):
         self.carrying = Carrying(e, places, make)
@@ -86,7 +86,7 @@ def chain_context(chain: Chain | None) -> dict[str, Any] | None:
 
 
 def _group(of: Carrying, g: Group) -> dict[str, Any]:
-    """Returns the template variables of a carried value: its group, number and array indices."""
+    """Returns the template variables of a recurrence value: group, number, array indices."""
     found = of.places.group(g) | {"number": of.number[g.name]}
     for kind in ("hung_p", "hung_f"):
         found[kind] = of.places.index(of.places.carried(kind, g.name, M)[1])

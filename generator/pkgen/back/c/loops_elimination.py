@@ -1,10 +1,9 @@
-"""Solves M a = f of a chain by elimination, place by place: the formulas of one place, as C blocks.
+"""Solves M a = f of a chain by elimination, index by index: the formulas of one index, as C blocks.
 
-A place is an index of the chain (see loops_carried.py). Each place passes a symmetric matrix
-`front` on to the place below. Its variables are those that the two share: variables of lower
-places, and scalar coordinates. The pattern of its nonzero entries is found by repeating the step
-until no entry is added. `bulk` is `front` without elimination of coordinates: its diagonal is that
-of M, relative to which a pivot must be positive.
+Each index passes a symmetric matrix `front` on to the index below. Its variables are those that
+both have: variables of lower indices, and scalar coordinates. The pattern of its nonzero entries is
+found by repeating the step until no entry is added. `bulk` is `front` without elimination of
+coordinates: its diagonal is that of M, relative to which a pivot must be positive.
 """
 
 from __future__ import annotations
@@ -24,7 +23,8 @@ Pair = tuple[Variable, Variable]
 
 @dataclass
 class MassRows:
-    """The row of M~ of one family at a place: its entries in columns of this and lower places."""
+    """The row of M~ of one family at one index: its entries in columns of this and lower
+    indices."""
 
     group: dict
     number: int
@@ -72,8 +72,8 @@ def _pair(a: Variable, b: Variable) -> Pair:
 
 
 class Elimination:
-    """The elimination of a place, in two versions: for low places, near the first member, where
-    other pieces define the carried values, and for all other places."""
+    """The elimination at one index, in two versions: for low indices, near the first member, where
+    other pieces define the recurrence values, and for all other indices."""
 
     def __init__(self, of: Carrying):
         self.of, self.g = of, of.g
@@ -87,7 +87,7 @@ class Elimination:
             while count != len(self.front) + len(self.bulk):
                 count = len(self.front) + len(self.bulk)
                 self._stepped(low)
-            if not low:  # Low places may add entries; these come last.
+            if not low:  # Low indices may add entries; these come last.
                 self._common = len(self.front), len(self.bulk)
         self.steps = {low: self._step(low) for low in (False, True)}
         self.backs = {low: self._back(low) for low in (False, True)}
@@ -116,7 +116,7 @@ class Elimination:
             made = of.make.rows(f"inertia_{name}", group, own_row)
             yield MassRows(of.places.group(group), number, made, guards, not group.is_carried)
 
-    # -- elimination of one place ----------------------------------------------------------------
+    # -- elimination at one index ----------------------------------------------------------------
 
     def _incoming(self, low: bool) -> tuple[_Symmetric, _Symmetric]:
         front, bulk = _Symmetric(self.g), _Symmetric(self.g)
@@ -138,7 +138,7 @@ class Elimination:
         return k < self._common[name == "bulk"]
 
     def _stepped(self, low: bool) -> tuple[_Symmetric, _Symmetric, list[Target]]:
-        """Returns `front` and `bulk` for the next place, and the stores of other results."""
+        """Returns `front` and `bulk` for the next lower index, and the stores of other results."""
         of, g = self.of, self.g
         front, bulk = self._incoming(low)
         right: dict[Variable, Node] = {}
@@ -191,7 +191,7 @@ class Elimination:
         return Block(targets, INNER)
 
     def _back(self, low: bool) -> Block:
-        """Returns the block of a place's accelerations, with those of lower places known."""
+        """Returns the block of the accelerations at one index; those at lower indices are known."""
         of, g = self.of, self.g
         known: dict[Variable, Node] = {}
 
@@ -262,7 +262,7 @@ def of_scalars(chain: Elimination) -> Block:
 
 
 def _next(at: Variable) -> Variable:
-    """Returns the same variable with its offset relative to the next lower place."""
+    """Returns the same variable with its offset relative to the next lower index."""
     offset, number = at
     return at if offset == BESIDE else (offset + 1, number)
 

@@ -56,7 +56,7 @@ def lower_loops(
 class _Context:
     def __init__(self, e: LoopEquations, wanted: frozenset[str] | None, libm: bool):
         kernels = emitted(e, wanted)
-        # With carried values the acceleration calls whole_force instead of the kernel `force`.
+        # With recurrence values the acceleration calls whole_force instead of the kernel `force`.
         unasked = {"force"} - wanted if e.carried and wanted is not None else frozenset()
         self.kernels = kernels - unasked
         self.with_multipliers = wanted is None or "multipliers" in wanted
@@ -126,7 +126,7 @@ class _Context:
         fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried and not e.extended else acceleration
-        constant = e.facts.mass_constant and not e.carried  # Carried values need the memory.
+        constant = e.facts.mass_constant and not e.carried  # Recurrence values use it.
         inside = {
             kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
             for kernel, outputs in within(e).items()

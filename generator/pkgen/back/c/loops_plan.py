@@ -93,7 +93,7 @@ class Plan:
     singularities: list[TotalSet] = field(default_factory=list)
     switches: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
-    made: tuple[Bound, ...] = ()  # Recurrences of carried values, as rows.
+    made: tuple[Bound, ...] = ()  # Recurrences, as constraint rows.
     jacobian: dict[str, RowSet] = field(default_factory=dict)  # J of the rows in the band.
     border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family.
     bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # By kernel, row.
@@ -144,8 +144,7 @@ def watches_momenta(e: LoopEquations) -> bool:
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:
-    """Returns VECTORS; with carried values `gradient` needs momenta, for the chain rule of
-    dL/dq."""
+    """Returns VECTORS; with recurrence values `gradient` has momenta too, for the chain rule."""
     return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
 
 

@@ -67,8 +67,8 @@ def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> fro
 
 
 def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int]:
-    """Returns `read`, the parameters on which the defaults of these depend, and the other members
-    of their families."""
+    """Returns `read`, with all members of families in it, and with the parameters on which the
+    defaults of all these depend."""
     slots, kept = equations.parameters, set(read)
     families = {slots[k].family for k in kept}
     for k in reversed(range(len(slots))):  # A default depends on earlier parameters only.

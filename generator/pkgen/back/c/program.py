@@ -71,8 +71,8 @@ class Statement(NamedTuple):
 
 @record
 class Block:
-    """A sequence of statements. In a long kernel each block but the last becomes a function; they
-    pass values through a work array. (Compilers take superlinear time on straight-line code.)"""
+    """A sequence of statements. Each block of a kernel but the last becomes a function, to limit
+    compile time; the functions pass values through a work array."""
 
     statements: tuple[Statement, ...]
     uses: frozenset[str]  # arguments (p t q v u w ...) and outputs in use

@@ -1,4 +1,4 @@
-"""Turns a Program into {file name: text}; makes the template variables: strings, ints and lists."""
+"""Turns a Program into the text of C files; computes the variables of the templates."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ FACTS = """
     affine switched linear_drag affine_rates fast
 """
 
-# The member of struct pk_system for each kernel: its own, or one of a part.
+# Kernel -> member of struct pk_system, or of a part of that struct.
 _IN_CORE = """
     acceleration mass force canonical gradient jacobian energy kinetic potential observe conserve
     linear unconstrained inertia fast
@@ -103,7 +103,7 @@ def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dic
     return {name: _embedded(text) for name, text in files.items()}
 
 
-# Replacements for embedded C: it calls <tgmath.h> and returns plain numbers for failures.
+# Replacements for embedded C, which calls <tgmath.h> and returns numbers for failures.
 _EMBEDDED = (
     (r"PK_F\((\w+)\)", r"\1"),
     (r"PK_RESTRICT ", ""),

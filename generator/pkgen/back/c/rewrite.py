@@ -26,8 +26,7 @@ SIDE = "side"  # The kind of a symbol that is the side of a switch; only used he
 
 
 class Workspace(Tables):
-    """A growing private copy of the expression graph; equal nodes are one, nothing is
-    simplified."""
+    """A private copy of the expression graph, to which nodes are added without simplification."""
 
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
@@ -131,8 +130,8 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
 
 
 def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: bool) -> set[Node]:
-    """Returns the nodes that their one user takes apart: sums in a sum, and products and
-    reciprocals in a product."""
+    """Returns the nodes with one user that takes them apart: a sum takes sums apart, a product
+    takes products and reciprocals."""
     uses: dict[Node, int] = dict.fromkeys(order, 0)
     user: dict[Node, Node] = {}
     for root in roots:

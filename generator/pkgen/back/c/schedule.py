@@ -264,7 +264,7 @@ def _typed(form: Form) -> Form:
 
 
 def _at_hand(value: Code) -> bool:
-    """Returns whether the text is so simple that it needs no local: number, name, struct member."""
+    """Returns whether the text needs no local: a number, a name or a struct member."""
     if value.operations:
         return False
     is_name = value in value.reads and ("[" not in value or value.startswith("p->"))

@@ -28,7 +28,7 @@ def tables(program: Program) -> dict[str, Sequence[Quantity]]:
     return {name: row if _has(program, name) else () for name, row in found.items()}
 
 
-# By table: the kernel that writes its quantities.
+# Table -> the kernel that writes its quantities.
 _WRITTEN = {
     "momentum_names": "momenta",
     "observed": "observe",
@@ -40,8 +40,8 @@ _WRITTEN = {
 
 
 def _has(program: Program, table: str) -> bool:
-    """Returns whether the C has a table; embedded C has none for quantities that it does not
-    compute."""
+    """Returns whether the C has a table; embedded C has only tables of quantities that it
+    computes."""
     kernel = _WRITTEN.get(table)
     return not program.plain or kernel is None or program.kernel(kernel) is not None
 
@@ -84,7 +84,7 @@ def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
 
 
 def indices(program: Program) -> list[dict[str, Any]]:
-    """Returns names for indices: of each plain quantity, and of the first member of each family."""
+    """Returns the names of indices, of each plain quantity and of each family's first member."""
     e, names = program.equations, tables(program)
     own = e.own
     parameters = [] if program.plain else [slot.quantity for slot in e.parameters]

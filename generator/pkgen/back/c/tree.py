@@ -126,7 +126,7 @@ def _lines(node: Node, indent: int) -> list[str]:
 
 
 def _headed(head: str, body: Sequence[Node], indent: int) -> list[str]:
-    """Returns a head, such as `if (x)`, and its body, in braces unless that is one statement."""
+    """Returns a head, such as `if (x)`, and its body; braces are left out around one statement."""
     if len(body) == 1 and isinstance(body[0], Scope):
         body = body[0].body
     lines = rendered(body, indent + 4)

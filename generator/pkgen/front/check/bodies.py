@@ -200,8 +200,8 @@ class Bodies(BodyJoints):
                 self._say(what, text, self.bodies[name].span)
 
     def _energies(self, name: str, slides: bool) -> Iterator[tuple[str, str]]:
-        """Yields a body's energies, as (statement, text). `slides`: the body is alone and its joint
-        can translate; the kinetic energy then uses com', which makes the mass matrix constant."""
+        """Yields a body's energies, as (statement, text). `slides`: it has no child, and a joint to
+        the ground that translates; com' then makes its mass matrix constant."""
         speed = f"{name}.com'" if slides else f"{name}.speed"
         if name in self.carriers:
             terms = self.held_energy(name, self.carriers[name])
@@ -241,7 +241,7 @@ class Bodies(BodyJoints):
         self._poisoned(f"{child}.{member}" for member in SHOWN)
 
     def _poison_coordinates(self, joint: st.Joint) -> None:
-        """Marks the names in a wrong joint's clauses as poisoned: they may be coordinates."""
+        """Declares names in a wrong joint's clauses as poisoned: they may be its coordinates."""
         given = (e for word, _, items in joint.clauses if word != "turned" for e in items)
         self._poisoned([joint.left.name, *(e.id for e in given if isinstance(e, Name))])
 

@@ -75,8 +75,8 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
 def _members(
     statement: OfBodies, sizes: Mapping[str, int], taken: Container[str], most: int, shared: bool
 ) -> list[OfBodies]:
-    """Returns one statement for each member. `shared`: allows an empty range, for shared
-    families."""
+    """Returns one statement for each member. `shared`: an empty range is allowed, since other
+    statements add members."""
     left = statement.left
     if left.range is None:
         return [_with_numbers(statement, sizes)]

@@ -186,7 +186,7 @@ def _infinite(value: Expr) -> int:
 
 
 def _moved(part: object, span: Span) -> object:
-    """Returns an expression, or a part of it, with the source position `span` everywhere."""
+    """Returns an expression, or a part of it, with all source positions set to `span`."""
     if isinstance(part, Span):
         return span
     if isinstance(part, tuple):

@@ -65,8 +65,8 @@ class BodyParts(Checks):
         self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place="joint")
 
     def inertia(self, name: str, value: Expr | None) -> None:
-        """Checks the inertia tensor about the centre of mass. Off-diagonal elements are tensor
-        elements: Ixy is minus the product of inertia."""
+        """Checks the inertia tensor about the centre of mass. Off-diagonal elements are those of
+        the tensor: Ixy = -sum m x y."""
         self.inertias[name] = ()
         if value is None:
             return
@@ -92,7 +92,7 @@ class BodyParts(Checks):
         self.inertias[name] = values
 
     def _elements(self, value: Expr) -> tuple[Expr, ...] | None:
-        """Returns the elements of a literal vector or of three rows, each with the unit."""
+        """Returns the elements of a literal vector or of three rows; each gets the common unit."""
         if isinstance(value, Quantity):
             inner = self._elements(value.of)
             unit = value.unit, value.unit_span

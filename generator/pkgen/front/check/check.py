@@ -177,8 +177,8 @@ class _Checker:
         return replace(model, scenes=tuple(scenes))
 
     def _misfits(self) -> dict[str, list[Diagnostic]]:
-        """Takes errors of scenes out of the report if the command line sets sizes; returns them by
-        scene. A scene may be wrong with these sizes only; its errors are reported if it is run."""
+        """Moves errors of scenes from the report to the result, by scene, if the command line sets
+        sizes: a scene may be wrong with these sizes alone. Its errors are reported if it is run."""
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
         for scene in scenes if self.given else ():

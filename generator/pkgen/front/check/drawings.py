@@ -68,7 +68,7 @@ class Drawings(Checks):
         return replace(statement, subject=turn, parts=(*at, *statement.parts))
 
     def _part(self, what: str, word: str, value: Expr, scope: Scope) -> tuple[Expr, ...]:
-        """Checks a clause; returns () for `scale` and `in`, which the subject's check includes."""
+        """Checks a clause; returns () for `scale` and `in`, which are checked with the subject."""
         if what == shapes.PLACE:
             return self._place(value, scope)
         if word in shapes.FORMS:

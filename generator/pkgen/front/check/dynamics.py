@@ -55,7 +55,7 @@ class Dynamics(Checks):
         self.parts[row.fills].append(value)
 
     def _rate_of_a_state(self, value: Expr) -> Span:
-        """Returns the span of the shortest part that contains a state's rate, also by a name."""
+        """Returns the span of the shortest part with a state's rate, also through a definition."""
         found = [value.span]
         for part in within(value):
             entry = self.names.table.get(part.id) if isinstance(part, Name) else None

@@ -136,7 +136,7 @@ class Expressions(Operators, Calls, Quantities):
     columns: Callable[[str], tuple[str, ...]]  # Names of R's columns; from bodies.py.
 
     def _turning(self, expr: Name, entry: Entry) -> Facts:
-        """Returns the facts of a member of a family of rotations; `expr` has its index."""
+        """Returns the facts of a member, with the index in `expr`, of a family of rotations."""
         try:
             member = entry.turning.get(integer(expr.index, self.sizes))
             if member is None:

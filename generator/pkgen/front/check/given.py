@@ -57,7 +57,7 @@ class Given(Checks):
         return 0 < hi - lo + 1 <= limits.SWARM
 
     def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
-        """Reports expressions that wrongly contain the swarm's variable; returns if any does."""
+        """Reports expressions that wrongly contain the swarm's variable; returns whether any do."""
         if self.members is None:
             return False
         wrong = [e for e in expressions if e is not None and self.members.variable in names(e)]
@@ -129,7 +129,7 @@ class Given(Checks):
         self.report.error(message, span, f"say where it is held: hold {name} = …")
 
     def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
-        """Reports a value that is completely overridden; a member may override its family."""
+        """Reports a value that is set twice; a member's value may override the family's."""
         given, (lo, hi) = self.given.setdefault(name, set()), members
         if members in given or (lo < hi and any(lo <= a and b <= hi for a, b in given)):
             shown = f"a member of '{name}'" if lo < hi else f"'{name}'"

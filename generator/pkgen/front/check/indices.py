@@ -48,7 +48,7 @@ class Indices:
         return integer(expr, self.sizes) if self.valid(expr, scope) else None
 
     def _samples(self, scope: Scope) -> dict[str, int]:
-        """Returns a value of each size and loop variable, to test if an index is an integer."""
+        """Returns a value for each size and loop variable, to test whether indices are integers."""
         return {**self.sizes, **{x.range.variable: x.interval[0] for x in scope.loops}}
 
     def _names_known(self, index: Expr, scope: Scope) -> bool:

@@ -34,7 +34,7 @@ class Methods(Checks):
             self.bring(statement)
 
     def bring(self, statement: st.Method) -> None:
-        """Reads the tableau and adds the method. Raises ModelError, placed in the tableau."""
+        """Reads the tableau and adds the method. Raises ModelError at a place in the file."""
         name, help = statement.name, _FORM
         why = reserved(name)
         if name in METHODS:

@@ -116,7 +116,7 @@ class Mismatch:
         return f"{kind} [{si_text(factor)}] is missing as a factor" if kind else ""
 
     def _fitting(self, ratio: Dimension, expr: Expr, needs: str, numbers: bool) -> str | None:
-        """Returns a name of dimension `ratio`, preferably one with a digit as in `expr`."""
+        """Returns a name of dimension `ratio`, preferably with a digit at its end as in `expr`."""
         if ratio == NONE:
             return None
         own = _names(expr)

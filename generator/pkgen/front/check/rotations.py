@@ -167,7 +167,7 @@ def _inverse(turns: Turns) -> Turns:
 
 
 def _of_no_name(turns: Turns) -> str:
-    """Returns a hint how to write the rates of a rotation that is not a declared one."""
+    """Returns a hint about the rates of a rotation that has no name."""
     if len(turns) > 1:
         return "of a product of rotations the rates are in several frames: add them as vectors"
     if turns[0].quaternion is not None:

@@ -54,7 +54,7 @@ class Settings(Checks):
         return new
 
     def method(self, clause: st.Method) -> None:
-        """Reports an unknown method, missing settings, and settings that the method lacks."""
+        """Reports an unknown method, missing settings, and settings that do not apply to it."""
         methods = known(self.parts["methods"])
         name, method = clause.name, methods.get(clause.name)
         if method is None:

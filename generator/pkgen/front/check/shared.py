@@ -231,7 +231,7 @@ def name_span(left: st.Left) -> Span:
 
 
 def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
-    """Returns a hint what to write instead, for a name of the wrong kind."""
+    """Returns a hint about the right statement, for a name of the wrong kind."""
     if entry.kind == "state":
         return f"what changes a state is its rate: rate {entry.name} = …"
     if entry.kind == "coordinate" and kinds == ("state",):
