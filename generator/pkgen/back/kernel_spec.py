@@ -25,7 +25,7 @@ class KernelSpec:
     values: Callable[[Equations], Mapping[str, Row | Matrix]]
     result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
-    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # They precede all stores.
+    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # Checks before all stores.
     kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # Nodes that become local variables.
     given: tuple[str, ...] = ()  # Vector arguments after t, q, v and u.
     second: str = "v"  # The vector argument after q: "v" or "momenta".

@@ -54,7 +54,7 @@ BOUND = (
         symmetric=True,
     ),
 )
-# A model with constraints has these of the kernels even if they are not asked for.
+# Kernels that a model with constraints always has, if their outputs exist.
 ALWAYS = frozenset(
     {
         "constraint",

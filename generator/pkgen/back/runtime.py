@@ -29,9 +29,9 @@ _PROTOTYPE = re.compile(r"^[a-z][^;{}#]*\([^;{}#]*;", re.MULTILINE)
 _LOCAL = ("static", "extern", "typedef")
 _ROWS = re.compile(r"^PK_METHODS_(\w+)\(PK_DEFINE_METHOD", re.MULTILINE)
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
-_ROW = re.compile(r"X\(A, (\w+),[^\"]*?(\w+),\s*\\?\s*\"")  # groups: method, tableau
-_TABLES = re.compile(r"(?<!extern )const struct pk_gauss pk_##\w+##_table")  # collocation methods
-_REGISTRY = re.compile(r"\bPK_METHODS_CORE\((?!PK_DECLARE_METHOD|X\b)")  # an array of all methods
+_ROW = re.compile(r"X\(A, (\w+),[^\"]*?(\w+),\s*\\?\s*\"")  # Groups: method, tableau.
+_TABLES = re.compile(r"(?<!extern )const struct pk_gauss pk_##\w+##_table")
+_REGISTRY = re.compile(r"\bPK_METHODS_CORE\((?!PK_DECLARE_METHOD|X\b)")  # all methods
 
 
 def sources(texts: Iterable[str]) -> dict[str, str]:

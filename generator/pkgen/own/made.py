@@ -111,7 +111,7 @@ def _refused(tableau: Tableau, message: str, help: str) -> ModelError:
 
 
 def of_weights(name: str, text: str, option: str = "--composition") -> Own:
-    """Returns a composition of Verlet steps of these fractions of a step. Raises ModelError."""
+    """Returns a composition of Verlet steps; the weights are their lengths. Raises ModelError."""
     source = Source(f"{option} {text[:200]}", text)
     weights = _weights(source)
     s, half = len(weights), Fraction(1, 2)

@@ -23,8 +23,8 @@ from .progress import say, trace
 
 DIGESTS = "digests"
 KEPT = 100  # Number of entries of each kind that are kept.
-RECENT = 3600.0  # seconds; an entry used since then is kept as well
-STALE = 600.0  # seconds; an older unfinished folder is removed
+RECENT = 3600.0  # Seconds: an entry used more recently is kept as well.
+STALE = 600.0  # Seconds: an older unfinished folder is removed.
 
 
 def cache_directory() -> Path:

@@ -64,7 +64,7 @@ class Hoisting(ABC):
     def scheduled(
         self, targets: Iterable[Target], names: Names, fixed: bool = False, **how: Any
     ) -> Schedule:
-        """Returns the statements of a kernel or block; with `fixed` they use no hoisted values."""
+        """Returns the statements of a kernel or block; if `fixed`, without hoisted values."""
         leaf = self.fixed_leaf if fixed else self.leaf
         inline = not (self.libm or fixed)
         found = Schedule(self.work, names, self.prefix, leaf, inline_sincos=inline, **how)

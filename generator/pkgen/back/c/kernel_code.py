@@ -20,8 +20,8 @@ TYPES = {
     **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
     "w": "pk_real *w",
 }
-_ROOM = 76  # longest list of declarations on a line, in characters
-_GROUP = {LOAD: 0, CHECK: 2}  # Groups of statements; the default group is 1.
+_ROOM = 76  # Most characters of declarations on a line.
+_GROUP = {LOAD: 0, CHECK: 2}  # Kind -> group; others are in group 1.
 
 
 def statements(

@@ -1,4 +1,4 @@
-"""C of the acceleration of one state, of W states in SIMD lanes, of W ensemble members."""
+"""C functions of the acceleration of one state, of W states, and of W ensemble members."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class LoopCode:
 
     @staticmethod
     def scaled(s: RowSet) -> str:
-        """Returns C of an interior row's value: r[0] times the common factor of the row set."""
+        """Returns C of a row's value in the interior: r[0] times the common factor of all rows."""
         return f"{s.scale.value} * r[0]" if s.scale else "r[0]"
 
     # -- functions of a row -------------------------------------------------------------------
@@ -93,7 +93,7 @@ class LoopCode:
         return "".join(f"{function.text}\n" for function in found)
 
     def part_function(self, s: RowSet) -> str:
-        """Returns the function _part alone, for rows whose speed does not matter: half the code."""
+        """Returns the function _part alone, half the code, for rows whose speed does not matter."""
         signature = f"static void {self.name}_{s.name}_part({self.ARGS}, {ONE_CELL})"
         return f"{Function(signature, self._part(s)).text}\n"
 

@@ -132,7 +132,7 @@ class Places:
         return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
 
     def flat(self, name: str, at: Affine | None) -> Affine:
-        """Returns the array index of a member in q, v, ... (at is None: of a scalar coordinate)."""
+        """Returns the index in q, v, ... of a member, or of a scalar coordinate (`at` is None)."""
         return self.first[name] if at is None else self.first[name] + at - self._lo(name)
 
     def _lo(self, name: str) -> Affine:
@@ -327,7 +327,7 @@ class Lowering(Hoisting):
 
 
 def flux_place(k: int, back: int) -> str:
-    """Returns C of the k-th force of the bond that begins `back` members before m."""
+    """Returns C of the k-th force of the bond whose first member is m - `back`."""
     return f"flux[{k * FLUX_STRIDE - back}]"
 
 

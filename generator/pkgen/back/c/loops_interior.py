@@ -19,8 +19,8 @@ M = variable(ROW)
 
 
 class Interior:
-    """The interiors of a model's rows. It adds nodes to the graph, so it is used before Lowering,
-    which copies the graph."""
+    """The rows of a model away from their families' ends. This adds nodes to the graph, so it is
+    used before Lowering, which copies the graph."""
 
     def __init__(self, e: LoopEquations):
         self.e = e

@@ -126,7 +126,7 @@ class _Context:
         fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried and not e.extended else acceleration
-        constant = e.facts.mass_constant and not e.carried  # Recurrence values use it.
+        constant = e.facts.mass_constant and not e.carried  # Recurrences use M's memory.
         inside = {
             kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
             for kernel, outputs in within(e).items()
@@ -142,7 +142,7 @@ class _Context:
         homed = {ids[g.name] for g in e.families}
         parameters = [loops_tables.parameter(e, self.places, k) for k in range(len(e.parameters))]
         system = self._system_kernels()
-        # struct pk_system gets other versions of these, with J^T lambda or p = v, p' = a.
+        # struct pk_system gets other kernels for these, with J^T lambda, or p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
         answered = plan.slopes_of is not None and plan.slopes_of.answered
         accelerates = any(slot.kind == "acc" for slot in e.slots)

@@ -48,7 +48,7 @@ class SlopeKernel:
     outputs: tuple[str, ...]
     rows: list[RowSet] = field(default_factory=list)
     stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # for each row set
-    columns: list[str] = field(default_factory=list)  # C functions: the row's index
+    columns: list[str] = field(default_factory=list)  # C functions: a row's index
     corner: list[tuple[str, str, str, str]] = field(default_factory=list)
 
 
@@ -144,7 +144,7 @@ def watches_momenta(e: LoopEquations) -> bool:
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:
-    """Returns VECTORS; with recurrence values `gradient` has momenta too, for the chain rule."""
+    """Returns the vector kernels and their outputs; with recurrences `gradient` has momenta too."""
     return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
 
 
@@ -354,8 +354,8 @@ def _reach(slopes: Slopes) -> int:
 
 
 def apart(a: tuple[Group, int], b: tuple[Group, int], shift: int, slots: int) -> int:
-    """Returns the largest distance, in unknowns, from member m of `a` to member m + shift of `b`.
-    Each is a family and its number among the `slots` unknowns of an index."""
+    """Returns the largest distance in the matrix between the rows of member m of `a` and of member
+    m + shift of `b`. Each is a family and its number among the `slots` rows of an index."""
     (own, i), (other, j) = a, b
     distance = abs(shift * slots + j - i)
     # A ghost cell has its neighbour's unknown, an index away; this cancels if both ends are alike.

@@ -146,8 +146,8 @@ class Builder:
     def rows(
         self, name: str, group: Group, rows: list[Row], quotient: bool = False, ghosts: bool = True
     ) -> RowSet:
-        """Returns the set of some rows. With `quotient` the rows are a force and a mass, and r[0]
-        in the interior is force / mass."""
+        """Returns the set of `rows`. With `quotient` the rows are a force and a mass, and r[0] in
+        the interior is force / mass."""
         interior = self.interior
         nodes, lows, highs = interior.interior(rows, group)
         flux: list[Node] = []

@@ -26,7 +26,7 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         return None
     cells = [s.at for s in below if s.kind == "q" and s.at is not None]
     if not all(at.factor(ROW) for at in cells):
-        return None  # One member acts on all rows.
+        return None  # All rows depend on this one member.
     reach = max((abs(at.constant) for at in cells), default=0)
     if reach > CHUNK or not all((g.lo - e.families[0].lo).is_constant for g in e.families):
         return None

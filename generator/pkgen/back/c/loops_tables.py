@@ -14,7 +14,7 @@ from .loops_plan import Plan
 
 
 def names(e: LoopEquations) -> dict[str, Any]:
-    """Returns by table the names, units and descriptions of all quantities that a run can name."""
+    """Returns for each table the names, units and descriptions that a run can use."""
     return {
         "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
         "rates": [_quantity(g, "{}'", "rate_unit", own="rate") for g in e.coordinates],

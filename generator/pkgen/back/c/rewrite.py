@@ -105,7 +105,7 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
     new: dict[Node, Node] = {}
     for node in order:
         if node in absorbed or (gather and fixed[node]):
-            # Such a node is unchanged: its user takes it apart, or it is hoisted without its sign.
+            # The node stays unchanged: its user takes it apart, or it is hoisted without its sign.
             new[node] = node
             if node not in absorbed and ops[node] is not Op.NUMBER:
                 sign, plain = signed[node]

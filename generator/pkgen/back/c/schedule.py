@@ -90,8 +90,7 @@ class Schedule:
                 self._forms[target.nodes[0]] = atom(variable(target.where))
 
     def _locals(self, targets: list[Target]) -> set[Node]:
-        """Returns the nodes that become locals: with several uses (also of -x), in `kept`, or
-        trig."""
+        """Returns the nodes that become locals: `kept`, used several times (also as -x), sines."""
         work, leaf = self.work, self.leaf
         uses: dict[Node, int] = {}
         pending = [node for target in targets for node in target.nodes]
@@ -109,7 +108,7 @@ class Schedule:
         for node in uses:
             if work.op[node] is Op.CALL and (self._partner(node) in uses or self._is_trig(node)):
                 local.add(node)
-        if self.known_after:  # These outputs can be read back.
+        if self.known_after:  # Outputs can be read, so they need no locals.
             local -= {node for target in targets for node in target.nodes}
         return {node for node in local if self.leaf(node) is None}
 

@@ -13,7 +13,7 @@ from .program import Program
 
 
 def tables(program: Program) -> dict[str, Sequence[Quantity]]:
-    """Returns by table the quantities whose names, units and descriptions it contains."""
+    """Returns the quantities in each table of names, units and descriptions."""
     e = program.equations
     found = {
         "coordinates": e.coordinates,

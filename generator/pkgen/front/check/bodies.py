@@ -249,7 +249,7 @@ class Bodies(BodyJoints):
         for name in names:
             own = parted(name)[0]
             entry = self.names.table.setdefault(own, Entry(own, "poisoned", UNKNOWN, Span(0, 0)))
-            entry.periodic |= own != name  # An error: any index is accepted.
+            entry.periodic |= own != name  # Avoids errors about its index.
 
     def _tree(self) -> None:
         names = [*self.bodies]

@@ -26,7 +26,7 @@ class Coordinates(Checks):
             "rotation": rotations.declare,
             "input": self._input,
         }
-        self.own_ends: dict[tuple[str, int | None], Span] = {}  # Source positions of the ends.
+        self.own_ends: dict[tuple[str, int | None], Span] = {}  # Positions of families' ends.
 
     def declare(self, statement: st.Declare) -> None:
         # The unit of `a, b [m]` applies to both names, so this loop goes backwards.

@@ -61,7 +61,7 @@ class Expects(Checks):
         return a == b and (not a or clause.relation == "=")
 
     def _dimension(self, clause: st.Expect, a: Facts, b: Facts) -> Dimension:
-        """Returns the common dimension of both sides; a bare number takes the other side's."""
+        """Returns the dimension of both sides; a number without a unit takes the other side's."""
         for bare, other in ((a, b), (b, a)):
             if bare.bare and bare.dimension in (None, NONE) and other.dimension is not None:
                 return other.dimension

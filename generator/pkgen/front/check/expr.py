@@ -133,7 +133,7 @@ class Expressions(Operators, Calls, Quantities):
             return expr, self._turning(expr, entry)
         return expr, entry.facts
 
-    columns: Callable[[str], tuple[str, ...]]  # Names of R's columns; from bodies.py.
+    columns: Callable[[str], tuple[str, ...]]  # Set by check/bodies.py.
 
     def _turning(self, expr: Name, entry: Entry) -> Facts:
         """Returns the facts of a member, with the index in `expr`, of a family of rotations."""

@@ -42,7 +42,7 @@ class Given(Checks):
         if lo is not None and hi is not None and self._swarm_fits(swarm, lo, hi):
             inside = self.indices.enter((swarm,), scope)
         if inside is None:
-            self.names.reported.add(swarm.variable)  # So no start reports it as unknown.
+            self.names.reported.add(swarm.variable)  # Avoids further errors in starts.
         return inside
 
     def _swarm_fits(self, swarm: Range, lo: int, hi: int) -> bool:

@@ -142,7 +142,7 @@ def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
     except UnexpectedToken as error:
         found = explain(source, lexed, error)
         message, help = found.message, found.help
-        if message.endswith("takes one item"):  # "item" would puzzle: it is the value.
+        if message.endswith("takes one item"):  # Not about the user's text.
             message, help = "one value is needed here", ""
         elif help.startswith(("the form", "e.g.")):
             help = ""
