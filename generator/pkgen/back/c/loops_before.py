@@ -108,7 +108,7 @@ class Before:
             if key in done or (key[0] == "sum" and int(key[1]) in self.e.fixed):
                 return
             for inner in self._below(self._blocks(key)):
-                if inner != key:  # Equal if a `let` uses its own lower members.
+                if inner != key:  # Equal for a `let` that uses its own lower members.
                     need(inner)
             done[key] = None
 

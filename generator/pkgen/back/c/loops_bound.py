@@ -138,7 +138,7 @@ def _row(e: LoopEquations, rows: Bound, places: Places) -> dict[str, Any]:
     ends = [e.group(name).lo - shift for name, shift in least.items()]
     return found | {
         "ahead": _ahead(e, rows),
-        # Rows with an index below the greatest of these extend around the end of a ring.
+        # A row with an index below one of these reaches around the end of a ring.
         "wraps": [index(end) for end in ends],
         "entries": [
             {"scalar": name} if shift is None else {"other": places.ids[name], "shift": shift}

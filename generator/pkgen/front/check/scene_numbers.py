@@ -101,7 +101,7 @@ class Values:
     def _keep(self, key: object, expr: Expr, loop: Mapping[str, int]) -> None:
         try:
             self.values[key] = evaluate(expr, self.values, loop)
-        except (NoValue, KeyError):  # It is not constant, or C reports the error.
+        except (NoValue, KeyError):  # Not a constant, or an error reported by C.
             self.values.pop(key, None)
 
     def assigned(self, item: Assignment) -> list[tuple[int | None, float]]:
