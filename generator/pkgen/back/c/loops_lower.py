@@ -255,7 +255,8 @@ class _Context:
         }
 
     def _regions(self) -> dict[str, dict[str, str]]:
-        """Returns the arrays that follow the vectors in the model's memory: length, description."""
+        """Returns the arrays at the end of the model's memory, with their lengths and
+        descriptions."""
         found, count = {}, self.places.index(self.e.count)
         if watches_momenta(self.e):
             found["momentum"] = {"count": count, "says": "Room for the momenta that outputs have"}
@@ -332,7 +333,8 @@ class _Context:
 
 
 def _told(e: LoopEquations) -> Facts:
-    """Returns the facts for the runtime's table. In canonical form (p = v) M is the unit matrix."""
+    """Returns the facts for the runtime's table. If it gets p = v and p' = a, M is the unit
+    matrix."""
     one = {"mass_constant": True, "mass_diagonal": True, "quadratic": True}
     return replace(e.facts, **one) if e.solved else e.facts
 

@@ -136,7 +136,7 @@ def _order() -> list[str]:
     members = {}
     for struct, body in re.findall(r"struct (pk_\w+) \{(.*?)\n\};", text, re.DOTALL):
         members[struct] = [
-            (declared.split()[1], name)  # (type, or name of the struct; name of the member)
+            (declared.split()[1], name)  # (name of its struct, if it is one; name of the member)
             for declared in body.split(";")[:-1]
             for name in re.findall(r"\(\*(\w+)\)", declared)
             or re.findall(r"(\w+)(?=,|$)", declared)

@@ -80,7 +80,7 @@ const Engine = (() => {
       return { params: all, q, v };
     }
 
-    /* Initial values that the scene or options set are in the description. Those that depend on
+    /* Initial values that the scene or options set are in the description. Values that depend on
      * parameters are used only while all parameters are those of the description. */
     asDescribed(all, q, v) {
       const { parameters, coordinates, states, rotations } = this.description;

@@ -28,7 +28,7 @@ SPECIAL = ROTATIONS | {"sum", "drift", "time"}
 
 
 def callable_names() -> frozenset[str]:
-    """Returns the names of the functions that a model may call in any expression."""
+    """Returns the names of the functions that a model may call, except those in SPECIAL."""
     rows = (name for name, row in FUNCTIONS.items() if not row.internal)
     return frozenset(rows) | VECTOR_FUNCTIONS.keys() | WRITTEN_OUT.keys()
 

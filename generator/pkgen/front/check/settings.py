@@ -14,7 +14,7 @@ from .names import KIND_TEXT
 from .scope import PLACES, Scope
 from .shared import Checks, as_is
 
-# The smallest accuracy allowed: two roundings in double precision.
+# The smallest accuracy allowed: rounding of the result and of its formula, in double precision.
 FINEST = 2.0**-51
 
 
