@@ -138,7 +138,7 @@ def _row(e: LoopEquations, rows: Bound, places: Places) -> dict[str, Any]:
     ends = [e.group(name).lo - shift for name, shift in least.items()]
     return found | {
         "ahead": _ahead(e, rows),
-        # A row with an index below one of these reaches around the end of a ring.
+        # A row whose index is below any of these indices crosses the end of a ring.
         "wraps": [index(end) for end in ends],
         "entries": [
             {"scalar": name} if shift is None else {"other": places.ids[name], "shift": shift}

@@ -255,8 +255,7 @@ class _Context:
         }
 
     def _regions(self) -> dict[str, dict[str, str]]:
-        """Returns the arrays at the end of the model's memory, with their lengths and
-        descriptions."""
+        """Returns the arrays at the end of the model's memory: their lengths and descriptions."""
         found, count = {}, self.places.index(self.e.count)
         if watches_momenta(self.e):
             found["momentum"] = {"count": count, "says": "Room for the momenta that outputs have"}
@@ -333,8 +332,7 @@ class _Context:
 
 
 def _told(e: LoopEquations) -> Facts:
-    """Returns the facts for the runtime's table. If it gets p = v and p' = a, M is the unit
-    matrix."""
+    """Returns the facts for the runtime's table. In solved form, p = v and p' = a, M is 1."""
     one = {"mass_constant": True, "mass_diagonal": True, "quadratic": True}
     return replace(e.facts, **one) if e.solved else e.facts
 

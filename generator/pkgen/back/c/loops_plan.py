@@ -102,8 +102,8 @@ class Plan:
     reach: int = 0  # Half bandwidth of the matrices in `slopes`.
     observed: dict[int, RowSet] = field(default_factory=dict)  # Outputs with a value per index.
     pull: list[RowSet] = field(default_factory=list)  # The rows of J^T lambda.
-    along: dict[int, Alongside] = field(default_factory=dict)  # By number of the pass over members.
-    rates: dict[str, Rates] = field(default_factory=dict)  # By state: rates in rows.
+    along: dict[int, Alongside] = field(default_factory=dict)  # Passes over members, by number.
+    rates: dict[str, Rates] = field(default_factory=dict)  # Rates that rows use, by state.
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -358,7 +358,7 @@ def apart(a: tuple[Group, int], b: tuple[Group, int], shift: int, slots: int) ->
     m + shift of `b`. Each is a family and its number among the `slots` rows of an index."""
     (own, i), (other, j) = a, b
     distance = abs(shift * slots + j - i)
-    # A ghost cell has its neighbour's unknown, an index away; this cancels if both ends are alike.
+    # A ghost cell shares its neighbour's unknown, one index away; with equal ends this cancels.
     alike = (own.lo, own.hi, _free(own)) == (other.lo, other.hi, _free(other))
     return distance + slots * bool((_free(own) or _free(other)) and not alike)
 

@@ -29,7 +29,7 @@ class BodyJoints(BodyParts):
         super().__init__(shared)
         self.run, self.statements = run, file.statements
         self.families: dict[str, st.Joint] = {}  # family name -> its first joint
-        self.texts: dict[str, list[str]] = {}  # joint -> axis, rotation, e, f; or ""
+        self.texts: dict[str, list[str]] = {}  # joint -> axis, rotation, e and f of plane.py
 
     def kind_of(self, statement: st.Joint) -> Kind | None:
         word, span = statement.kind
@@ -114,7 +114,7 @@ class BodyJoints(BodyParts):
     def parts_of(self, statement: st.Joint, kind: Kind) -> None:
         name = statement.name[0]
         given = self.clauses(statement, CLAUSES["joint"], f"the joint '{name}'")
-        self.texts[name] = texts = ["", "", "", ""]  # axis, rotation, e and f of plane.py
+        self.texts[name] = texts = ["", "", "", ""]
         if statement.axis is not None:
             values = self.axis(name, statement.axis)
             if None in values and len(kind.coordinates) > 1:
