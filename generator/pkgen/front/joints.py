@@ -19,7 +19,7 @@ from ..tree import Name
 
 GROUND = "ground"
 TO = "to"  # The word between the names of a joint's two bodies.
-WORDS_TO_KIND = 2  # Two words: `to` and the kind.
+WORDS_TO_KIND = 2  # `to` and the kind
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord", "limits")}
 # Members of a body that a model may use (`point` takes a vector). All others are internal.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")

@@ -31,7 +31,7 @@ def string(text: str) -> str:
         text = text[: _LONGEST_STRING - 3] + "..."
     parts = []
     for c in text:
-        if c == "?":  # Two of them may begin a trigraph.
+        if c == "?":  # "??" may begin a trigraph.
             parts.append("\\?" if parts and parts[-1].endswith("?") else "?")
         elif c.isascii():
             parts.append(_ESCAPES.get(c, c))

@@ -108,7 +108,7 @@ class Schedule:
         for node in uses:
             if work.op[node] is Op.CALL and (self._partner(node) in uses or self._is_trig(node)):
                 local.add(node)
-        if self.known_after:  # Outputs can be read, so they need no locals.
+        if self.known_after:  # The code can read these outputs.
             local -= {node for target in targets for node in target.nodes}
         return {node for node in local if self.leaf(node) is None}
 
