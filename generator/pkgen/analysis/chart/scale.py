@@ -24,6 +24,6 @@ def slope(one: Any, other: Any) -> float:
 
 
 def two_digits(tolerance: float) -> float:
-    """Rounds a tolerance down to two digits."""
+    """Rounds a tolerance down to two digits, below 1: a run takes no larger one."""
     size = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
-    return float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}")
+    return min(float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}"), 0.99)
