@@ -124,7 +124,8 @@ def write(functions: Functions) -> None:
     stored = defaultdict(dict)
     for function, cases in sorted(functions.items()):
         path, _, name = function.partition("::")
-        if (ROOT / path).exists():
+        file = ROOT / path
+        if file.exists() and f"def {name}(" in file.read_text(encoding="utf-8"):
             stored[path][name] = cases
     files = [
         json.dumps(path) + ": " + json.dumps(of).replace("{", "{\n", 1).replace("}, ", "},\n")
