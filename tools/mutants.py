@@ -30,9 +30,7 @@ def head(patch: Path) -> tuple[str, list[str]]:
 
 
 def patched(tree: Path, patch: Path, *options: str) -> bool:
-    command = ["patch", "-p1", "--fuzz=0", "--silent", "--no-backup-if-mismatch", *options]
-    text = patch.read_text(encoding="utf-8")
-    return not subprocess.run(command, cwd=tree, input=text, text=True).returncode
+    return not subprocess.run(["git", "apply", *options, patch], cwd=tree).returncode
 
 
 def outcome(python: Path, words: list[str]) -> tuple[int, str]:
