@@ -46,7 +46,9 @@ def _words() -> Iterator[str]:
 def _python() -> Iterator[str]:
     for name in pkgen.__all__:
         yield f"python {name}"
-        members = vars(getattr(pkgen, name)) if isinstance(getattr(pkgen, name), type) else ()
+        of = getattr(pkgen, name)
+        bases = of.__mro__ if isinstance(of, type) else ()
+        members = {m for c in bases if c.__module__.startswith("pkgen") for m in vars(c)}
         yield from (f"python {name}.{member}" for member in members if member[0] != "_")
 
 
