@@ -1,6 +1,5 @@
 "use strict";
-/* Repeats the motion of the first method, ahead of the clock, to collect points of a Poincaré
- * section. */
+/* Repeats the first method's motion ahead of the clock, to collect points of a Poincaré section. */
 const Ahead = (() => {
   const ENOUGH = 3000;
 

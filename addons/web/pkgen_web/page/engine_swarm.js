@@ -31,8 +31,7 @@ class EngineSwarm {
     c.live_swarm_to(this.at, 0);
   }
 
-  /* Returns the address of one struct of parameters per member, equal if the table has no
-   * parameters. */
+  /* Returns the address of the structs of parameters, one per member. */
   made(params, { columns, values }) {
     const { engine, members } = this;
     const { c } = engine;

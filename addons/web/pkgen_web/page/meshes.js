@@ -1,8 +1,7 @@
 "use strict";
 /* Meshes of unit solids as triangles, and the matrices that place them for a body. */
 const Solids = (() => {
-  /* Returns a surface of revolution about z from [radius, z] pairs; `smooth` interpolates
-   * normals. */
+  /* Returns a surface of revolution about z from [radius, z] pairs, shaded flat or smooth. */
   function revolve(profile, sides, smooth) {
     const position = [];
     const normal = [];

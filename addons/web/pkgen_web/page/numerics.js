@@ -75,8 +75,8 @@ const Numerics = (() => {
     return L;
   }
 
-  /* Returns eigenvalues in ascending order and eigenvectors (rows) of a symmetric matrix, by Jacobi
-   * rotations. */
+  /* Returns ascending eigenvalues, and eigenvectors (rows), of a symmetric matrix (Jacobi
+   * rotations). */
   function eigen(matrix) {
     const n = matrix.length;
     const A = matrix.map((row) => Float64Array.from(row));

@@ -207,8 +207,7 @@ const Runs = (() => {
     return Math.sqrt(sum / run.q.length) / Math.max(1, Math.sqrt(size / run.q.length));
   }
 
-  /* All runs: list, reference, error, t. A method that refuses to start is a run with a message
-   * only. */
+  /* All runs: list, reference, error, t. A method that refuses to start has only a message. */
   class Runs_ {
     constructor(lab) {
       this.lab = lab;

@@ -86,8 +86,7 @@ const Settings = (() => {
     return out.join("&");
   }
 
-  /* Reads the settings from the address. Unknown names and invalid numbers are ignored, since the
-   * address is untrusted. */
+  /* Reads the settings from the address; ignores unknown names and invalid numbers in it. */
   function read(model, fragment) {
     const settings = fresh();
     const query = new URLSearchParams(fragment.replace(/^#/, ""));

@@ -1,6 +1,5 @@
 "use strict";
-/* The methods tab: up to four methods to compare, the reference, and the methods that do not
- * apply. */
+/* The methods tab: up to four methods, the reference, and the methods that do not apply. */
 const SheetMethods = (() => {
   const { h, $ } = Dom;
 

@@ -233,8 +233,7 @@ const SheetValues = (() => {
     return found;
   }
 
-  /* Splits a description such as "precession, nutation, spin" into one word per quantity; returns
-   * null if it has another form. */
+  /* Splits a description like "precession, nutation, spin" into a word per quantity, else null. */
   function apart(words, same) {
     const each = words.split(", ");
     return each.length === same.length && each.every((word) => /^\S+$/.test(word)) ? each : null;

@@ -50,8 +50,7 @@ const Stage = (() => {
     };
   }
 
-  /* Whether the bobs are separate bodies, such as planets, which get different colours; the parts
-   * of a mechanism share one. */
+  /* Whether bobs are separate bodies, such as planets: each then has its own colour. */
   const loose = (shapes) =>
     shapes.filter((s) => s.kind === "bob").length > 1 &&
     !shapes.some((s) => ["rod", "spring", "curve", "body"].includes(s.kind));

@@ -27,8 +27,8 @@ const Swarm = (() => {
       return Boolean(this.x && this.method && this.lab.engine.swarm);
     }
 
-    /* Returns the radii of the disc in q and q'. The first is `share` of |q|, or of the largest
-     * coordinate or 1 if q is 0. */
+    /* Returns the disc's radii in q and q': `share` of |q|, or of another coordinate or 1 if q is
+     * 0. */
     radii(start) {
       const size = (x, angle) => (Math.abs(x) > 1e-12 ? Math.abs(x) : angle ? 1 : 0);
       const { index } = this.x;
