@@ -1,7 +1,5 @@
-"""Films of a motion, from the drawing of its model.
-
-The drawing is evaluated at each frame, projected by a camera, rasterised, and written as MP4, WebM
-or GIF; or written as animated SVG.
+"""Films of a motion, from the drawing of its model: evaluated at each frame, projected by a camera,
+rasterised to MP4, WebM or GIF, or written as animated SVG.
 """
 
 COMMANDS = """

@@ -1,7 +1,5 @@
-"""Projects space to the picture by parallel rays.
-
-A plane view looks perpendicularly at its plane; a view of space looks from the side, slightly from
-above.
+"""Projects space to the picture by parallel rays. A plane view looks perpendicularly at its plane;
+a view of space looks from the side, slightly from above.
 """
 
 from __future__ import annotations

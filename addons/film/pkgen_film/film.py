@@ -52,16 +52,15 @@ class Asked:
 
 @record(eq=False)
 class Film:
-    """The number of frames of a film, and the outcome of the integration, which may have ended
-    early."""
+    """The number of frames of a film, and how the integration ended, perhaps before the film's
+    end."""
 
     frames: int
     outcome: Outcome
 
 
 def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
-    """Makes a film at `path`, which is in a scratch folder; writes none if the motion has no
-    rows."""
+    """Makes a film at `path`, in a scratch folder; writes none if the motion has no rows."""
     compilation, settings = described.compilation, described.settings
     found = described.description
     shown = Values(compilation).shown(asked.beside, "--beside") if asked.beside else None

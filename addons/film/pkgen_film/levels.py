@@ -1,5 +1,4 @@
-"""Contours of an output over two coordinates; all other coordinates and rates are at their start.
-"""
+"""Contours of an output over two coordinates; other coordinates and rates are at their start."""
 
 from __future__ import annotations
 

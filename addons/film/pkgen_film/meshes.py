@@ -43,8 +43,7 @@ def _box(sizes: list[float]) -> Mesh:
 
 
 def _lathe(profile: list[tuple[float, float]]) -> Mesh:
-    """Returns a solid of revolution about z between two circles (radius, height); radius 0 is a
-    tip."""
+    """Returns a solid of revolution between two circles (radius, height); radius 0 is a tip."""
     angles = numpy.linspace(0, 2 * numpy.pi, ROUND, endpoint=False)
     rings = [numpy.stack([r * numpy.cos(angles), r * numpy.sin(angles), 0 * angles + z], 1)
              for r, z in profile]  # fmt: skip

@@ -24,8 +24,7 @@ from .raster import Label
 from .tracks import Track
 
 MOST, MOST_OF_VECTORS = 4000, 150  # Most drawn members, in raster and in vector formats.
-# Edges of the plane as fractions of the picture: left, low, right, high.
-EDGE = (0.09, 0.12, 0.97, 0.87)
+EDGE = (0.09, 0.12, 0.97, 0.87)  # Axes, as fractions of the picture: left, low, right, high.
 TICKS = 6
 
 

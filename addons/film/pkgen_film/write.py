@@ -37,7 +37,7 @@ def refuse(kind: str) -> None:
 
 
 def video(frames: Iterable[numpy.ndarray], size: tuple[int, int], fps: float, path: Path) -> None:
-    """Writes a video by ffmpeg, which reads raw frames. If it fails, raises BuildError with its
+    """Writes a video by ffmpeg, which reads raw frames. Raises BuildError with ffmpeg's
     messages."""
     width, height = size
     command = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y"]

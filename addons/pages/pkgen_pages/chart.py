@@ -49,8 +49,8 @@ def html(chart: Chart, report: str, pictures: list[Path]) -> str:
 
 
 def _limits(chart: Chart) -> str:
-    """Returns a table of the methods: predicted step limit, longest step that succeeded, shortest
-    that failed."""
+    """Returns a table of methods: predicted step limit, longest successful and shortest failed
+    step."""
     rows = []
     for track in chart.tracks:
         limit = chart.spectrum.limit(track.method)

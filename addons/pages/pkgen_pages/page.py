@@ -1,5 +1,4 @@
-"""Makes self-contained HTML pages, with a style, tables and inline pictures, that load no other
-files.
+"""Makes self-contained HTML pages: a style, tables and inline pictures. They load no other files.
 """
 
 from __future__ import annotations
@@ -68,8 +67,7 @@ def _cell(text: str) -> str:
 
 
 def picture(svg: str, number: int = 0) -> str:
-    """Returns an SVG element without metadata and namespaces; `number` makes its ids unique on a
-    page."""
+    """Returns an SVG element without metadata and namespaces; `number` makes its ids unique."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", svg)

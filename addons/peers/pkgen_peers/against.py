@@ -86,8 +86,7 @@ class Opened:
         return list(zip(times or [self.motion.until], exact, strict=True))
 
     def _laps(self, setting: float, seconds: float) -> float:
-        """Returns the fastest CPU time of a run, over at least `seconds`; sets motion.count to one
-        run's."""
+        """Returns the fastest CPU time of a run, from repetitions for at least `seconds`."""
         best, total, block = math.inf, 0.0, 1
         while best == math.inf or total < seconds:
             began = time.process_time()

@@ -20,8 +20,7 @@ _UNIT = re.compile(r"\[[^\[\]]*\]\s*$")
 
 
 def starts(plan: Plan, compilation: Compilation) -> Starts:
-    """Returns the starts of all members. Raises UsageError with the position of an error in the
-    plan."""
+    """Returns the starts of all members. Raises UsageError with the position in the plan."""
     reader = _Reader(plan, compilation)
     names: dict[Column, str] = {}
     axes = []

@@ -46,8 +46,8 @@ SAMPLE = 64  # Members from which the method is chosen.
 
 
 class Batch(NamedTuple):
-    """Results of a batch: status, last valid time and kept numbers of each member; and rows over
-    time."""
+    """Results of a batch: status, last valid time and kept numbers of each member; and their
+    rows."""
 
     members: numpy.ndarray
     rows: numpy.ndarray | None  # columns: member, t, ...
@@ -150,9 +150,8 @@ def make(
     compiled: Callable[..., Compilation],
     chosen: dict[str, object] | None = None,
 ) -> tuple[Job, Prepared]:
-    """Makes the job. `chosen` is the method that was chosen for a scene's accuracy when the
-    sweep began; the choice is not repeated. Raises UsageError, ModelError, BuildError or
-    NumericsFailed."""
+    """Makes the job. `chosen` is the method chosen for a scene's accuracy when the sweep began,
+    which is kept. Raises UsageError, ModelError, BuildError or NumericsFailed."""
     options = plan.of_a_run(options)
     try:
         return _make(plan, options, compiled, chosen)

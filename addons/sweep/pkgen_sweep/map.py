@@ -177,8 +177,7 @@ class _Reader:
         return [pixels.done(members) for pixels in found]
 
     def columns(self, names: list[str], value: str = "") -> Iterator[list[numpy.ndarray]]:
-        """Yields the named columns of each row group, followed by `value` (NaN where it is
-        null)."""
+        """Yields the named columns of each row group, then `value`, with NaN for null."""
         of = STATUS if value == FAILED else value
         for table in self._groups([*names, *([of] if of else [])]):
             columns = [table.column(name).to_numpy() for name in names]

@@ -159,8 +159,7 @@ def _failed(members: np.ndarray, begin: int, failures: dict[str, dict]) -> None:
 
 
 def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yields blocks (first index, members, rows) of the members of a file; blocks of shards are cut
-    at the ends of the file."""
+    """Yields blocks (first index, members, rows) of a file, cut at its first and last member."""
     first, count = folder.of_part(part)
     for k in folder.shards_of(part):
         at = folder.of_shard(k)[0]

@@ -1,5 +1,4 @@
-"""The kept numbers of a member: its final state, reductions over its rows, event counts and times.
-"""
+"""The kept numbers of a member: final state, reductions over rows, event counts and times."""
 
 from __future__ import annotations
 
@@ -34,8 +33,7 @@ class NotThere(UsageError):
 
 @record
 class Kept:
-    """The kept numbers of a member: their reductions in the runtime and their names; and kept
-    rows."""
+    """The kept numbers of a member, with their reductions in the runtime; and the kept rows."""
 
     reduced: tuple[tuple[bytes, int], ...]  # kind and index, as in struct pk_run_reduced
     numbers: tuple[Quantity, ...]
@@ -133,7 +131,7 @@ class _Keeper:
         return named.kinds(self.compilation)[kind][name][1]
 
     def column(self, name: str) -> tuple[int, Quantity]:
-        """Returns the index and the quantity of a column of the rows; adds the column if it is
+        """Returns the index and quantity of a column of the rows, which is added if it is
         missing."""
         try:
             shown = self.values.shown(self.values.flat_name("keep", name), "keep")
@@ -173,7 +171,7 @@ class _Keeper:
 
     @staticmethod
     def whole(item: Expect) -> list[str]:
-        """Suggests `keep` entries that replace an expectation about the whole run: drifts and event
+        """Returns the `keep` entries that replace a whole-run expectation: drifts and event
         times."""
         drifts = [column(call.arguments[0]) or "…" for call in calls(item, "drift")]
         times = [call.arguments[0].id for call in calls(item, "time")]

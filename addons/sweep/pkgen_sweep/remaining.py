@@ -64,7 +64,7 @@ class Left:
             self.finished(task, said["done"])
 
     def lost(self, task: Task, why: str) -> None:
-        """Records that a task failed or its worker died; queues it again, for up to TRIES
+        """Records a task that failed or whose worker died; queues it again, up to TRIES
         attempts."""
         self.lost_in_a_row += 1
         if self.lost_in_a_row > LOST:

@@ -22,8 +22,7 @@ _ROUNDS = 6
 
 @record
 class Axis:
-    """A drawn quantity in SI units: a range (with a number of points on a grid), or a list of
-    values."""
+    """A drawn quantity, in SI: a range (with a number of points on a grid), or a list of values."""
 
     column: Column
     lo: float = 0.0

@@ -166,8 +166,7 @@ def failures_of(said: dict) -> list[dict]:
 
 
 def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
-    """Adds failures to `to`, one entry per status: their number, and the first member that failed
-    so."""
+    """Adds failures to `to`, one entry per status: their number, and the first failed member."""
     for one in failures:
         known = to.setdefault(one["status"], {**one, "count": 0})
         count = known["count"] + one["count"]
@@ -177,8 +176,7 @@ def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
 
 
 def head(folder: Folder, k: int) -> dict | None:
-    """Returns a shard's description; None if the shard is missing, incomplete or of another
-    sweep."""
+    """Returns a shard's description; None if it is missing, incomplete or another sweep's."""
     path = folder.shard_file(k)
     try:
         with path.open("rb") as file:

@@ -109,8 +109,7 @@ class Slurm:
             time.sleep(POLL)
 
     def _ended(self, waiting: set[int], tried: dict[int, int]) -> None:
-        """Records failed shards after the end of an array; gives up those that were tried TRIES
-        times."""
+        """Records shards that an ended array lacks; gives up those tried TRIES times."""
         for k in [k for k in waiting if head(self.folder, k) is None]:
             known = read_json(self.folder.failed_file(k)) or {}
             failed_shard(self.folder, k, known.get("why") or "its task ended; see slurm/task-*.txt")

@@ -26,8 +26,7 @@ SILENT = 60.0  # seconds without a report after which an engine counts as stoppe
 
 
 def place(text: str) -> Path:
-    """Returns the path of a folder or an address. Raises UsageError if the store does not
-    answer."""
+    """Returns the path of an address. Raises UsageError if an object store does not answer."""
     scheme, found, rest = text.partition("://")
     if not found:
         return Path(text)

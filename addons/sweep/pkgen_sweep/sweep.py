@@ -85,8 +85,7 @@ def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
 
 
 def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Sweep:
-    """Returns the sweep in a folder, to continue it. Raises UsageError if it cannot be
-    continued."""
+    """Returns the sweep in a folder, to continue it. Raises UsageError if it has changed."""
     arrow()
     known, plan, source = lying(path, options)
     job, _ = _made(plan, source, options, compiled, known)

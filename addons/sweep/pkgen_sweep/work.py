@@ -1,6 +1,5 @@
-"""The two tasks of a sweep, which any process may run: make a shard, merge shards to a file.
-
-A task may run twice, even at the same time: the output is the same.
+"""The two tasks of a sweep: make a shard, merge shards to a file. Any process may run them, even
+twice at the same time: the output is the same.
 """
 
 from __future__ import annotations
@@ -16,8 +15,7 @@ Poll = Callable[[float], bool]
 
 
 def shard(job: Job, folder: Folder, k: int, poll: Poll | None = None) -> dict:
-    """Integrates and writes a shard; returns its description. Raises OSError if it cannot be
-    written."""
+    """Computes and writes a shard; returns its description. Raises OSError if writing fails."""
     first, count = folder.of_shard(k)
     batches = ((b.members, b.rows, b.report) for b in job.run(first, count, poll))
     return write_shard(folder, k, batches)

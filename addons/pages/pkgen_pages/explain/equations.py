@@ -36,8 +36,8 @@ _DIRECTIONS = {1: "rising", -1: "falling", 0: "either way"}
 
 
 def quantity_rows(quantities: Iterable[Quantity], prose: Prose) -> Iterator[tuple[str, str, str]]:
-    """Yields table rows (names, unit, description); consecutive quantities of equal unit and
-    description share a row."""
+    """Yields rows (names, unit, description); adjacent names of equal unit and description share
+    one."""
     for (unit, says), group in groupby(quantities, key=lambda q: (q.unit, q.description)):
         names = [members(q.name, prose) for q in group]
         if len(names) > MEMBERS:
@@ -96,8 +96,7 @@ def _infinite(end: Expr) -> bool:
 
 
 def of_lagrangian(written: Written) -> tuple[list[Line], list[Line]]:
-    """Returns the lines of energies and forces, and those of the `let` definitions that they
-    use."""
+    """Returns formulas of energies and forces, and of the `let` definitions that they use."""
     kinds = ("kinetic", "potential", "lagrangian", "dissipation", "force")
     return [*written.energies(), *written.forces()], written.lets_of(kinds)
 

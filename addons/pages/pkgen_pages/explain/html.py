@@ -96,8 +96,7 @@ def _quantities(c: Contents, prose: Prose) -> Iterable[str]:
 
 
 def scene_section(scene: SceneShown, prose: Prose) -> Iterable[str]:
-    """Yields the section of a scene: parts of the model that it does not need, and operations
-    saved."""
+    """Yields a scene's section: parts of the model that it does not need, and operations saved."""
     yield heading(f"Scene {scene.name.replace('_', ' ')}")
     if scene.description:
         yield f"<p>{prose(scene.description)}</p>"

@@ -67,8 +67,7 @@ def _style(e: LoopEquations, written: Written) -> Style:
 
 
 class _Ranks(dict):
-    """Ranks of names for sorting; the name of a member or a derivative has the rank of its
-    family."""
+    """Ranks of names for sorting; a member of a family, or a derivative, has the family's rank."""
 
     def __init__(self, names: Iterable[str]):
         super().__init__((name, k) for k, name in enumerate(names))

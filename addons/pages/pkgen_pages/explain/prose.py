@@ -43,8 +43,7 @@ class Prose:
         return self.formulas.get(text) or self.names[text]
 
     def formula(self, text: str) -> str:
-        """Returns an expression of the modelling language typeset; text that does not parse is
-        kept."""
+        """Returns an expression of the modelling language typeset; other text is kept."""
         file = parse.parse_all(Source("", f"model m\nlet y = {text}\n"))
         if file.diagnostics or len(file.statements) != 2:
             return mathml.words(text)

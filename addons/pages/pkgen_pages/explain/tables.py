@@ -30,8 +30,7 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = ""
 
 
 def _reached(rows: Sequence[Sequence[str]]) -> str:
-    """Returns an attribute that makes the table scrollable by the keyboard, if it may be too
-    wide."""
+    """Returns an attribute that lets the keyboard scroll a table that may be too wide, else ""."""
     columns = zip(*rows, strict=True)
     wide = sum(max(mathml.width(cell) for cell in column) + 2 for column in columns)
     return ' tabindex="0"' if wide > mathml.NARROW else ""

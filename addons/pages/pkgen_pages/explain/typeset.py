@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 _WORDS = {"Heaviside": "step", "log": "ln", "Abs": "abs", "asin": "arcsin", "acos": "arccos"}
 _WORDS |= {"atan": "arctan", "Max": "max", "Min": "min"}
-# Functions whose powers are written like cos^2 x.
-_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))
+_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))  # powers are like cos^2 x
 _ODD = frozenset(("sin", "tan", "sinh", "tanh", "asin", "atan"))
 _EVEN = frozenset(("cos", "cosh", "Abs"))
 _BARE = frozenset((*_POWERS, "asin", "acos", "atan", "log"))

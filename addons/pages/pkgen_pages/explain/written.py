@@ -116,7 +116,7 @@ class Written:
         return found
 
     def lets_of(self, keywords: Iterable[str]) -> list[Line]:
-        """Returns the `let` definitions that statements with these keywords use, also
+        """Returns the `let` definitions that statements with these keywords use, even
         indirectly."""
         waiting = [n for s in self.statements for n in _used(s) if s.keyword in keywords]
         used: set[str] = set()

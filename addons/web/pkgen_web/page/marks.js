@@ -120,8 +120,7 @@ const Marks = (() => {
       ], must);
     }
 
-    /* Draws a text at the first free position. If none is free and `must` is set, it is drawn at
-     * the first position inside the canvas. */
+    /* Draws a text at the first free position; if `must`, else at the first inside the canvas. */
     text(text, places, must = false) {
       this.font();
       const w = this.g.measureText(text).width;

@@ -75,8 +75,7 @@ const Numerics = (() => {
     return L;
   }
 
-  /* Returns ascending eigenvalues, and eigenvectors (rows), of a symmetric matrix (Jacobi
-   * rotations). */
+  /* Returns ascending eigenvalues, and eigenvectors as rows, of a symmetric matrix (Jacobi). */
   function eigen(matrix) {
     const n = matrix.length;
     const A = matrix.map((row) => Float64Array.from(row));

@@ -1,7 +1,6 @@
 "use strict";
 /* A swarm of motions in a phase plane. Its starts are those of the scene, or a disc around the
- * start. The first members are the circle around the disc; Hamiltonian motion preserves its
- * area. */
+ * start. The first members are the disc's boundary, whose area Hamiltonian motion preserves. */
 const Swarm = (() => {
   const LOOP = 600;
   const FIXED = ["blanes_moan4", "yoshida4", "verlet", "rk4"];
@@ -27,8 +26,7 @@ const Swarm = (() => {
       return Boolean(this.x && this.method && this.lab.engine.swarm);
     }
 
-    /* Returns the disc's radii in q and q': `share` of |q|, or of another coordinate or 1 if q is
-     * 0. */
+    /* Returns the disc's radii in q and q', in proportion to |q|, or to a unit if q is 0. */
     radii(start) {
       const size = (x, angle) => (Math.abs(x) > 1e-12 ? Math.abs(x) : angle ? 1 : 0);
       const { index } = this.x;

@@ -119,8 +119,7 @@ const Trial = (() => {
     const real = lab.model.time === "s" && period > 0.3 && period < 8;
     if (period !== null && !(real && !asked)) {
       const all = Math.min(((scene && scene.until) || 0) / SHOW, SWINGS * period);
-      /* Fast oscillations are played at SHAKING or faster: the slow motion, such as a rattleback's
-       * spin, matters. */
+      /* Fast oscillations are not slowed below SHAKING, so that their slow effect is seen. */
       const shaking = lab.model.time === "s" && period > 0.02 && period <= 0.3;
       speed = round125(Math.max(real ? 1 : period / SWING, shaking ? SHAKING : 0, all));
     }
