@@ -1,5 +1,4 @@
-"""The equations y' = F(t, y) in ball arithmetic; y has coordinates, rates, first-order variables.
-"""
+"""The equations y' = F(t, y) in ball arithmetic; y has coordinates, rates, first-order variables."""
 
 from __future__ import annotations
 
