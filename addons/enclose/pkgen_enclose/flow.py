@@ -1,4 +1,4 @@
-"""The equations y' = F(t, y) in ball arithmetic; y has coordinates, rates, first-order variables."""
+"""The equations y' = F(t, y) in balls; y has coordinates, rates and first-order variables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Makes self-contained HTML pages: a style, tables and inline pictures. They load no other files."""
+"""Makes self-contained HTML pages: style, tables, inline pictures. They load no other files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The contents of `explain`, made by loops.py if families are compiled to loops, else by flat.py."""
+"""The contents of `explain`: loops.py makes them if families are loops, else flat.py."""
 
 from __future__ import annotations
 
