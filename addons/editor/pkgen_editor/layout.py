@@ -121,7 +121,7 @@ def _scenes(lines: list[Line]) -> None:
 def _tight_signs(tokens: list[Token]) -> set[int]:
     """Returns the positions of + and - in an index or a range, such as i+1..N."""
     found: set[int] = set()
-    waiting: list[list] = [["", False, []]]  # bracket, whether it has dots, positions of signs
+    waiting: list[list] = [["", False, []]]  # [bracket, has dots, positions of signs]
     for token in tokens:
         if token.type in OPENERS:
             waiting.append([token.type, False, []])
@@ -234,7 +234,7 @@ def _keep_columns(source: Source, block: list[Line]) -> None:
 def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
     """Yields the columns of the original text from the left. A column of first tokens is of one
     kind of statement; later tokens may be of any. Other lines may be between."""
-    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # has a wide gap; tokens
+    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # (whether a gap is wide, tokens)
     for line in block:
         for index, before, gap in _gaps(line):
             kind = line.tokens[0].type if index > 1 else ""
@@ -293,7 +293,7 @@ def _align_comments(block: list[Line]) -> None:
     """Aligns comments in their most common column, or else in the first one's column. Comments of
     lines that are too long for that column are aligned further right."""
     before: list[int] = []
-    while before != (before := [line.column for line in block]):  # until it is stable
+    while before != (before := [line.column for line in block]):  # until no comment moves
         waiting = block
         while waiting:
             column = _column(waiting)

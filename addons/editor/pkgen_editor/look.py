@@ -199,7 +199,7 @@ class Text:
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """Returns the numeric values of sizes, constants and parameters (by default), by name."""
+        """Returns the numeric values of sizes, constants and parameter defaults, by name."""
         found: dict[str, object] = dict(self.seen.sizes)
         sizes = {n: v for n, v in self.seen.sizes.items() if isinstance(v, int)}
         items = [*self.seen.parts.get("definitions", ()), *self.seen.parts.get("parameters", ())]
@@ -210,7 +210,7 @@ class Text:
             try:
                 found[item.name] = evaluate(value, found, sizes)
             except (NoValue, LookupError, TypeError, ArithmeticError):
-                continue  # it is variable, or has no value
+                continue  # definitions that are not constant are skipped
         return {n: float(v) for n, v in found.items() if isinstance(v, int) or _is_number(v)}
 
     # ---- descriptions of tokens and units

@@ -28,7 +28,7 @@ _NUMBERED = re.compile(r"[^\W\d]\w*\[[^\[\]\n#]*$")
 @record
 class Proposal:
     label: str
-    kind: str  # "statement", "clause", "name", "function", "unit", "method", "member"
+    kind: str  # one of "statement", "clause", "name", "function", "unit", "method", "member"
     detail: str = ""
 
 

@@ -136,8 +136,7 @@ def _rows(
 
 
 def _refuse_off(given: Given, flow: Flow) -> None:
-    """Raises UsageError if the start violates the constraints, which the equations only
-    preserve."""
+    """Raises UsageError if the start violates the constraints: the equations only preserve them."""
     residuals = flow.residuals(REAL, flow.values(ball(0), flow.start))
     for k, x in enumerate(residuals):
         if x.contains(0):

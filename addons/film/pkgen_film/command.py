@@ -22,7 +22,7 @@ from pkgen.system.progress import progress, unseen
 KINDS = (".mp4", ".webm", ".gif", ".svg")
 SIZES = {".gif": (480, 270), ".svg": (960, 540)}
 FPS = {".gif": 20.0, ".svg": 20.0}
-SHORTEST, LONGEST = 2.0, 20.0  # seconds: a film of a motion in this range is in real time
+SHORTEST, LONGEST = 2.0, 20.0  # seconds: motions in this range are filmed in real time
 USUAL = 10.0
 MOST = 100_000  # most frames
 

@@ -60,7 +60,7 @@ class Film:
 
 
 def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
-    """Makes a film at `path`, in a scratch folder; writes none if the motion has no rows."""
+    """Writes a film to `path`, in a temporary folder; writes none if the motion has no rows."""
     compilation, settings = described.compilation, described.settings
     found = described.description
     shown = Values(compilation).shown(asked.beside, "--beside") if asked.beside else None

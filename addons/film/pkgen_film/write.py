@@ -28,7 +28,7 @@ SAID = 3  # Reported lines of ffmpeg's messages.
 
 
 def refuse(kind: str) -> None:
-    """Raises UsageError if a film of this kind cannot be made: without ffmpeg."""
+    """Raises UsageError if a film of this kind needs ffmpeg, which is not installed."""
     if kind in CODECS and shutil.which("ffmpeg") is None:
         raise UsageError(
             f"a {kind} is made by ffmpeg, which is not here (apt-get install ffmpeg); "

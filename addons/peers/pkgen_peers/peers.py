@@ -94,7 +94,7 @@ def gsl_methods() -> list[str]:
 
 @record
 class Peer:
-    """A package. `open` makes a motion's integrator by a method; `takes` describes its input."""
+    """A package. `open(motion, method)` makes an integrator; `takes` describes its input."""
 
     name: str  # Name in --against, and prefix of its methods' names.
     module: str = ""  # Module to import; "" if the runtime contains the methods.

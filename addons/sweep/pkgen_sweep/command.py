@@ -38,7 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the members that a plan draws, whatever happens meanwhile; a data set in Parquet."""
+    """Integrate the members that a plan draws, and write a Parquet data set; resumable."""
     from . import status, store, sweep
 
     if options.status is not None:

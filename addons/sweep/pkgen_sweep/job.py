@@ -100,7 +100,7 @@ class Job:
 
     @property
     def part(self) -> int:
-        """The members per file of the data set; they depend on the plan alone."""
+        """The number of members per file of the data set; it depends on the plan alone."""
         return max(1, PART // (self.rows_each if self.kept.rows else 1))
 
     @property
@@ -150,8 +150,8 @@ def make(
     compiled: Callable[..., Compilation],
     chosen: dict[str, object] | None = None,
 ) -> tuple[Job, Prepared]:
-    """Makes the job. `chosen` is the method chosen for a scene's accuracy when the sweep began,
-    which is kept. Raises UsageError, ModelError, BuildError or NumericsFailed."""
+    """Makes the job. `chosen` is the method chosen for a scene's accuracy when the sweep began; it
+    is not chosen anew. Raises UsageError, ModelError, BuildError or NumericsFailed."""
     options = plan.of_a_run(options)
     try:
         return _make(plan, options, compiled, chosen)

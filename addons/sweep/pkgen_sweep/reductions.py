@@ -171,8 +171,7 @@ class _Keeper:
 
     @staticmethod
     def whole(item: Expect) -> list[str]:
-        """Returns the `keep` entries that replace a whole-run expectation: drifts and event
-        times."""
+        """Returns `keep` entries that suffice to judge a whole-run expectation."""
         drifts = [column(call.arguments[0]) or "…" for call in calls(item, "drift")]
         times = [call.arguments[0].id for call in calls(item, "time")]
         return [*(f'"drift({name})"' for name in drifts), *(f'"time({name})"' for name in times)]

@@ -2,17 +2,17 @@
 
     plan.json    description of the sweep; written once
     model.lag, plan.toml
-    shards/K     members K S, ...; removed when all are in the data set
-    data/        a row per member, in Parquet: part-K.parquet, of members K P, ..., and
-                 level-L-part-K.parquet of the levels that refine a grid
-    rows/        rows of the motions, likewise, if they are kept
-    parts/K      hashes of these files, and the failures of members
-    failed/K     how often a shard was tried, and why it failed
-    levels.json  numbers of members of the known levels
+    shards/K     the members from K S on, S per shard; removed when all are in the data set
+    data/        a row per member, in Parquet: part-K.parquet has the members from K P on, P per
+                 part; level-L-part-K.parquet has those of level L of a refined grid
+    rows/        rows over time of the members, in files of the same names, if rows are kept
+    parts/K      hashes of the files of part K, and the failures of its members
+    failed/K     number of attempts at shard K, and why it failed
+    levels.json  number of members of each level that has been begun
     now.json     the running engine and its progress
 
-A file appears when it is complete (`store.py`). A shard is blocks of numbers (little-endian
-doubles), a line of JSON that describes them, and the SHA-256 of all that.
+A file appears when it is complete (`store.py`). A shard has blocks of numbers (little-endian
+doubles), a line of JSON that describes them, and the SHA-256 of both.
 """
 
 from __future__ import annotations

@@ -38,8 +38,8 @@ def described(
     scene: Scene | None = None,
     draw: bool = True,
 ) -> dict[str, object]:
-    """Returns the description of a model, which was compiled by drawn() if `draw`. `given` has the
-    parameters and the start, computed by the library."""
+    """Returns the description of a model. If `draw`, it was compiled with the outputs that drawn()
+    adds. `given` has the parameters and the start, computed by the library."""
     model = compilation.declared
     return {
         "schema": SCHEMA,
@@ -136,7 +136,7 @@ def _parameters(
 
 
 def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[str, object]:
-    """Returns the bounds of a parameter; None is infinite, also for starts made parameters."""
+    """Returns a parameter's bounds (None: infinite); starts that became parameters have none."""
     found: dict[str, object] = {"lo": None, "hi": None, "lo_open": True, "hi_open": True}
     if item is None:
         return found
@@ -159,7 +159,7 @@ def _whole(compilation: Compilation) -> bool:
 
 
 def _switches(compilation: Compilation) -> int:
-    """Returns the number of switches: arguments of step, abs etc. whose zeros are located."""
+    """Returns the number of arguments of step, abs etc. at whose zeros the equations change."""
     e = compilation.equations
     return switch_count(e) if compilation.looped else len(e.switches)
 
@@ -279,7 +279,7 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
         }
 
 
-# Flag of methods: kernels that they need and loops lack; the runtime refuses such methods too.
+# By flag of a method: kernels that it needs and loops lack; the runtime refuses it too.
 _NOT_OF_LOOPS = {
     "holonomic": "M",
     "jacobians": "Jacobians",

@@ -255,7 +255,7 @@ _WORDS = ("kind", "name", "label", "form", "axis", "caption", "says", "times", "
 
 
 def _caption(model: Model, item: Drawing) -> str:
-    """Returns the comment line above a statement; "" for the first: that is about the drawing."""
+    """Returns the comment above a statement; "" for the first, whose comment titles the drawing."""
     if item in model.drawings[:1] or not model.drawings:
         return ""
     above = model.source.text[: item.span.start].rpartition("\n")[0].rpartition("\n")[2].strip()

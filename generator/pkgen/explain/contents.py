@@ -1,4 +1,4 @@
-"""The contents of `explain`: loops.py makes them if families are loops, else flat.py."""
+"""The contents of `explain`: by loops.py if families q[1..N] are loops, else by flat.py."""
 
 from __future__ import annotations
 

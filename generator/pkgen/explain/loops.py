@@ -1,4 +1,4 @@
-"""`pkgen explain` of a model whose families are loops: equations in an index i."""
+"""`pkgen explain` of a model whose families q[1..N] are compiled to loops: equations in i."""
 
 from __future__ import annotations
 
@@ -152,13 +152,13 @@ def along_lines(write: Writer) -> list[EquationLine]:
 
 
 def carried_says(write: Writer) -> str:
-    """Says that forces on carried values are passed back to the variables in their definitions."""
+    """Says how forces on values of a recurrence are passed back to the variables defining them."""
     names = ", ".join(g.name for g in write.e.carried_groups)
     return f"the rows of {names} go over to what each is made of, from the last member to the first"
 
 
 def carried_lines(write: Writer) -> list[EquationLine]:
-    """Returns the definitions of carried values, which are recurrences along a family."""
+    """Returns the definitions of carried values, which are given by recurrences along a family."""
     found = []
     for item in write.e.carried:
         parts = tuple(Part(p.lo, p.hi, p.value, p.value) for p in item.pieces)

@@ -157,7 +157,7 @@ class Writer:
             place = slot.at.replaced({ROW: at})
             if slot.kind in ("q", "v", "w", "d", "s", "a", "acc"):
                 if slot.kind == "w" and group.is_carried:
-                    return sp.Integer(0)  # L's own rows are for zero accelerations
+                    return sp.Integer(0)  # this row takes accelerations as zero
                 place = self.home(group, place)
                 if slot.kind == "w" and at != M and self._is_own(group, place):
                     return sp.Integer(0)

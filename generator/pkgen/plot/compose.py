@@ -70,7 +70,7 @@ def _method(table: Table) -> str:
 
 
 def _by_method(panel: Panel, tables: Sequence[Table]) -> Panel:
-    """Gives lines the colours of their methods, if each table is one line of another method."""
+    """Gives lines the colours of their methods, if each table is one line and methods differ."""
     marks = [mark(_method(table))[0] for table in tables]
     if not 1 < len(tables) == len(set(marks)) or not all(map(_method, tables)):
         return panel
@@ -278,7 +278,7 @@ def _common(table: Table, names: list[str]) -> Axis:
 
 
 def _pair(option: str, names: tuple[str, ...], tables: Sequence[Table]) -> tuple[str, ...]:
-    """Returns a curve's columns; for a vector without the component that is 0, if there is one."""
+    """Returns a curve's columns; of a vector in space, a component that is 0 is left out."""
     if len(names) > 1:
         found = [_in_all(option, name, tables) for name in names]
         for name, columns in zip(names, found, strict=True):

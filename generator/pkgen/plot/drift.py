@@ -71,7 +71,7 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
     scale = told.get("scale")
     if not isinstance(scale, int | float) or not scale > 0:
         scale = finite.max(initial=0.0)
-    if told.get("first") == 0 and told.get("max") == 1:  # relative to the drift itself
+    if told.get("first") == 0 and told.get("max") == 1:  # the scale is the drift itself
         return None
     off = numpy.abs(x - first) / scale if scale else numpy.zeros(len(x))
     drawn = (t > 0) & (off > LEAST)

@@ -55,7 +55,7 @@ def amplitudes(table: Table, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
     t, x = table.time, table[name]
     steps = numpy.diff(t)
     even = numpy.abs(steps - steps[:1]) <= 1e-6 * numpy.abs(steps[:1])
-    count = len(t) if even.all() else int(numpy.argmin(even)) + 1  # the last may be an event
+    count = len(t) if even.all() else int(numpy.argmin(even)) + 1  # the last row may be at an event
     good = numpy.isfinite(x[:count])
     count = count if good.all() else int(numpy.argmin(good))
     if count < LEAST or not steps[0] > 0:

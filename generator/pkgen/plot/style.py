@@ -31,7 +31,7 @@ COLUMN, PAGE = 90 / 25.4, 180 / 25.4  # inches
 FORMATS = ("svg", "png", "pdf")
 OF_LATEX = "pgf"  # a file for LaTeX, which sets its text in the document's font
 DPI = 200
-DPI_WITHIN = 144  # resolution of rasterized parts of vector files
+DPI_WITHIN = 144  # Resolution of rasterized parts of vector files.
 # Fallback fonts, similar in width to DejaVu Sans, for which labels are placed.
 FONTS = "'DejaVu Sans', Verdana, sans-serif"
 # Settings of matplotlib for all files.

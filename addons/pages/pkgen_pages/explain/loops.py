@@ -1,4 +1,4 @@
-"""Typesets the equations of a model whose families are compiled to loops: a row in the index i."""
+"""Typesets the equations of indexed families q[1..N] that are compiled to loops: a row in i."""
 
 from __future__ import annotations
 

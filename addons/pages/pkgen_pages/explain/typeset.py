@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _WORDS = {"Heaviside": "step", "log": "ln", "Abs": "abs", "asin": "arcsin", "acos": "arccos"}
 _WORDS |= {"atan": "arctan", "Max": "max", "Min": "min"}
-_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))  # powers are like cos^2 x
+_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))
 _ODD = frozenset(("sin", "tan", "sinh", "tanh", "asin", "atan"))
 _EVEN = frozenset(("cos", "cosh", "Abs"))
 _BARE = frozenset((*_POWERS, "asin", "acos", "atan", "log"))
@@ -52,7 +52,8 @@ class Typesetter:
         return found
 
     def _in_order(self, expr: sympy.Expr) -> list[tuple[bool, sympy.Expr]]:
-        """Returns the sorted terms as pairs: whether it is negative, the term without its sign."""
+        """Returns the sorted terms as pairs: whether a term is negative, the term without its
+        sign."""
         if not expr.is_Add:
             return [_signed(expr)]
         terms = [_signed(t) for t in sorted(expr.args, key=self._place)]

@@ -2,7 +2,7 @@
 /* Labels over a scene: names of bodies and arrows, captions, values of contours, the scale. They do
  * not overlap each other, bodies or buttons. */
 const Marks = (() => {
-  const NAMED = 12; /* if there are more names, none is drawn */
+  const NAMED = 12; /* if there are more names than this, none is drawn */
   const GAP = 5;
 
   class View {
