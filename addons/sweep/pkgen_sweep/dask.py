@@ -32,7 +32,7 @@ class Dask(Cluster):
                 n_workers=options.workers,
                 threads_per_worker=1,
                 dashboard_address=None,
-                silence_logs=logging.CRITICAL,  # Dask retries the tasks of dead workers
+                silence_logs=logging.CRITICAL,  # the tasks of dead workers are retried
             )
         try:
             self.client = Client(self.cluster or address, timeout="10s")

@@ -1,7 +1,7 @@
-"""The map of a sweep: an image of a kept quantity over two of the drawn quantities.
+"""The map of a sweep: an image of a kept quantity over two of the sampled quantities.
 
-A pixel is the mean of its members. If a drawn quantity has few values, as on a grid, each value is
-a pixel. The data set is read by row groups, so that the memory does not depend on its size.
+A pixel is the mean of its members. If a sampled quantity has few values, as on a grid, each value
+is a pixel. The data set is read by row groups, so that the memory does not depend on its size.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ GOOD = STATUSES[:2]  # the two successful statuses; failures have negative codes
 @record(eq=False)
 class Map:
     """An image. `values` has a row per y, with NaN for pixels without a member; `first` has the
-    number of one member per pixel, or 0; `averaged` are the drawn quantities that are no axes."""
+    number of one member per pixel, or 0; `averaged` are the sampled quantities that are no axes."""
 
     title: str
     x: Axis
@@ -48,7 +48,7 @@ class Map:
     at_y: numpy.ndarray
     values: numpy.ndarray
     first: numpy.ndarray
-    drawn: dict[str, numpy.ndarray]  # drawn quantities of the member in `first`, per pixel
+    drawn: dict[str, numpy.ndarray]  # sampled quantities of the member in `first`, per pixel
     members: int
     without: int
     averaged: tuple[str, ...]
@@ -67,13 +67,13 @@ class Map:
 
 def read(path: Path, axes: Sequence[str] = (), value: str = "", most: int = MOST) -> Map:
     """Returns the map of the kept quantity `value` over `axes`, with at most `most` pixels per
-    axis; by default the first kept quantity over the first two drawn ones. Raises UsageError."""
+    axis; by default the first kept quantity over the first two sampled ones. Raises UsageError."""
     with _opened(path) as reader:
         return reader.map(axes, value, most)
 
 
 def member(path: Path, number: int) -> dict[str, float]:
-    """Returns the drawn quantities of a member, by column name. Raises UsageError."""
+    """Returns the sampled quantities of a member, by column name. Raises UsageError."""
     with _opened(path) as reader:
         for first, *columns in reader.columns(["member", *reader.drawn]):
             if first[0] <= number <= first[-1]:
@@ -214,7 +214,7 @@ class _Pixels:
 
     def done(self, members: int) -> _Pixels:
         if self.values is not None and 2 * len(self.values) > members:
-            self.values = None  # nearly every member has another value: use bins
+            self.values = None  # nearly every member has its own value: use bins
         if self.values is None:
             bins = int(min(self.most, max(8, numpy.sqrt(members / PER_PIXEL))))
             edges = numpy.linspace(self.low, self.high, bins + 1)

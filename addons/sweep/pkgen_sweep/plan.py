@@ -1,4 +1,4 @@
-"""Reads a plan in TOML: options of a run, the drawn quantities, the kept quantities.
+"""Reads a plan in TOML: options of a run, the sampled quantities, the kept quantities.
 
 Nothing in a plan is executed: numbers and units are read by the parser of the modelling language.
 """
@@ -39,7 +39,7 @@ class Plan:
     source: Source
     options: dict[str, object]  # options of `pkgen run`, by name
     kind: str
-    axes: dict[str, Any]  # drawn quantities, by name
+    axes: dict[str, Any]  # sampled quantities, by name
     members: int | None
     seed: int
     keep: tuple[str, ...]

@@ -42,7 +42,7 @@ class Level:
         return Level(fine, wanted, classes, _flat(cells, fine)), new
 
     def known(self, new: np.ndarray, classes: np.ndarray) -> Level:
-        """Returns the level with the classes of the new points set."""
+        """Sets the classes of the new points; returns the level."""
         filled = self.classes.copy()
         filled[np.searchsorted(self.points, new)] = classes
         return Level(self.shape, self.points, filled, self.cells)

@@ -22,7 +22,7 @@ _ROUNDS = 6
 
 @record
 class Axis:
-    """A drawn quantity, in SI: a range (with a number of points on a grid), or a list of values."""
+    """A sampled quantity, in SI: a range (on a grid, with a number of points), or a list."""
 
     column: Column
     lo: float = 0.0

@@ -9,8 +9,8 @@ from ..graph.graph import Node
 from ..middle.loops.loops import LoopEquations
 from ..record import record
 
-Shown = tuple[str, str, Node, str]  # Name, unit, node, range of the index.
-Section = tuple[str, Iterable[str]]  # Title, lines.
+Shown = tuple[str, str, Node, str]  # An output: name, unit, node, range of its index.
+Section = tuple[str, Iterable[str]]  # A section: title, lines.
 
 
 @record(kw_only=True)

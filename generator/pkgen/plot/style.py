@@ -138,7 +138,7 @@ def dashes(k: int, over: bool = False) -> object:
 
 
 def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
-    """Returns the figure as a file of a kind in FORMATS or OF_LATEX. Raises UsageError."""
+    """Returns the figure as a file in one of FORMATS, or OF_LATEX. Raises UsageError."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None, "ModDate": None}}
     file = io.BytesIO()
     try:

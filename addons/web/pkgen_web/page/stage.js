@@ -140,7 +140,7 @@ const Stage = (() => {
       }));
     }
 
-    /* Returns the colour of the body that is at a trail's point. */
+    /* Returns the colour of the body that a trail follows. */
     colourAt(at) {
       const bodies = this.lab.model.shapes.filter((s) => s.kind === "bob" || s.kind === "body");
       const k = bodies.findIndex((s) => JSON.stringify(s.at) === JSON.stringify(at));

@@ -6,8 +6,8 @@ const Trial = (() => {
   const BUDGET = 1200; /* ms */
   const SHAKING = 0.5; /* least playback speed of fast vibrations */
   const SWING = 2.4; /* s: duration of one oscillation on the screen */
-  const SHOW = 45; /* s: duration of a whole scene on the screen, */
-  const SWINGS = 4; /* if at most this many oscillations pass per second */
+  const SHOW = 45; /* s: duration of a whole scene on the screen */
+  const SWINGS = 4; /* most oscillations per second on the screen */
 
   /* Counts the turning points of each of the first n columns. */
   function counts(rows, n) {
