@@ -162,8 +162,8 @@ class Against:
         tracks: list[Track],
         on_progress: Show,
     ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-        """Returns, with answers timed in turns: the cheapest methods of the packages, those of
-        pkgen, and the points of all methods."""
+        """Returns the cheapest methods of the packages, and those of pkgen, both timed in turns;
+        and the points of all methods."""
         return _measured(bench, self.peers, compilation, spectrum, own, tracks, on_progress)
 
 

@@ -31,7 +31,7 @@ def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
         }
     for k, item in enumerate(model.conserved):
         yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
-    if isinstance(structure, Structure):  # loops have no proofs about single coordinates
+    if isinstance(structure, Structure):  # not known if families are loops
         for k, q in enumerate(compilation.equations.momenta_names):
             if structure.cyclic[k]:
                 yield {"name": q.name, "kind": "momentum", "index": k, "unit": q.unit}

@@ -141,7 +141,7 @@ def _equations(write: Writer) -> Iterator[str]:
 
 
 def along_lines(write: Writer) -> list[EquationLine]:
-    """Returns the recurrences along families that only outputs use, without their rates."""
+    """Returns recurrences along families that only outputs use, without time derivatives."""
     found = []
     for item in (item for together in write.e.along for item in together):
         for part in item.parts if "'" not in item.name else ():
