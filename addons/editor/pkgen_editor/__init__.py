@@ -1,4 +1,4 @@
-"""Editor support for the language: its words, the layout of a text, the meaning of a name."""
+"""Editor support for the modelling language: formatting, analysis of names, language server."""
 
 COMMANDS = """
 Write models

@@ -30,8 +30,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Lay out the text of models: the same words and comments, in one kind of spaces and columns.
-    What has a character or a bracket that has no place is left as it is."""
+    """Format the text of models: only spaces and columns change, not words or comments. A text with
+    an unknown character or an unbalanced bracket is left as it is."""
     changed, wrong, code = [], [], DONE
     for name in dict.fromkeys(options.files):
         try:

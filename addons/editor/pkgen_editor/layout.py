@@ -2,8 +2,8 @@
 
 Lines are kept. Products have no spaces, sums and relations have; lines within a bracket are
 indented to its content; the clauses of a scene are indented. In a block of lines, the texts after
-the words of a scene are aligned, and so are comments; other columns stay where the author aligned
-them.
+the keywords of a scene are aligned, and so are comments; other columns that the author aligned stay
+aligned.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ CLOSERS = frozenset(("RPAREN", "RBRACKET", "REND"))
 SIGNS = frozenset(("PLUS", "MINUS"))
 TIGHT = frozenset(("TIMES", "OVER", "POWER", "DOTS"))
 VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "UNIT")) | CLOSERS
-# Tokens without a space before them, and without one after them.
+# Tokens without a space before them (NONE_BEFORE) or after them (NONE_BEHIND).
 NONE_BEFORE = CLOSERS | TIGHT | {"_COMMA", "PRIME", "COMPONENT", "MEMBER", "POINT", "LINDEX"}
 NONE_BEHIND = OPENERS | TIGHT | {"FUNCTION", "SUM", "POINT"}
-INDENT = 2  # indentation in a scene
-HANGING = 4  # indentation after a bracket that ends its line
+INDENT = 2  # Indentation in a scene.
+HANGING = 4  # Indentation after a bracket that is the last token of its line.
 NEAR = 4
 NEAR_COMMENT = 8
 BEFORE_COMMENT = 2
@@ -41,12 +41,12 @@ class Line:
     number: int
     tokens: list[Token] = field(default_factory=list)
     comment: str = ""
-    column: int = 0  # original column of the comment
-    first: bool = False  # first line of its statement
+    column: int = 0  # Original column of the comment.
+    first: bool = False  # Whether it is the first line of its statement.
     last: bool = False
     inside: bool = False  # in a scene
     indent: int = 0
-    pieces: list[str] = field(default_factory=list)  # texts of tokens with the spaces before them
+    pieces: list[str] = field(default_factory=list)  # text of a token, with the space before it
 
     @property
     def code(self) -> str:
@@ -80,7 +80,7 @@ def laid_out(source: Source) -> str:
 
 
 def signs(source: Source) -> list[list[tuple[str, str]]]:
-    """Returns the content of a text without its spaces: tokens and comment of each statement."""
+    """Returns the content of a text without spaces: tokens and comment of each statement."""
     return [
         [*((t.type, _text(source, t)) for t in statement.tokens), ("#", statement.comment)]
         for statement in statements(source)
@@ -94,7 +94,7 @@ def _text(source: Source, token: Token) -> str:
 def _lines(source: Source, lexed: Iterable) -> list[Line]:
     texts = source.text.split("\n")
     lines = [Line(i + 1) for i in range(len(texts))]
-    ends = [0] * len(texts)  # column after the last token of each line
+    ends = [0] * len(texts)  # column after the last token, per line
     for statement in lexed:
         for token in statement.tokens:
             number, column = source.position(token.start_pos)
@@ -119,9 +119,9 @@ def _scenes(lines: list[Line]) -> None:
 
 
 def _tight_signs(tokens: list[Token]) -> set[int]:
-    """Returns the positions of + and - that are in an index or in a range: i+1..N."""
+    """Returns the positions of + and - in an index or a range, such as i+1..N."""
     found: set[int] = set()
-    waiting: list[list] = [["", False, []]]  # opener, whether it has dots, positions of its signs
+    waiting: list[list] = [["", False, []]]  # [bracket, has dots, positions of signs]
     for token in tokens:
         if token.type in OPENERS:
             waiting.append([token.type, False, []])
@@ -145,10 +145,10 @@ def _of_part(part: list) -> set[int]:
 
 
 def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -> list[str]:
-    """Returns the tokens of a line with the spaces before them; `before` is the statement's last
-    token in the lines above."""
+    """Returns the texts of a line's tokens, each with the space before it; `before` is the previous
+    token of the statement, in a line above."""
     pieces: list[str] = []
-    signed = False  # the previous token is a unary sign, or is in an index
+    signed = False  # whether the previous token is a unary sign or in an index
     for token in line.tokens:
         text = _text(source, token)
         binary = before is not None and before.type in VALUE_ENDS
@@ -165,13 +165,13 @@ def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -
 
 
 def _joins(left: str, right: str) -> bool:
-    """Whether two tokens without a space would lex as another one."""
+    """Whether two texts without a space between them would be lexed as one token."""
     words = re.match(r"\w|\.\w", right) and re.search(r"\w$", left)
     return left + right == "**" or bool(words and (right[0] != "." or left[0].isdigit()))
 
 
 def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
-    """Yields consecutive first lines of statements, without empty or comment lines between."""
+    """Yields blocks of consecutive statements: their first lines, not separated by other lines."""
     block: list[Line] = []
     for line in lines:
         heads = line.first and line.tokens[0].type in ("SCENE", "END")
@@ -186,12 +186,12 @@ def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
 
 
 def _align_words(block: list[Line]) -> None:
-    """Aligns the texts after words of a scene, and after words that take one expression, for
-    consecutive words of similar length."""
+    """Aligns the texts after the keywords of consecutive lines, if the keywords have similar
+    lengths: in scenes, and for statements of one expression."""
     run: list[Line] = []
     for line in block:
         widths = [len(one.pieces[0]) for one in (*run, line)]
-        row = STATEMENTS.get(line.tokens[0].type.lower())  # None: no keyword at the start
+        row = STATEMENTS.get(line.tokens[0].type.lower())  # None: no keyword at start
         alone = row is not None and (line.inside or row.syntax == "single")
         behind = len(line.pieces) > 1 and alone
         if not behind or max(widths) - min(widths) > NEAR:
@@ -209,11 +209,11 @@ def _pad(run: list[Line]) -> None:
 
 @dataclass
 class _Place:
-    """A token in a column that the author aligned: its index, and that of the piece to pad."""
+    """A token in a column that the author aligned: its index, and the index of the piece to pad."""
 
     line: Line
     index: int
-    before: int  # index of its sign, or its own
+    before: int  # index of the piece to pad: the token's sign or the token
 
     @property
     def column(self) -> int:
@@ -222,8 +222,8 @@ class _Place:
 
 
 def _keep_columns(source: Source, block: list[Line]) -> None:
-    """Keeps the author's columns: tokens aligned in consecutive lines, with more than one space
-    before one of them, stay aligned, as far left as possible."""
+    """Keeps columns: tokens that were aligned, with more than one space before some of them, stay
+    aligned, as far left as possible."""
     for places in _columns(source, block):
         most = max(place.column for place in places)
         for place in places:
@@ -232,9 +232,9 @@ def _keep_columns(source: Source, block: list[Line]) -> None:
 
 
 def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
-    """Yields the columns of the original text from the left: first tokens of one kind of statement,
-    and later tokens of any. Other lines may come between."""
-    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # whether a gap is wide; tokens
+    """Yields the columns of the original text from the left. A column of first tokens is of one
+    kind of statement; later tokens may be of any. Other lines may be between."""
+    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # (whether a gap is wide, tokens)
     for line in block:
         for index, before, gap in _gaps(line):
             kind = line.tokens[0].type if index > 1 else ""
@@ -245,8 +245,8 @@ def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
 
 
 def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
-    """Yields tokens that may be in a column: index, index of the piece to pad, original gap. A
-    signed number is aligned by its digits and padded before its sign."""
+    """Yields tokens that may be in a column, as (index, index of the piece to pad, original gap). A
+    signed number is aligned by its digits, and padded before its sign."""
     for index in range(1, len(line.tokens)):
         gap = line.tokens[index].start_pos - line.tokens[index - 1].end_pos
         if gap and line.pieces[index].startswith(" "):
@@ -256,7 +256,7 @@ def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
 
 
 def _indented(lines: list[Line]) -> None:
-    """Sets the indentation of every line; lines within a bracket start at its content."""
+    """Sets the indentation of every line; lines within a bracket are indented to its content."""
     opened: list[int] = []
     for line in lines:
         base = INDENT * line.inside
@@ -278,7 +278,7 @@ def _indented(lines: list[Line]) -> None:
 
 
 def _commented(lines: list[Line]) -> Iterator[list[Line]]:
-    """Yields consecutive lines of code with comments."""
+    """Yields blocks of consecutive lines of code that have comments."""
     block: list[Line] = []
     for line in lines:
         if line.tokens and line.comment:
@@ -290,10 +290,10 @@ def _commented(lines: list[Line]) -> Iterator[list[Line]]:
 
 
 def _align_comments(block: list[Line]) -> None:
-    """Aligns comments in their most common column, else in that of the first; where code is too
-    long for it, further right."""
+    """Aligns comments in their most common column, or else in the first one's column. Comments of
+    lines that are too long for that column are aligned further right."""
     before: list[int] = []
-    while before != (before := [line.column for line in block]):  # the commonest may change
+    while before != (before := [line.column for line in block]):  # until no comment moves
         waiting = block
         while waiting:
             column = _column(waiting)
@@ -303,7 +303,7 @@ def _align_comments(block: list[Line]) -> None:
 
 
 def _column(block: list[Line]) -> int:
-    """Returns the column of the comments of consecutive lines."""
+    """Returns the column in which the comments of a block are aligned."""
     columns = [line.column for line in block]
     column, count = Counter(columns).most_common(1)[0]
     column = column if 2 * count > len(block) else columns[0]
@@ -321,7 +321,7 @@ def _column(block: list[Line]) -> int:
 
 
 def _fits(line: Line, column: int) -> bool:
-    """Whether a comment fits in a column: one space before it suffices."""
+    """Whether a comment fits in a column, with at least one space before it."""
     return len(line.code) < column
 
 

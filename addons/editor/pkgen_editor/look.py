@@ -1,7 +1,7 @@
-"""Analyses a text while it is edited: its errors, and the meaning of a position.
+"""Analyses a model's text while it is edited: errors, and the meanings of names.
 
-A position is resolved to a token of the lexer; a name has its meaning from the checker, even if
-there are errors elsewhere.
+A position in the text is resolved to a token of the lexer. The meaning of a name is from the
+checker, even if there are errors elsewhere.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ NAMES = ("NAME", "FUNCTION")
 
 
 class Text:
-    """The text of a file, and its analysis, computed on demand."""
+    """The text of a model and its analysis, computed when it is needed."""
 
     def __init__(self, path: str, text: str) -> None:
         self.wrong: tuple[Diagnostic, ...] = ()
         try:
             self.source = from_text(path, text)
-        except ModelError as error:  # the text has a NUL
+        except ModelError as error:  # the text has a NUL character
             self.source, self.wrong = Source(path, ""), tuple(error.diagnostics)
 
     @cached_property
@@ -57,12 +57,12 @@ class Text:
         return self.seen.names.table
 
     def findings(self) -> list[Diagnostic]:
-        """Returns the errors and warnings that need no equations."""
+        """Returns the errors and warnings that are found without deriving equations."""
         return list(self.wrong or (*self.seen.errors, *self.seen.warnings))
 
     def all_findings(self) -> list[Diagnostic]:
-        """Returns all findings, with those from the equations: claims, energies, scenes; like
-        `pkgen check`."""
+        """Returns all errors and warnings, like `pkgen check`: also those found in equations
+        (claims, energies, scenes)."""
         if self.wrong or self.seen.errors:
             return self.findings()
         try:
@@ -75,7 +75,7 @@ class Text:
     # ---- places
 
     def statement_at(self, offset: int) -> Lexed | None:
-        """Returns the last statement that begins at or before an offset."""
+        """Returns the last statement that begins at or before an offset in the text."""
         before = (s for s in self.lexed if s.tokens and s.tokens[0].start_pos <= offset)
         return max(before, key=lambda s: s.tokens[0].start_pos, default=None)
 
@@ -98,12 +98,13 @@ class Text:
         return next((a for a, b in pairwise(tokens) if b is token), None)
 
     def is_axis(self, token: Token) -> bool:
-        """Whether it is an axis in a drawing, not a name: z of `draw ground z = 0`, of a plane."""
+        """Whether a token is an axis, not a name, like z in `draw ground z = 0`."""
         before = self.before(token)
         return before is not None and before.type == "SHAPE" and str(before) in ("ground", "plane")
 
     def _headed(self, token: Token) -> str:
-        """Describes a name by the word before it, for names that are in no table."""
+        """Describes a method, scene or model name, which is in no table, by the keyword before
+        it."""
         before = self.before(token)
         word = before.type if before is not None else ""
         method = known(self.seen.parts["methods"]).get(str(token))
@@ -116,7 +117,7 @@ class Text:
 
     @cached_property
     def made(self) -> dict[str, tuple[str, str]]:
-        """Returns derived names: the declared name each comes from, and its description."""
+        """Maps derived names, such as p_x, to their declared name and a description."""
         found: dict[str, tuple[str, str]] = {}
         for name, entry in self.names.items():
             if entry.kind in ("coordinate", "rotation"):
@@ -133,7 +134,7 @@ class Text:
         return found
 
     def _is_written(self, name: str) -> bool:
-        """Whether a clause `coord` of a joint gives a coordinate this name."""
+        """Whether a clause `coord` of a joint declares this name."""
         joints = (s.tokens for s in self.lexed if s.keyword == "joint")
         return any(str(t) == name and t.type == "NAME" for tokens in joints for t in tokens)
 
@@ -143,11 +144,12 @@ class Text:
         return [s for s in known if isinstance(s, Joint) and s.kind[0] in KINDS]
 
     def base(self, name: str) -> str:
-        """Returns the declared name that a name is derived from, or the name itself."""
+        """Returns the declared name that a name is derived from; else the name itself."""
         return self.made.get(name, (name, ""))[0]
 
     def declared_at(self, name: str, statement: Lexed | None) -> Span | None:
-        """Returns where a name is declared; for a loop variable, in its own statement."""
+        """Returns the span of a name's declaration; for a loop variable, it is in its own
+        statement."""
         entry = self.names.get(self.base(name))
         if entry is not None and entry.span.end:
             return Span(entry.span.start, entry.span.start + self._length(entry.span.start))
@@ -158,7 +160,7 @@ class Text:
         return None
 
     def scope(self, name: str, statement: Lexed | None) -> list[Lexed]:
-        """Returns the scope of a loop variable: its statement, or the scene of its swarm."""
+        """Returns the scope of a loop variable: its own statement, or its swarm's whole scene."""
         if statement is None:
             return []
         scene: list[Lexed] = []
@@ -176,7 +178,7 @@ class Text:
 
     @cached_property
     def parts(self) -> dict[str, object]:
-        """Returns the checker's objects of declarations, by name."""
+        """Returns the checker's objects for declarations (with units, ranges, ...), by name."""
         found = {}
         for items in self.seen.parts.values():
             for item in items:
@@ -187,7 +189,7 @@ class Text:
         return found
 
     def unit(self, name: str) -> str | None:
-        """Returns the unit in SI as text; None if it is unknown."""
+        """Returns the SI unit of a name as text; None if it is unknown."""
         item = self.parts.get(name) or self.parts.get(f"{name}.x")
         if isinstance(getattr(item, "unit", None), str):
             return item.unit
@@ -197,7 +199,7 @@ class Text:
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """Returns the numeric values of sizes, constants and default parameters."""
+        """Returns the numeric values of sizes, constants and parameter defaults, by name."""
         found: dict[str, object] = dict(self.seen.sizes)
         sizes = {n: v for n, v in self.seen.sizes.items() if isinstance(v, int)}
         items = [*self.seen.parts.get("definitions", ()), *self.seen.parts.get("parameters", ())]
@@ -208,13 +210,13 @@ class Text:
             try:
                 found[item.name] = evaluate(value, found, sizes)
             except (NoValue, LookupError, TypeError, ArithmeticError):
-                continue  # it varies, or has no value
+                continue  # definitions that are not constant are skipped
         return {n: float(v) for n, v in found.items() if isinstance(v, int) or _is_number(v)}
 
-    # ---- what is said of a place
+    # ---- descriptions of tokens and units
 
     def hover(self, offset: int) -> tuple[Span, str] | None:
-        """Returns the span of the token at an offset, and its description in Markdown; or None."""
+        """Returns the span of the token at an offset and its description in Markdown, or None."""
         token = self.token_at(offset)
         if token is None:
             return None
@@ -269,7 +271,7 @@ class Text:
         return "\n\n".join(lines)
 
     def inlays(self) -> Iterator[tuple[int, str]]:
-        """Yields the units of definitions written without one, and where to show them."""
+        """Yields (offset, unit) for definitions without a written unit, shown by editors."""
         for statement in self.lexed:
             if statement.keyword not in ("let", "const", "observe", "conserve", "param"):
                 continue
@@ -284,7 +286,7 @@ class Text:
 
 
 def _runs(statement: Lexed, name: str) -> bool:
-    """Whether it is a swarm over this variable."""
+    """Whether the statement is a swarm with this loop variable."""
     return statement.keyword == "swarm" and str(statement.tokens[1]) == name
 
 

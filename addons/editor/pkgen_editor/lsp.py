@@ -21,8 +21,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Answer an editor over standard input and output by the Language Server Protocol: findings,
-    hover, completion, definitions, renaming, units, repairs, layout. Editors start it."""
+    """Serve an editor over standard input and output by the Language Server Protocol: errors,
+    hover, completion, definitions, renaming, units, quick fixes, formatting. Editors start it."""
     if find_spec("pygls") is None or find_spec("pygls.lsp.server") is None:
         raise UsageError("lsp needs pygls 2, which is not here: pip install 'pygls>=2'")
     if sys.stdin.isatty():

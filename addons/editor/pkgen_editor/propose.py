@@ -1,4 +1,4 @@
-"""Proposals of an editor: completions, repairs, renaming."""
+"""Edits that an editor proposes: completions, quick fixes, renaming."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from pkgen.source import Diagnostic, Source, Span
 from .look import NAMES, Text
 from .words import built_in, calls
 
-_SOME_NAME = "pk_q"  # stands for the word that is being written
-_WORD = re.compile(r"[^\W\d]\w*\Z")  # \Z: not before a last newline
+_SOME_NAME = "pk_q"  # Placeholder for the word that is being written.
+_WORD = re.compile(r"[^\W\d]\w*\Z")  # \Z, unlike $, does not match before a final newline.
 _IN_UNIT = re.compile(r"[\w'\)\]][ \t]+\[[^\[\]\n#]*$|[\)'\d]\[[^\[\]\n#]*$")
 _NUMBERED = re.compile(r"[^\W\d]\w*\[[^\[\]\n#]*$")
 
@@ -28,19 +28,19 @@ _NUMBERED = re.compile(r"[^\W\d]\w*\[[^\[\]\n#]*$")
 @record
 class Proposal:
     label: str
-    kind: str  # "statement", "clause", "name", "function", "unit", "method", "member"
+    kind: str  # one of "statement", "clause", "name", "function", "unit", "method", "member"
     detail: str = ""
 
 
 class Refused(Exception):
-    """The new name is impossible; the message says why."""
+    """A name cannot be renamed; the message says why."""
 
 
 # ---- words
 
 
 def proposals(text: Text, offset: int) -> list[Proposal]:
-    """Returns completions for the word that ends at an offset."""
+    """Returns completions for the word that ends at an offset in the text."""
     written = text.source.text[:offset]
     written = written[
         : len(written) - len(word.group()) if (word := _WORD.search(written)) else None
@@ -80,7 +80,7 @@ def _statements(text: Text, offset: int) -> Iterator[Proposal]:
 
 
 def _parts(before: list) -> list[str]:
-    """Returns the words of a drawing, a body or a joint that are not written yet."""
+    """Returns keywords of a drawing, body or joint that its statement does not have yet."""
     written = {str(token) for token in before if token.type == "WORD"}
     if before[0].type in ("BODY", "JOINT"):
         words = list(CLAUSES[before[0].type.lower()])
@@ -92,7 +92,7 @@ def _parts(before: list) -> list[str]:
 
 
 def _clauses(word: str) -> list[str]:
-    """Returns the clauses of a kind of statement, by its syntax."""
+    """Returns the clause keywords that the syntax of a statement allows."""
     if word not in STATEMENTS:
         return []
     syntax = SYNTAX[STATEMENTS[word].syntax].lower()
@@ -137,8 +137,8 @@ _PROSE = re.compile(r"[a-z]{2,} [a-z]{2,}|[a-z]{2,} \[[a-z], ")
 
 
 def repairs(text: Text, finding: Diagnostic) -> Iterator[tuple[Span, str]]:
-    """Yields replacements from a hint, each with the span it replaces: only if the finding
-    vanishes, without new errors in other lines."""
+    """Yields quick fixes (span, replacement) from the hint of an error. A fix must remove the error
+    and add no errors in other lines."""
     whole, tried = text.source.text, set()
     for hint in _HINTS:
         found = hint.search(finding.help)
@@ -171,8 +171,8 @@ def _named(finding: Diagnostic) -> tuple[str, int]:
 
 
 def _placed(text: str, span: Span, instead: str) -> tuple[Span, str]:
-    """Removes a prefix that the text already has before the span: `q[1..3]` for the `[3]` of
-    `q[3]`."""
+    """Removes from a replacement the prefix that the text already has before the span: if `q[1..3]`
+    replaces the `[3]` of `q[3]`, the `q` is removed."""
     for k in range(len(instead), 0, -1):
         if text.endswith(instead[:k], 0, span.start) and not text[span.start :].startswith(instead):
             rest = instead[k:].lstrip() if text[span.start - 1] == " " else instead[k:]
@@ -184,13 +184,13 @@ def _placed(text: str, span: Span, instead: str) -> tuple[Span, str]:
 
 
 def uses(text: Text, offset: int) -> list[tuple[Span, str]]:
-    """Returns each use of the name at an offset: span and text, which is the name or a derived one.
-    """
+    """Returns all occurrences of the name at an offset: span and text (the name, or a derived
+    one)."""
     token = text.token_at(offset)
     if token is None or token.type not in NAMES or text.is_axis(token):
         return []
     name = text.base(str(token))
-    if name not in text.names:  # a loop variable is local to its statement
+    if name not in text.names:  # loop variables are local to their statement
         statement = text.statement_at(offset)
         if text.declared_at(name, statement) is None:
             return []
@@ -205,7 +205,7 @@ def uses(text: Text, offset: int) -> list[tuple[Span, str]]:
 
 
 def renamed(text: Text, offset: int, new: str) -> list[tuple[Span, str]]:
-    """Returns the changes of a renaming. Raises Refused."""
+    """Returns the edits of a renaming, as (span, new text). Raises Refused."""
     places = uses(text, offset)
     token = text.token_at(offset)
     if not places:
@@ -237,8 +237,8 @@ def _messages(text: Text) -> set[str]:
 
 
 def _other(name: str, old: str, new: str) -> str:
-    """Returns a derived name after renaming: `p_old` becomes `p_new`, and so for a joint's names.
-    """
+    """Renames a derived name: `p_old` becomes `p_new`; likewise for names of a joint's
+    coordinates."""
     head, _, tail = (
         name.rpartition(old) if not name.startswith(old) else ("", old, name[len(old) :])
     )

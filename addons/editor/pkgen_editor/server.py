@@ -1,8 +1,8 @@
-"""The language server: the analysis of a text by the Language Server Protocol.
+"""The language server: serves the analysis of a text by the Language Server Protocol.
 
-pygls implements the generic parts; each request analyses the text again, within milliseconds. If
-the equations are derived quickly, all findings of `pkgen check` are computed after each change;
-else when a text is opened or saved.
+pygls implements the protocol; each request analyses the text again, within milliseconds. If the
+equations are derived quickly, all checks of `pkgen check` run after each change; otherwise only
+when a text is opened or saved.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from . import propose
 from .layout import laid_out
 from .look import Text
 
-QUICK = 0.2  # seconds: faster equations are derived after each change
-MOST_BYTES = 1 << 26  # bytes of the longest message
-LONGEST = 10.0  # CPU seconds for one text
+QUICK = 0.2  # Seconds: if equations take less, they are derived after each change.
+MOST_BYTES = 1 << 26  # Bytes of the longest accepted message.
+LONGEST = 10.0  # Most CPU seconds for the analysis of a text.
 KINDS = {
     "statement": lsp.CompletionItemKind.Keyword,
     "clause": lsp.CompletionItemKind.Keyword,
@@ -49,7 +49,7 @@ SEVERITIES = {
 }
 
 server = LanguageServer("pkgen", __version__)
-_seconds: dict[str, float] = {}  # CPU seconds of the equations of a text
+_seconds: dict[str, float] = {}  # CPU seconds to derive the equations, by URI
 
 
 @lru_cache(maxsize=32)
@@ -97,7 +97,7 @@ def _edits(source: Source, changes: list[tuple[Span, str]]) -> list[lsp.TextEdit
     return [lsp.TextEdit(_range(source, span), text) for span, text in changes]
 
 
-# ---- what is wrong
+# ---- errors and warnings
 
 
 def _findings(uri: str, all_of_them: bool) -> list[Diagnostic]:
@@ -154,7 +154,7 @@ def _closed(params: lsp.DidCloseTextDocumentParams) -> None:
     server.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri, []))
 
 
-# ---- what stands at a place
+# ---- requests about a position
 
 
 def _at(params: lsp.TextDocumentPositionParams) -> tuple[Text, int]:
@@ -242,7 +242,7 @@ def _formatting(params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit] | No
     try:
         made = laid_out(source)
     except ModelError:
-        return None  # its errors are shown already
+        return None  # its errors are displayed already
     whole = Span(0, len(source.text))
     return [] if made == source.text else _edits(source, [(whole, made)])
 
@@ -270,7 +270,7 @@ _DECLARE += ("rotation", "constraint", "rolling")
 
 
 class _Line(logging.Formatter):
-    """Formats a client's error in one line, without a traceback."""
+    """Formats errors of the protocol in one line, without a traceback."""
 
     def format(self, record: logging.LogRecord) -> str:
         error = record.exc_info[1] if record.exc_info else ""
@@ -279,7 +279,7 @@ class _Line(logging.Formatter):
 
 
 class _Input:
-    """Standard input. It does not wait for a message that claims to be longer than MOST_BYTES."""
+    """Standard input. Messages whose declared length exceeds MOST_BYTES are not read."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self.stream = stream
@@ -296,9 +296,8 @@ class _Input:
 
 
 def serve() -> None:
-    """Answers until the editor ends it. Standard output is redirected, so that no print gets
-    between the messages. A signal exits at once, since the thread that reads would keep the process
-    alive."""
+    """Serves requests until the editor closes the connection. Prints go to standard error, since
+    standard output has the messages. A signal exits at once: the reading thread would block."""
     for number in ENDS:
         signal.signal(number, lambda *_: os._exit(INTERRUPTED))
     output = os.fdopen(os.dup(1), "wb")

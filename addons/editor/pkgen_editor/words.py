@@ -1,6 +1,6 @@
-"""The words of the language by class, for colours and completion in an editor.
+"""The words of the modelling language by class, for colours and completion in an editor.
 
-All come from the tables of the lexer and the checker; only descriptions of functions are here.
+The words are from the tables of the lexer and the checker; descriptions of functions are here.
 """
 
 from __future__ import annotations
@@ -52,21 +52,21 @@ _BUILT_IN = {"T": "the kinetic energy", "V": "the potential energy", "L": "the L
 
 
 def calls() -> dict[str, tuple[str, str]]:
-    """Returns the call and the description of each function."""
+    """Returns the form of the call, and a description, by function name."""
     rows = (line.partition(")") for line in _CALLS.strip().split("\n"))
     return {form.partition("(")[0]: (f"{form})", what.strip()) for form, _, what in rows}
 
 
 def built_in() -> dict[str, str]:
-    """Returns the names that every model has, and their descriptions."""
+    """Returns the names that every model has, with their descriptions."""
     origin = {ORIGIN: "the origin, unless the model has an O of its own", GROUND: "what stands"}
     return CONSTANTS | _BUILT_IN | origin
 
 
 @cache
 def words() -> dict[str, tuple[str, ...]]:
-    """Returns words by class. `statement` are words anywhere, `opening` only at the start of a
-    statement, `part` in some statements, `clause` anywhere, `function` before a bracket."""
+    """Returns words by class: `statement` is reserved everywhere, `opening` only at the start of a
+    statement, `part` is a word in some statements, `clause` in any, `function` before a bracket."""
     parts = {part for shape in SHAPES.values() for part in shape.parts}
     bodies = {word for words in CLAUSES.values() for word in words} | KINDS.keys()
     found = {

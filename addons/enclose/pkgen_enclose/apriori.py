@@ -1,10 +1,10 @@
 """Finds a neighbourhood that no motion leaves in a step: Picard and Lindelof in complex time.
 
 If |F| <= M over the polydisk of radii r around the start and R M <= r, each motion is holomorphic
-in the disk |t| < R and stays within R M of its start there. By Cauchy its Taylor coefficients are
-at most R M/R^k; those of its derivative with respect to the start are at most (exp(R L) - 1)/R^k,
-where L bounds the Jacobian (Gronwall), entry by entry. Reference: W. Walter, Ordinary Differential
-Equations, Springer 1998, sections 6, 8 and 9.
+in the disk |t| < R, and differs from its start by at most R M there. By Cauchy its Taylor
+coefficients are at most R M/R^k. The Taylor coefficients of its derivative with respect to the
+start are at most (exp(R L) - 1)/R^k, where L bounds the entries of the Jacobian (Gronwall).
+Reference: W. Walter, Ordinary Differential Equations, Springer 1998, sections 6, 8 and 9.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ TRIES = 300
 
 @record
 class Neighbourhood:
-    radius: Any  # R, radius of the time disk
-    moved: list[Any]  # R M of each variable
-    turned: Any  # exp(R L) - 1
+    radius: Any  # R, the radius of the time disk.
+    moved: list[Any]  # R M of each variable.
+    turned: Any  # exp(R L) - 1, a matrix.
 
 
 def neighbourhood(flow: Flow, t: Any, y: list[Any], tried: Any) -> Neighbourhood | None:
-    """Returns the neighbourhood of the largest successful time radius, at most `tried`; None if
-    none is."""
+    """Returns the neighbourhood for the largest time radius, at most `tried`, for which one is
+    found; None if none is found."""
     library = flint()
     for _ in range(TRIES):
         moved = _moved(flow, t, y, tried)
@@ -47,8 +47,7 @@ def neighbourhood(flow: Flow, t: Any, y: list[Any], tried: Any) -> Neighbourhood
 
 
 def _moved(flow: Flow, t: Any, y: list[Any], radius: Any) -> list[Any] | None:
-    """Returns R M contained in the radii r, which are found by inflation; None if there are none.
-    """
+    """Returns R M for radii r >= R M, which are found by inflation; None if none are found."""
     library = flint()
     now = _around(t, radius)
     tried = [library.arb(0) for _ in y]
@@ -65,7 +64,7 @@ def _moved(flow: Flow, t: Any, y: list[Any], radius: Any) -> list[Any] | None:
 
 
 def _around(x: Any, radius: Any) -> Any:
-    """Returns the complex square around a real ball."""
+    """Returns the real ball, enlarged by `radius` in real and imaginary direction."""
     library = flint()
     both = library.arb(0, radius)
     return library.acb(x + both, both)

@@ -1,4 +1,4 @@
-"""Reads the options of a run with bounds: exact numbers and columns; refuses unsupported models."""
+"""Reads the options of `run --enclose` as exact numbers, and refuses unsupported models."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .flow import Ends, Given
 
 DIGITS = 15
 MOST_DIGITS = 500
-# Options of a run that are refused here, by their names in argparse.
+# Options of `pkgen run` that --enclose refuses, by their names in argparse.
 FOREIGN = (
     *("method", "step", "max_step", "rtol", "atol", "at", "ensemble", "threads", "diagnose"),
     *("plot", "report", "columns", "phase", "path", "spectrum"),
@@ -31,14 +31,14 @@ FOREIGN = (
 
 
 class Exact(Values):
-    """Values of options, exactly as the written decimals."""
+    """Values of options as exact rational numbers, equal to the written decimals."""
 
     def kept(self, found: Fraction | float) -> Fraction:  # type: ignore[override]
         return decimal(found)
 
 
 def decimal(value: Fraction | float) -> Fraction:
-    """Returns a double as its shortest decimal representation, exactly."""
+    """Returns the shortest decimal that denotes a double, as an exact fraction."""
     return value if isinstance(value, Fraction) else Fraction(repr(float(value)))
 
 
@@ -63,7 +63,7 @@ def refuse_options(options: argparse.Namespace) -> None:
 
 
 def ends(options: argparse.Namespace) -> tuple[argparse.Namespace, argparse.Namespace]:
-    """Returns the options with the lower and with the upper ends of values NAME=LO..HI."""
+    """Returns the options twice: with the lower and with the upper ends of values NAME=LO..HI."""
     both = argparse.Namespace(**vars(options)), argparse.Namespace(**vars(options))
     for side, each in enumerate(both):
         for option in ("set", "start"):
@@ -83,8 +83,8 @@ def _end(option: str, text: str, side: int) -> str:
 
 
 def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Compilation) -> Given:
-    """Returns exact data from the `ends` of the options. Raises UsageError for unsupported models.
-    """
+    """Returns exact data from the options with lower and upper ends. Raises UsageError for
+    unsupported models."""
     options, e = both[0], compilation.equations
     chosen = scenes.of(options, compilation.declared)
     settings = parsing.settings(options, compilation, None, chosen)
@@ -114,7 +114,7 @@ def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Comp
 
 
 def _values(exact: Exact, options: argparse.Namespace, settings) -> tuple[dict, dict, dict]:
-    """Returns parameters, coordinates and rates by index, as the decimals that are written."""
+    """Returns parameters, coordinates and rates by index, equal to the written decimals."""
     parameters = {k: decimal(x) for k, x in settings.parameters}
     known, inputs = named.parameters(exact.compilation), named.inputs(exact.compilation)
     sets = exact.read([assignment("--set", text) for text in options.set if _number(text)])
@@ -175,7 +175,7 @@ def _columns(compilation: Compilation, settings) -> list[tuple[str, Node]]:
 
 
 def refuse(compilation: Compilation, columns: list[Node]) -> None:
-    """Raises UsageError, with position and advice, for features of a model without power series."""
+    """Raises UsageError, with position and advice, if the model has no power series."""
     e, model = compilation.equations, compilation.model
 
     def wrong(span: Span, why: str, advice: str) -> NoReturn:
@@ -204,16 +204,16 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
 
 
 def _without_series(g: Graph, nodes: list[Node]) -> str:
-    """Returns a function in the nodes that has no power series, or ""."""
+    """Returns the name of a function in the nodes that has no power series; "" if all have."""
     varying = (n for n in reachable(g, nodes) if not g.is_constant(n))
     calls = [g.data[n] for n in varying if g.op[n] is Op.CALL]
     found = [x for x in calls if not FUNCTIONS[x].smooth or FUNCTIONS[x].enclosed is None]
-    # The derivative of abs has sign, those of min and max have step: prefers the function written.
+    # Derivatives of abs have sign, those of min and max step: prefer the function written.
     return min(found, key=lambda name: name in ("sign", "step")) if found else ""
 
 
 def _place_of(compilation: Compilation, name: str) -> Span:
-    """Returns the position of a function in the text, or of the model statement."""
+    """Returns the position of a function in the source text, else that of the model statement."""
     import re
 
     model = compilation.model

@@ -1,4 +1,4 @@
-"""`pkgen run --enclose`: rows within rigorous bounds."""
+"""The option --enclose of `pkgen run`: rows with rigorous bounds."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 class _Digits(argparse.Action):
-    """Keeps the digits; without --enclose the run is refused."""
+    """Stores the option --digits; without --enclose the run is refused."""
 
     def __call__(self, parser: object, options: argparse.Namespace, value: str, *_: object) -> None:
         options.digits = value
@@ -35,7 +35,7 @@ def _refuse(options: argparse.Namespace) -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Rows to standard output or to a file, a report to standard error."""
+    """Write rows with bounds to standard output or to a file, and a report to standard error."""
     from . import ask, text
     from .domains import flint
     from .enclose import enclose

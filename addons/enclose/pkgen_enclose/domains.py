@@ -1,8 +1,8 @@
-"""Evaluates nodes of the graph in balls: real ones, power series of real ones, complex ones.
+"""Evaluates nodes of the graph in ball arithmetic: real balls, their power series, complex balls.
 
-An undefined result is not finite, which callers check. Complex functions are holomorphic where they
-are finite: on a ball that touches a branch cut they are not. The arithmetic is Arb's. Reference: F.
-Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
+An undefined result is not finite, which callers check. Complex functions are holomorphic where
+their result is finite: for a ball that touches a branch cut it is not. The arithmetic is Arb's.
+Reference: F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ MISSING = (
 
 
 def flint() -> Any:
-    """Returns the library. Raises UsageError if it is not installed."""
+    """Returns python-flint. Raises UsageError if it is not installed."""
     try:
         import flint as library
     except ImportError:
@@ -32,7 +32,7 @@ def flint() -> Any:
 
 
 def ball(value: Fraction | int, upper: Fraction | None = None) -> Any:
-    """Returns a ball around a number, or around all numbers between two."""
+    """Returns a ball that contains `value`, or all numbers from `value` to `upper`."""
     if upper is not None and upper != value:
         return ball(value).union(ball(upper))
     value = Fraction(value)
@@ -41,7 +41,7 @@ def ball(value: Fraction | int, upper: Fraction | None = None) -> Any:
 
 
 class Reals:
-    """Functions on arb, as called by functions/row.py (`enclosed`)."""
+    """Functions of real balls (arb), with the names that functions/row.py calls (`enclosed`)."""
 
     number = staticmethod(ball)
 
@@ -71,10 +71,10 @@ class Reals:
 
 
 class Series(Reals):
-    """Functions on arb_series; a constant is an arb."""
+    """Functions of power series (arb_series); a constant is an arb."""
 
     def atan2(self, y: Any, x: Any) -> Any:
-        """Returns atan2 by the integral of its derivative (x y' - y x')/(x^2 + y^2)."""
+        """Computes atan2 as the integral of its derivative (x y' - y x')/(x^2 + y^2)."""
         library = flint()
         y, x = (a if isinstance(a, library.arb_series) else a + _constant(y, x) for a in (y, x))
         first = super().atan2(y[0], x[0])
@@ -89,7 +89,7 @@ def _constant(y: Any, x: Any) -> Any:
 
 
 class Complexes(Reals):
-    """Functions on acb; `analytic` results are not finite if a ball touches the branch cut."""
+    """Functions of complex balls (acb), not finite if a ball touches the branch cut."""
 
     def log(self, x: Any) -> Any:
         return _complex(x).log(analytic=True)
@@ -98,8 +98,8 @@ class Complexes(Reals):
         return _complex(x).sqrt(analytic=True)
 
     def _inside(self, value: Any, what: Any) -> Any:
-        """Returns the value if `what` is off the negative axis; else a result that is not finite.
-        """
+        """Returns `value` if the ball `what` is off the negative real axis, else a nonfinite
+        result."""
         off = _complex(what).log(analytic=True)
         return value if off.is_finite() else off
 
@@ -113,13 +113,13 @@ class Complexes(Reals):
         return self._inside(_complex(x).atan(), 1 + x * x)
 
     def atan2(self, y: Any, x: Any) -> Any:
-        """Returns c + atan(w/u), rotated by c so that the midpoint has angle 0."""
+        """Returns c + atan(w/u): (u, w) is (x, y) rotated so that the midpoint has angle 0."""
         y, x = _complex(y), _complex(x)
         if on_cut(y.real, x.real):
             return x * flint().arb.nan()
         c = flint().arb.atan2(y.real.mid(), x.real.mid()).mid()
         u, w = x * c.cos() + y * c.sin(), y * c.cos() - x * c.sin()
-        # With Re u > 0, u is not 0 and the whole ball is on one branch.
+        # If Re u > 0, u is not 0, and the whole ball is on one branch of atan.
         return c + self.atan(w / u) if u.real > 0 else x * flint().arb.nan()
 
 
@@ -129,10 +129,10 @@ def _complex(x: Any) -> Any:
 
 
 def on_cut(y: Any, x: Any) -> bool:
-    """Whether a pair of these real balls may be on the cut of atan2, including its end 0."""
+    """Whether some (y, x) in these real balls is on the branch cut of atan2, or is the origin."""
     return bool(y.contains(0)) and not x > 0
 
 
 def written(g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any]) -> Written:
-    """Returns the nodes as a function over a domain, with parameters as balls."""
+    """Returns the nodes as a function that evaluates them in any of these domains."""
     return Written(g, nodes, constants, Reals())

@@ -1,8 +1,8 @@
 """Computes a motion within rigorous bounds, row by row; repeats it if too many digits are lost.
 
-The truncation error of a step is 10^-D of the range of motion in it; D is the number of digits
-wanted plus spare ones. The number of digits that the motion itself loses is known only after a run;
-then it is repeated with as many more.
+The truncation error of a step is 10^-D of the change in that step, where D is the number of
+requested digits plus SPARE. The number of digits that the motion itself loses is known only after a
+run; then the run is repeated with that many additional digits.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from .domains import ball, flint
 from .flow import REAL, Flow, Given
 from .step import Step, begun, step
 
-SPARE = 9  # digits beyond those wanted
+SPARE = 9  # digits computed in addition to those requested
 ATTEMPTS = 5
 BITS_A_DIGIT = log(10) / log(2)
-GUARD = 40  # additional bits
-SHORTEST = 1e-9  # shortest step, relative to the duration
-GROWTH = 1.2  # factor on the radius tried, from step to step
+GUARD = 40  # Additional bits of precision.
+SHORTEST = 1e-9  # Shortest step, relative to the duration.
+GROWTH = 1.2  # Factor from a step's time radius to the next one tried.
 
 
 @record
@@ -39,19 +39,19 @@ class Row:
 class Enclosure:
     names: tuple[str, ...]
     rows: list[Row]
-    until: Fraction  # requested end
-    reached: Fraction  # time of the last row
-    wanted: int  # digits
-    digits: int  # certified digits of the worst number, relative to its column's largest
-    worst: str  # column of the worst number
-    width: float  # largest width, from bound to bound
+    until: Fraction  # Requested end time.
+    reached: Fraction  # Time of the last row.
+    wanted: int  # Requested digits.
+    digits: int  # Certified digits of the worst number, relative to its column's largest.
+    worst: str  # Column of the worst number.
+    width: float  # Largest width of bounds.
     widest: str
     steps: int
     order: int
     bits: int
     seconds: float  # CPU seconds of all attempts
     attempts: int
-    several: bool  # bounds hold for all motions between given ends
+    several: bool  # whether bounds hold for many motions: intervals were given
     interrupted: bool = False
 
     @property
@@ -65,8 +65,8 @@ def enclose(
     told: Callable[[float], None] = lambda _: None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Enclosure:
-    """Returns rows from 0 to the end, or to where bounds fail or it is stopped. Raises UsageError
-    if the start is off the constraints."""
+    """Returns rows from t = 0 to the end, to a step without finite bounds, or to an interruption.
+    Raises UsageError if the start violates the constraints."""
     begin = time.process_time()
     spare, best = SPARE, None
     attempt = 0
@@ -77,7 +77,7 @@ def enclose(
             best = found
         if (found.whole and found.digits >= digits) or given.several or stopped():
             break
-        if best is not found:  # more digits did not help
+        if best is not found:  # no improvement by more digits
             break
         spare += max(digits - found.digits, 0) + SPARE if found.whole else 2 * digits
     seconds = time.process_time() - begin
@@ -92,7 +92,7 @@ def _attempt(
     stopped: Callable[[], bool],
 ) -> Enclosure:
     sought = digits + spare
-    # This order K minimises the work per unit of time, K^2/10^(-D/K).
+    # The order K that minimises the work per unit of time, K^2/10^(-D/K).
     order = max(ceil(sought * log(10) / 2), 8)
     bits = ceil(sought * BITS_A_DIGIT) + GUARD
     with flint().ctx.workprec(bits):
@@ -136,8 +136,7 @@ def _rows(
 
 
 def _refuse_off(given: Given, flow: Flow) -> None:
-    """Raises UsageError if the start is off the constraints; the equations keep a start that is on
-    them."""
+    """Raises UsageError if the start violates the constraints: the equations only preserve them."""
     residuals = flow.residuals(REAL, flow.values(ball(0), flow.start))
     for k, x in enumerate(residuals):
         if x.contains(0):
@@ -154,14 +153,14 @@ def _refuse_off(given: Given, flow: Flow) -> None:
 
 
 def _narrow(made: Step) -> bool:
-    """Whether bounds are finite and some are narrower than the motion of a step."""
+    """Whether all bounds are finite, and some are narrower than the motion in a step."""
     hull = made.first.hull()
     pairs = zip(hull, made.around.moved, strict=True)
     return all(x.is_finite() for x in hull) and any(x.rad() < m or x.rad() == 0 for x, m in pairs)
 
 
 def _between(given: Given, flow: Flow, made: Step, last: Fraction) -> list[Row] | None:
-    """Returns the rows within a step; None if one has no bounds."""
+    """Returns the rows at times within a step; None if a row has no finite bounds."""
     found = []
     while last < given.until:
         t = min((last // given.every + 1) * given.every, given.until)
@@ -177,7 +176,7 @@ def _between(given: Given, flow: Flow, made: Step, last: Fraction) -> list[Row] 
 
 
 def _size(column: tuple[Any, ...]) -> float:
-    """Returns the largest magnitude of a column; 1 if all may be 0, so that digits are absolute."""
+    """Returns the largest magnitude in a column; 1 if all may be 0: then digits are absolute."""
     if all(x.contains(0) for x in column):
         return 1.0
     return max(float(x.abs_upper()) for x in column)

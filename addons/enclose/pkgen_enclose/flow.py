@@ -1,4 +1,4 @@
-"""The equations as y' = F(t, y), y = (coordinates, rates, states), in balls of one precision."""
+"""The equations y' = F(t, y) in balls; y has coordinates, rates and first-order variables."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .domains import Complexes, Reals, Series, ball, flint, written
 TIME = Symbol(Kind.TIME)
 
 
-Ends = tuple[Fraction, Fraction]  # an interval, or one number if both are equal
+Ends = tuple[Fraction, Fraction]  # an interval; a number if both ends are equal
 
 
 @record
 class Given:
-    """The request, as exact numbers in SI: parameters, coordinates and rates by index (states
-    follow the rates), and the nodes of the columns."""
+    """The requested motion, in exact numbers in SI: parameters, coordinates and rates by index
+    (first-order variables follow the rates), and the nodes of the columns."""
 
     equations: Equations
     parameters: Mapping[int, Ends]
@@ -37,19 +37,19 @@ class Given:
 
     @property
     def wide(self) -> list[int]:
-        """Returns the parameters that are intervals."""
+        """The indices of the parameters that are intervals."""
         return [k for k, (low, high) in self.parameters.items() if low != high]
 
     @property
     def several(self) -> bool:
-        """Whether it has more than one motion."""
+        """Whether an interval is given, so that there are many motions."""
         ends = (*self.coordinates.values(), *self.rates.values())
         return bool(self.wide) or any(low != high for low, high in ends)
 
 
 class Flow:
-    """F, its Jacobian and the columns, in one precision. An interval parameter is a variable with
-    rate 0, which preserves its correlations."""
+    """F, its Jacobian and the columns, in the current precision. An interval parameter becomes a
+    variable with rate 0: all its occurrences then have the same value."""
 
     def __init__(self, given: Given):
         e = given.equations
@@ -79,7 +79,7 @@ class Flow:
         return {TIME: t, **dict(zip(self.variables, y, strict=True))}
 
     def series(self, t: Any, y: list[Any], order: int) -> list[Any]:
-        """Returns the solution from y as power series in time, up to an order."""
+        """Returns the solution that starts at y, as power series in time up to an order."""
         library = flint()
         found = [[x] for x in y]
         for k in range(order):
@@ -90,8 +90,8 @@ class Flow:
         return [library.arb_series(c, order + 1) for c in found]
 
     def variations(self, t: Any, y: list[Any], order: int) -> list[Any]:
-        """Returns the Taylor coefficients of the derivative of the flow with respect to its start:
-        matrices."""
+        """Returns the Taylor coefficients in time of the Jacobian of the flow with respect to its
+        start (matrices)."""
         library = flint()
         terms = self.series(t, y, order)
         now = library.arb_series([t, 1], order + 1)
@@ -107,7 +107,7 @@ class Flow:
         return found
 
     def jacobian_bound(self, t: Any, y: list[Any]) -> Any:
-        """Returns bounds of the magnitudes of the Jacobian's entries over complex balls."""
+        """Returns bounds of the absolute values of the Jacobian's entries over complex balls."""
         found = self.jacobian(COMPLEX, self.values(t, y))
         return self._matrix([flint().acb(x).abs_upper() for x in found])
 
@@ -140,7 +140,7 @@ def _partial(g: Graph, node: Node, symbol: Symbol) -> Node:
 def _swapped(
     g: Graph, e: Equations, resting: Mapping[int, Symbol], given: Given
 ) -> dict[Node, Node]:
-    """Returns the replacements of interval parameters, and of defaults that depend on them."""
+    """Returns replacements of interval parameters, and of defaults that depend on them."""
     swap: dict[Node, Node] = {}
     for k, slot in enumerate(e.parameters if resting else ()):
         symbol = g.symbol(Symbol(Kind.PARAMETER, k))
@@ -152,7 +152,7 @@ def _swapped(
 
 
 def _parameters(e: Equations, given: Given) -> dict[Symbol, Any]:
-    """Returns all parameters as balls; a default is evaluated from earlier ones."""
+    """Returns all parameters as balls; a default may depend on earlier parameters."""
     found: dict[Symbol, Any] = {}
     for k, slot in enumerate(e.parameters):
         if k in given.parameters:

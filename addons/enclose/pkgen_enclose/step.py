@@ -1,12 +1,12 @@
 """Makes one step: the Taylor polynomial of the midpoint, its remainder, and Lohner's set around it.
 
-The set is u + A r: u a point, A a nearly orthogonal matrix, r a box around 0. A step moves u along
-its own Taylor series, and the rest by the derivative of the flow over the whole set (mean value
-theorem). The next A is the Q factor of J A, with columns ordered by length, which reduces the
-wrapping effect. References: R. Lohner, Enclosing the solutions of ordinary initial and boundary
-value problems, in Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson, G. Corliss, Validated
-solutions of initial value problems for ordinary differential equations, Appl. Math. Comput. 105
-(1999) 21-68.
+The set is u + A r: u is a point, A a nearly orthogonal matrix, r a box around 0. A step moves u
+along its Taylor series, and A r by the derivative of the flow over the whole set (mean value
+theorem). The next A is the Q factor of J A (J is that derivative), with columns ordered by length,
+which reduces the wrapping effect. References: R. Lohner, Enclosing the solutions of ordinary
+initial and boundary value problems, in Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson,
+G. Corliss, Validated solutions of initial value problems for ordinary differential equations, Appl.
+Math. Comput. 105 (1999) 21-68.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ class Set:
 
 @record
 class Step:
-    """The enclosure of all times from `first.t` to `length` later."""
+    """Bounds of the motion from time `first.t` to `first.t + length`."""
 
     first: Set
     length: Any
-    series: list[Any]  # power series of the midpoint
-    matrices: list[Any]  # Taylor coefficients of the derivative of the flow
+    series: list[Any]  # Power series of the midpoint.
+    matrices: list[Any]  # Taylor coefficients of the Jacobian of the flow.
     around: Neighbourhood
 
     def parts(self, after: Any) -> tuple[list[Any], Any]:
-        """Returns the midpoint and the derivative of the flow at time `after` from the start."""
+        """Returns the midpoint and the Jacobian of the flow at time `after` in the step."""
         part = after / self.around.radius
         rest = _tail(part, self.series[0].prec)
         middle = [
@@ -63,7 +63,7 @@ class Step:
         return _plus(middle, _times(flow * self.first.frame, self.first.box))
 
     def last(self) -> Set:
-        """Returns the set at its end. Raises ZeroDivisionError if its frame has no inverse."""
+        """Returns the set at the step's end. Raises ZeroDivisionError if its A has no inverse."""
         library = flint()
         middle, flow = self.parts(self.length)
         points = [x.mid() for x in middle]
@@ -85,7 +85,7 @@ def begun(t: Any, y: list[Any]) -> Set:
 
 
 def step(flow: Flow, now: Set, order: int, ratio: Any, tried: Any) -> Step | None:
-    """Returns a step of `ratio` times the radius of the time disk; None if there is none."""
+    """Makes a step of `ratio` times the time disk's radius; None if there is no neighbourhood."""
     hull = now.hull()
     around = neighbourhood(flow, now.t, hull, tried)
     if around is None:
@@ -124,8 +124,8 @@ def _times(matrix: Any, vector: list[Any]) -> list[Any]:
 
 
 def _orthogonal(matrix: Any, box: list[Any]) -> Any:
-    """Returns the Q factor of the midpoint by Gram-Schmidt, columns by length, as exact numbers. A
-    unit vector replaces a column that is linearly dependent up to rounding."""
+    """Returns the Q factor of the matrix's midpoints by Gram-Schmidt, as exact numbers; columns are
+    ordered by length. Unit vectors replace columns that depend linearly on others."""
     library = flint()
     m = len(box)
     columns = [[matrix[i, j].mid() for i in range(m)] for j in range(m)]

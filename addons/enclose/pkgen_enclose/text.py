@@ -1,4 +1,4 @@
-"""Writes bounds as text: rows with a midpoint and a radius per column, and a report."""
+"""Writes bounds as text: rows with midpoint and radius per column, and a report."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Any
 
 from .enclose import Enclosure
 
-SPARE = 10  # most digits of a midpoint beyond those wanted
+SPARE = 10  # most digits of a midpoint beyond the requested digits
 
 
 def of_time(value: Fraction) -> str:
-    """Returns the text of the nearest double."""
+    """Returns the nearest double as text."""
     return repr(float(value)).removesuffix(".0")
 
 
 def ball(value: Any, digits: int) -> tuple[str, str]:
-    """Returns midpoint and radius as decimals that contain the ball. The midpoint has one digit
-    more than the radius, but at most SPARE more than those wanted."""
+    """Returns decimals of a midpoint and a radius that contain the ball. The midpoint has one digit
+    more than the radius, but at most SPARE digits more than `digits`."""
     middle, radius = exact(value.mid()), exact(value.rad())
     place = (_exponent(middle) if middle else 0) - digits - SPARE
     place = max(place, _exponent(radius) - 2) if radius else place
@@ -36,13 +36,13 @@ def ball(value: Any, digits: int) -> tuple[str, str]:
 
 
 def exact(value: Any) -> Fraction:
-    """Returns the exact value of a ball without a radius."""
+    """Returns the exact value of a ball whose radius is 0."""
     man, exponent = value.man_exp()
     return int(man) * Fraction(2) ** int(exponent)
 
 
 def _exponent(value: Fraction) -> int:
-    """Returns the exponent of the first digit, or one less."""
+    """Returns the decimal exponent of the first digit, or one less."""
     return len(str(value.numerator)) - len(str(value.denominator)) - 1
 
 
@@ -97,7 +97,7 @@ def _nth(count: int) -> str:
 
 
 def record(found: Enclosure) -> dict[str, object]:
-    """Returns the result for JSON; numbers are text, since doubles cannot hold them."""
+    """Returns the result for JSON; numbers are text, since they have more digits than doubles."""
     status = "done" if found.whole else "bounds-lost"
     status = "interrupted" if found.interrupted else status
     return {

@@ -1,5 +1,6 @@
-"""Films of a motion, by the drawing of its model: values of the drawing at each frame, projected by
-a camera, drawn by a rasteriser, and written as MP4, WebM, GIF or animated SVG."""
+"""Films of a motion, from the drawing of its model: evaluated at each frame, projected by a camera,
+rasterised to MP4, WebM or GIF, or written as animated SVG.
+"""
 
 COMMANDS = """
 Make something of it

@@ -1,5 +1,6 @@
-"""Projects space to the picture, by parallel rays as in drawings of mechanisms. A plane view looks
-along its third axis; a view of space looks from the side, slightly from above."""
+"""Projects space to the picture by parallel rays. A plane view looks perpendicularly at its plane;
+a view of space looks from the side, slightly from above.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +9,13 @@ import numpy
 from pkgen.record import record
 
 AZIMUTH, ELEVATION = numpy.radians(-62.0), numpy.radians(20.0)
-ROOM = 0.88  # part of the picture that is used
+ROOM = 0.88  # fraction of the picture that the motion fills
 
 
 @record(eq=False)
 class Camera:
-    """A camera. Rows of `turn` are the axes to the right, upwards and towards the eye. `centre` is
-    in these axes, `scale` in pixels per unit; `size` is (width, height)."""
+    """A camera. The rows of `turn` are its axes: right, up, and towards the viewer. `centre` is in
+    these axes, `scale` in pixels per unit; `size` is (width, height) in pixels."""
 
     turn: numpy.ndarray
     size: tuple[int, int]
@@ -22,8 +23,8 @@ class Camera:
     scale: float
 
     def seen(self, points: numpy.ndarray) -> numpy.ndarray:
-        """Returns pixels from the lower left corner and depths, larger if nearer, of points (...,
-        3)."""
+        """Projects points (..., 3) to pixels from the lower left corner, and depths (larger is
+        nearer)."""
         found = points @ self.turn.T - self.centre
         found = found * self.scale
         found[..., 0] += self.size[0] / 2
@@ -44,7 +45,7 @@ def turn_of(view: dict) -> numpy.ndarray:
 def fitted(
     turn: numpy.ndarray, points: numpy.ndarray, size: tuple[int, int], width: float | None
 ) -> Camera:
-    """Returns a camera that shows all `points` (n, 3), and at least `width`, if given."""
+    """Returns a camera that shows all `points` (n, 3), and at least the given `width`."""
     seen = points[numpy.isfinite(points).all(axis=1)] @ turn.T
     if not len(seen):
         seen = numpy.zeros((1, 3))

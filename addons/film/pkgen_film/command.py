@@ -18,11 +18,11 @@ from pkgen.system.exits import UsageError
 from pkgen.system.files import place, replace, scratch
 from pkgen.system.progress import progress, unseen
 
-# Like film.KINDS, without the import of the modules that draw.
+# Equal to film.KINDS, which cannot be imported without matplotlib.
 KINDS = (".mp4", ".webm", ".gif", ".svg")
 SIZES = {".gif": (480, 270), ".svg": (960, 540)}
 FPS = {".gif": 20.0, ".svg": 20.0}
-SHORTEST, LONGEST = 2.0, 20.0  # range of durations in seconds for a film in real time; else USUAL
+SHORTEST, LONGEST = 2.0, 20.0  # seconds: motions in this range are filmed in real time
 USUAL = 10.0
 MOST = 100_000  # most frames
 
@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _processor() -> float:
-    """Returns CPU seconds, including those of ffmpeg."""
+    """Returns CPU seconds, including the time of ffmpeg."""
     return sum(os.times()[:4])
 
 

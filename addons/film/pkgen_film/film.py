@@ -1,4 +1,4 @@
-"""Makes the file of a film from a described model."""
+"""Makes a film from a described model: integrates, draws, and writes the file."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from .raster import Label
 
 KINDS = (".mp4", ".webm", ".gif", ".svg")
-TICKS = 50  # approximate number of times that the clock of an SVG shows
-SAMPLES = 6  # frames that determine the colours of a GIF
-INTEGRATED = 0.3  # part of the progress bar for the integration
-HELD = 0.5  # seconds of the last frame of a motion that ended early
+TICKS = 50  # Approximate number of times that the clock of an SVG shows.
+SAMPLES = 6  # Frames from which the colours of a GIF are computed.
+INTEGRATED = 0.3  # Fraction of the progress bar for the integration.
+HELD = 0.5  # Seconds that the last frame is shown if the motion ended early.
 
 
 @record
@@ -42,8 +42,8 @@ class Asked:
     fps: float
     size: tuple[int, int]
     seconds: float
-    labels: bool = True  # title, time, and names of bobs
-    beside: str = ""  # a column drawn as a growing graph next to the motion
+    labels: bool = True  # Whether title, time and names of bobs are shown.
+    beside: str = ""  # Column drawn as a growing graph next to the motion.
 
     @property
     def frames(self) -> int:
@@ -52,14 +52,15 @@ class Asked:
 
 @record(eq=False)
 class Film:
-    """The number of frames of a film, and the outcome of its motion, which may have ended early."""
+    """The number of frames of a film, and how the integration ended, perhaps before the film's
+    end."""
 
     frames: int
     outcome: Outcome
 
 
 def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
-    """Makes a film at `path`, in a scratch folder; none for a motion without rows."""
+    """Writes a film to `path`, in a temporary folder; writes none if the motion has no rows."""
     compilation, settings = described.compilation, described.settings
     found = described.description
     shown = Values(compilation).shown(asked.beside, "--beside") if asked.beside else None
@@ -89,7 +90,7 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
 
 
 def of_swarm(prepared: Prepared, asked: Asked, path: Path, show: Show) -> Film:
-    """Makes a film of a swarm, with its members as a cloud."""
+    """Makes a film of a swarm; each member is a point of a cloud."""
     from . import swarm
 
     assert prepared.ensemble is not None and prepared.library is not None
@@ -117,7 +118,7 @@ def _title(model: str, scene: str) -> str:
 
 
 def _clock(times: numpy.ndarray, of: str) -> list[tuple[str, float]]:
-    """Returns about TICKS round times as text, each with its position in the film from 0 to 1."""
+    """Returns about TICKS round times as text, each with its position in the film (0 to 1)."""
     span = float(times[-1] - times[0])
     if not span > 0:
         return []
@@ -138,7 +139,7 @@ def _written(
     path: Path,
     show: Show,
 ) -> None:
-    """Writes the file of the film."""
+    """Draws the tracks, and writes the film."""
     unit = min(asked.size) / 720
     texts = [(title, 20 * unit, asked.size[1] - 36 * unit)] if asked.labels else []
     texts += labels

@@ -1,4 +1,4 @@
-"""A graph that grows next to the motion: a column over the time of the film."""
+"""A graph next to the motion: a column over time, which grows during the film."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pkgen.plot.style import BLUE
 from .motion import Motion
 from .tracks import Track
 
-SCENE = 0.6  # part of the width for the motion
+SCENE = 0.6  # fraction of the picture's width for the motion
 PALE = "#CCCCCC"
 
 
 def graph(
     motion: Motion, quantity: Quantity, size: tuple[int, int]
 ) -> tuple[list[Track], list[tuple[str, float, float]]]:
-    """Returns tracks: its frame, a line at 0 if in range, the curve; and texts: its name, both
-    ends."""
+    """Returns tracks (limits, a line at 0 if it is in range, the curve), and texts (name, both
+    limits)."""
     width, height = size
     unit = min(size) / 720
     left, right = (SCENE + 0.08) * width, width - 24 * unit
@@ -27,7 +27,7 @@ def graph(
     least, most = float(values.min()), float(values.max())
     middle, span = (least + most) / 2, (most - least) or 1.0
     frames = len(motion.t[:: motion.fine])
-    depth = numpy.full(frames, numpy.inf)  # drawn above the motion
+    depth = numpy.full(frames, numpy.inf)  # an infinite depth is drawn last, above the motion
 
     def at(value: numpy.ndarray | float) -> numpy.ndarray:
         return (low + high) / 2 + (numpy.asarray(value) - middle) / span * (high - low)

@@ -1,4 +1,4 @@
-"""Contours of an output over two coordinates, with everything else at its start."""
+"""Contours of an output over two coordinates; other coordinates and rates are at their start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LINES = 14
 
 
 def levels(shape: dict, motion: Motion, camera: Camera) -> Iterator[numpy.ndarray]:
-    """Yields lines in space, of shape (n, 3), denser at low values to resolve wells."""
+    """Yields contours as lines in space, of shape (n, 3); low values have denser contours."""
     from contourpy import contour_generator
 
     i, j = shape["x"], shape["y"]

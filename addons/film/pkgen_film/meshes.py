@@ -1,4 +1,4 @@
-"""Bodies as convex meshes: corners, and faces in two tones, which make rotation visible."""
+"""Bodies as convex meshes; faces have two tones, so that rotation is visible."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy
 
 from pkgen.record import record
 
-ROUND = 20  # faces around an axis
-BANDS = 8  # bands of an ellipsoid, from pole to pole
+ROUND = 20  # Faces around an axis.
+BANDS = 8  # Bands of an ellipsoid, from pole to pole.
 
 
 @record(eq=False)
 class Mesh:
-    """A mesh. Faces are indices of corners, anticlockwise seen from outside; `tones` are 0 or 1."""
+    """A mesh. Faces are indices of corners, anticlockwise seen from outside; tones are 0 or 1."""
 
     corners: numpy.ndarray  # (n, 3)
     faces: tuple[tuple[int, ...], ...]
@@ -20,7 +20,7 @@ class Mesh:
 
 
 def mesh(form: str, sizes: list[float]) -> Mesh:
-    """Returns the mesh of a form, with axes and sizes as in docs/dev/describe.md."""
+    """Returns the mesh of a body's form; docs/dev/describe.md defines axes and sizes."""
     if form == "box":
         return _box(sizes)
     if form == "ellipsoid":
@@ -43,7 +43,7 @@ def _box(sizes: list[float]) -> Mesh:
 
 
 def _lathe(profile: list[tuple[float, float]]) -> Mesh:
-    """Returns two rings of (radius, height) around z, with caps; a ring of radius 0 is a tip."""
+    """Returns a solid of revolution between two circles (radius, height); radius 0 is a tip."""
     angles = numpy.linspace(0, 2 * numpy.pi, ROUND, endpoint=False)
     rings = [numpy.stack([r * numpy.cos(angles), r * numpy.sin(angles), 0 * angles + z], 1)
              for r, z in profile]  # fmt: skip
@@ -58,7 +58,7 @@ def _lathe(profile: list[tuple[float, float]]) -> Mesh:
         faces.append(tuple(reversed(low)))
         tones.append(0)
     centre = numpy.array([[0.0, 0.0, profile[1][1]]])
-    for k in range(ROUND):  # sectors of the upper cap
+    for k in range(ROUND):  # the upper cap is divided into sectors
         faces.append((2 * ROUND, high[k], high[(k + 1) % ROUND]))
         tones.append(int(4 * k // ROUND) % 2)
     return Mesh(numpy.concatenate([*rings, centre]), tuple(faces), tuple(tones))

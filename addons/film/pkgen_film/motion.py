@@ -1,4 +1,4 @@
-"""The motion of a described model, and the values of its drawing at equally spaced times."""
+"""Integrates a described model, and evaluates its drawing at equidistant times."""
 
 from __future__ import annotations
 
@@ -18,31 +18,31 @@ from pkgen.run.settings import NOTHING, Settings, Shown
 from pkgen.run.simulate import Outcome, outcome
 from pkgen.system import children
 
-FINE = 120.0  # least samples per second of the film, for trails
+FINE = 120.0  # fewest samples per second of the film, for smooth trails
 
 
 @record(eq=False)
 class Motion:
-    """A motion. `q`, `v` and `outputs`, which the drawing reads, have a row per sample. Each
-    `fine`-th sample is a frame."""
+    """A motion. `q`, `v` and `outputs` have a row per sample; the drawing is evaluated from them.
+    Each `fine`-th sample is a frame."""
 
     t: numpy.ndarray
     q: numpy.ndarray
     v: numpy.ndarray
     outputs: numpy.ndarray
     fine: int
-    idle: Run  # a run to call kernels for static shapes: levels
+    idle: Run  # a run that does not integrate, to evaluate contours
     outcome: Outcome
-    beside: numpy.ndarray | None = None  # shape (samples,): the column of a graph
+    beside: numpy.ndarray | None = None  # shape (samples,): the column that a graph shows
 
     def number(self, entry: float | dict[str, int]) -> numpy.ndarray:
-        """Returns a number of the drawing, of shape (samples,)."""
+        """Evaluates a number of the drawing; returns shape (samples,)."""
         if isinstance(entry, dict):
             return self.outputs[:, entry["output"]]
         return numpy.full(len(self.t), float(entry))
 
     def point(self, entries: list) -> numpy.ndarray:
-        """Returns a point of the drawing, of shape (samples, 3)."""
+        """Evaluates a point of the drawing; returns shape (samples, 3)."""
         return numpy.stack([self.number(entry) for entry in entries], axis=1)
 
 
@@ -55,8 +55,8 @@ def moved(
     on_progress: Callable[[float], None] | None = None,
     beside: Shown | None = None,
 ) -> Motion:
-    """Integrates to the end, or as far as possible: see `outcome`. The first frame is the start,
-    the last one the end."""
+    """Integrates to the end, or until the integration fails: see `outcome`. The first frame is the
+    start, the last frame the end."""
     fine = max(1, math.ceil(FINE / fps))
     places = named.coordinates(compilation).columns(10**9)
     rates = named.coordinates(compilation, rates=True).columns(10**9)

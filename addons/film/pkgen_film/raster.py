@@ -1,4 +1,4 @@
-"""Draws frames by matplotlib's Agg, called without figures: a few milliseconds each."""
+"""Draws frames by matplotlib's Agg renderer, without figures: a frame takes a few milliseconds."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from pkgen.plot.style import GREY, INK
 
 from .tracks import BESIDE, Track
 
-Label = tuple[str, float, float]  # a text and its start, in pixels from the lower left
+Label = tuple[str, float, float]  # a text and its position, in pixels from the lower left
 
-FADES = 6  # parts of a trail, each paler than the one after it
+FADES = 6  # pieces of a trail; older pieces are paler
 CIRCLE = Path.unit_circle()
 
 
@@ -33,7 +33,7 @@ class Raster:
         self.depth = numpy.stack([t.depth for t in tracks]) if tracks else numpy.zeros((0, 1))
 
     def frame(self, k: int, time: str) -> numpy.ndarray:
-        """Returns frame k, of shape (height, width, 4)."""
+        """Returns frame k as RGBA, of shape (height, width, 4)."""
         self.renderer.clear()
         self._background()
         for index in numpy.argsort(self.depth[:, k], kind="stable"):

@@ -1,5 +1,6 @@
-"""Writes films as animated SVG: SMIL moves the points, so it is sharp at any size without a script.
-https://www.w3.org/TR/smil-animation/"""
+"""Writes films as animated SVG. SMIL animations move the points, so that no script is needed.
+https://www.w3.org/TR/smil-animation/
+"""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from pkgen.plot.style import FONTS, GREY, INK
 from .tracks import BESIDE, Track
 
 _DISCRETE = ' calcMode="discrete"'
-STILL = 0.05  # motion in pixels below which an element is static
+STILL = 0.05  # pixels: an element that moves less is static
 
 
 def film(
@@ -23,12 +24,12 @@ def film(
     texts: list[tuple[str, float, float]],
     times: list[tuple[str, float]] = (),
 ) -> str:
-    """Returns the SVG, which repeats every `seconds`. `times` are texts of the clock and their
-    starts, relative to the duration."""
+    """Returns the SVG, which repeats after `seconds`. `times` are texts of the clock, each with the
+    time at which it appears, relative to the duration."""
     width, height = size
     body = []
     depth = [float(track.depth.mean()) for track in tracks]
-    # A face that turns away vanishes between two frames, so positions are not interpolated.
+    # A face that turns away vanishes from one frame to the next: positions are not interpolated.
     solid = any(track.closed and track.fill and _moves(track.points) for track in tracks)
     beat = f'dur="{seconds:.6g}s" repeatCount="indefinite"{_DISCRETE if solid else ""}'
     for index in sorted(range(len(tracks)), key=lambda k: depth[k]):
@@ -54,7 +55,7 @@ def _text(text: str, x: float, y: float, unit: float) -> str:
 
 
 def _names(tracks: list[Track], height: int, beat: str, unit: float) -> str:
-    """Returns the names of discs, which follow the discs."""
+    """Returns the labels of discs; a label moves with its disc."""
     found = []
     for track in tracks:
         if track.label:
@@ -69,7 +70,7 @@ def _names(tracks: list[Track], height: int, beat: str, unit: float) -> str:
 
 
 def _clock(times: list[tuple[str, float]], seconds: float, height: int, unit: float) -> str:
-    """Returns a text for each time, one of which is visible: SMIL cannot change texts."""
+    """Returns one text per time, and shows each in its interval: SMIL cannot change texts."""
     if not times:
         return ""
     found = []
@@ -78,7 +79,7 @@ def _clock(times: list[tuple[str, float]], seconds: float, height: int, unit: fl
         cuts = [(0.0, "hidden"), (begin, "visible"), (end, "hidden")]
         cuts = [c for k, c in enumerate(cuts) if c[0] < 1 and not (k == 0 and begin == 0)]
         keys, values = ";".join(f"{c[0]:.5g}" for c in cuts), ";".join(c[1] for c in cuts)
-        first = "visible" if begin == 0 else "hidden"  # for viewers without SMIL
+        first = "visible" if begin == 0 else "hidden"  # initial state, for viewers without SMIL
         moves = (
             f'<animate attributeName="visibility" dur="{seconds:.6g}s" repeatCount="indefinite"'
             f'{_DISCRETE} keyTimes="{keys}" values="{values}"/>'
@@ -114,7 +115,7 @@ def _element(track: Track, height: int, beat: str) -> str:
 
 
 def _trail(track: Track, height: int, beat: str, look: str) -> str:
-    """Returns a trail as a static path with one moving dash."""
+    """Returns a trail: a static path with one dash that moves along it."""
     points = _flipped(track.points, height)[0]
     points = points[numpy.isfinite(points).all(axis=1)]
     along = numpy.concatenate([[0], numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).cumsum()])

@@ -1,4 +1,4 @@
-"""Draws a swarm as a cloud in the plane of a coordinate and its rate."""
+"""Draws a swarm as a cloud of points in the plane of a coordinate and its rate."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from pkgen.system.exits import UsageError
 from .raster import Label
 from .tracks import Track
 
-MOST, MOST_OF_VECTORS = 4000, 150  # most members shown, in pixels and in vectors
-EDGE = (0.09, 0.12, 0.97, 0.87)  # plane in the picture: left, low, right, high
+MOST, MOST_OF_VECTORS = 4000, 150  # Most drawn members, in raster and in vector formats.
+EDGE = (0.09, 0.12, 0.97, 0.87)  # Axes, as fractions of the picture: left, low, right, high.
 TICKS = 6
 
 
 @record(eq=False)
 class Cloud:
-    """The positions of the members shown: `t` has a time per frame, `places` is (frames, members,
-    2)."""
+    """The drawn members: `t` has a time per frame; `places` is (frames, members, 2), coordinate and
+    rate."""
 
     t: numpy.ndarray
     places: numpy.ndarray
@@ -48,7 +48,7 @@ def moved(
     most: int,
     on_progress: Callable[[float], None],
 ) -> Cloud:
-    """Integrates the members that are shown, evenly chosen."""
+    """Integrates an evenly spaced selection of the members, at most `most`."""
     if not named.coordinates(compilation).count:
         raise UsageError("the scene leaves no coordinate to show")
     q, v = (next(iter(_columns(compilation, rates=rates))) for rates in (False, True))
@@ -70,7 +70,7 @@ def moved(
     rows = done.rows()
     made = numpy.full((frames, len(few.lines), 2), numpy.nan)
     at = numpy.rint(rows[:, 1] / every).astype(int)
-    member = (rows[:, 0] - few.lines[0]).astype(int)  # index from the first member
+    member = (rows[:, 0] - few.lines[0]).astype(int)  # index relative to the first member
     good = (at < frames) & (member < len(few.lines))
     made[at[good], member[good]] = rows[good, 2:4]
     names = label(q.name, q.unit), label(v.name, v.unit)
@@ -83,7 +83,7 @@ def _columns(compilation: Compilation, rates: bool):
 
 
 def tracks(cloud: Cloud, size: tuple[int, int], vectors: bool) -> tuple[list[Track], list[Label]]:
-    """Returns the tracks of the plane and of the cloud in it, and the plane's labels."""
+    """Returns the tracks of the axes and of the cloud, and the labels of the axes."""
     unit = min(size) / 720
     left, low, right, high = (x * s for x, s in zip(EDGE, (*size, *size), strict=True))
     flat = cloud.places.reshape(-1, 2)
@@ -124,7 +124,7 @@ def tracks(cloud: Cloud, size: tuple[int, int], vectors: bool) -> tuple[list[Tra
 
 
 def _ticks(a: float, b: float) -> list[float]:
-    """Returns round numbers between a and b."""
+    """Returns round numbers between a and b, for an axis."""
     step = 10 ** numpy.floor(numpy.log10((b - a) / TICKS))
     step *= next(k for k in (1, 2, 5, 10) if (b - a) / (k * step) <= TICKS)
     first, last = numpy.ceil(a / step), numpy.floor(b / step)

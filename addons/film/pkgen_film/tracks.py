@@ -1,4 +1,4 @@
-"""Turns the shapes of a drawing into tracks: their points at each frame, in pixels.
+"""Converts the shapes of a drawing to tracks: points in pixels at each frame.
 
 A track has the same number of points in all frames, so that an animated SVG can move them.
 """
@@ -19,11 +19,11 @@ from .meshes import Mesh, mesh
 from .motion import Motion
 
 COLOURS = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY)
-BOB = 0.018  # default radius, relative to the picture's shorter side
-ARROW = 9.0  # pixels of an arrow's head, at a height of 720
-NAMED = 6  # most bobs for which bobs have names
-BESIDE = 6.0  # pixels from a bob to its name, at a height of 720
-TURNS = 40  # points of a circle
+BOB = 0.018  # Default radius of a bob, relative to the picture's shorter side.
+ARROW = 9.0  # Length of an arrow's head in pixels, in a picture 720 pixels high.
+NAMED = 6  # If there are more bobs, their names are not shown.
+BESIDE = 6.0  # Pixels from a bob to its name, in a picture 720 pixels high.
+TURNS = 40  # Points of a circle.
 TONES = ((0.36, 0.60, 0.80), (0.93, 0.88, 0.76))
 LIGHT = numpy.array([-0.4, 0.75, 0.55]) / numpy.linalg.norm([-0.4, 0.75, 0.55])
 REST = 1e-9
@@ -32,10 +32,10 @@ REST = 1e-9
 @record(eq=False)
 class Track:
     """A shape in all frames. `points` is (frames, n, 2), pixels from the lower left; `depth` is
-    (frames,). A disc has one point and a radius; a trail has the points of all samples, and `span`
-    the first and last of each frame."""
+    (frames,). A disc has one point and a radius. A trail has the points of all samples, and `span`
+    has the indices of the first and last point per frame."""
 
-    kind: str  # path, disc, trail, cloud; graph: a trail that does not fade
+    kind: str  # path, disc, trail, cloud, or graph (a trail that does not fade)
     points: numpy.ndarray
     depth: numpy.ndarray
     colour: str
@@ -49,7 +49,7 @@ class Track:
 
 
 def tracks(drawing: dict, motion: Motion, size: tuple[int, int]) -> tuple[list[Track], Camera]:
-    """Returns the tracks of all shapes, background first; and the camera."""
+    """Returns the tracks of all shapes, those of the background first; and the camera."""
     made = _Maker(drawing, motion, size)
     found = [track for shape in made.shapes for track in made.tracks(shape)]
     return found, made.camera
@@ -60,7 +60,7 @@ class _Maker:
         self.motion, self.view = motion, drawing["view"]
         self.shapes = sorted(drawing["shapes"], key=lambda s: _BEHIND.get(s["kind"], 1))
         self.frames = slice(None, None, motion.fine)
-        self.unit = min(size) / 720  # scale of line widths
+        self.unit = min(size) / 720  # scale factor of line widths
         self.colours: dict[str, str] = {}
         bobs = sum(shape["kind"] == "bob" for shape in self.shapes)
         self.many, self.named = bobs > len(COLOURS), bobs <= NAMED
@@ -71,7 +71,7 @@ class _Maker:
     # -- extent --------------------------------------------------------------------------------
 
     def _extent(self) -> numpy.ndarray:
-        """Returns all points of all frames, with the extents of bodies and circles."""
+        """Returns all points of all frames, including the extents of bodies and circles."""
         found = [numpy.zeros((0, 3))]
         for shape in self.shapes:
             for points, reach in self._places(shape):
@@ -108,15 +108,15 @@ class _Maker:
             yield from make(shape)
 
     def _colour(self, shape: dict) -> str:
-        """Returns the colour of a shape: bobs and trails at the same point share one; so do many
-        bobs."""
+        """Returns the colour of a shape. Bobs and trails at the same point have one colour; bobs
+        have one colour if they are many."""
         key = repr((shape.get("at"), shape.get("vector")))
         if self.many and shape["kind"] == "bob":
             return BLUE
         return self.colours.setdefault(key, COLOURS[len(self.colours) % len(COLOURS)])
 
     def _path(self, points: numpy.ndarray, colour: str, width: float, **more: object) -> Track:
-        """Returns the track of points in space, of shape (samples, n, 3)."""
+        """Returns the track of a line through points in space, of shape (samples, n, 3)."""
         seen = self.camera.seen(points[self.frames])
         return Track(
             "path", seen[..., :2], seen[..., 2].mean(axis=1), colour, width * self.unit, **more
@@ -150,7 +150,7 @@ class _Maker:
         yield from self._pivots(shape)
 
     def _pivots(self, shape: dict) -> Iterator[Track]:
-        """Yields a dot at each static end."""
+        """Yields a dot at each end that does not move."""
         for end in ("from", "to"):
             points = self.motion.point(shape[end])
             if numpy.ptp(points, axis=0).max() <= REST:
@@ -201,11 +201,11 @@ class _Maker:
         yield self._path(points, BLUE if moves else GREY, 2.2 if moves else 1.0)
 
     def _trail(self, shape: dict) -> Iterator[Track]:
-        """Yields the path of the last seconds, by all samples."""
+        """Yields the path of a point during the last seconds, from all samples."""
         seen = self.camera.seen(self.motion.point(shape["at"]))
         count = len(self.motion.t)
         step = self.motion.t[1] - self.motion.t[0] if count > 1 else 1.0
-        lasting = shape.get("lasting")  # None: since the start
+        lasting = shape.get("lasting")  # None: the trail starts at time 0
         parts = count if lasting is None else float(self.motion.number(lasting)[0]) / step
         back = int(min(count, max(1, round(parts))))
         ends = numpy.arange(0, count, self.motion.fine)
@@ -238,7 +238,7 @@ class _Maker:
         yield replace(line, depth=line.depth - 1e9 + 1)
 
     def _floor(self, axis: int, at: float, centre: numpy.ndarray) -> Iterator[Track]:
-        """Yields a grid of lines, as wide as the motion."""
+        """Yields the grid of the ground, as wide as the motion."""
         others = [k for k in range(3) if k != axis]
         extent = self._extent()
         for across, along in (others, others[::-1]):
@@ -271,7 +271,7 @@ class _Maker:
             shown = towards > 0
             if not shown.any():
                 continue
-            # A face that is turned away collapses to a point, which is invisible.
+            # A face that is turned away is reduced to one point, which is invisible.
             flat = numpy.where(shown[:, None, None], points[..., :2], points[:, :1, :2])
             shade = float(numpy.mean(0.72 + 0.28 * numpy.clip(normal[shown] @ LIGHT, 0, 1)))
             fill = _hex(shade * numpy.array(TONES[tone]))
@@ -282,16 +282,16 @@ class _Maker:
         return [float(self.motion.number(s)[0]) for s in shape["sizes"]]
 
     def _corners(self, shape: dict, solid: Mesh) -> numpy.ndarray:
-        """Returns the corners in each frame, of shape (frames, n, 3)."""
+        """Returns the corners of a body in each frame, of shape (frames, n, 3)."""
         at = self.motion.point(shape["at"])[self.frames]
         if shape.get("turn") is None:
             return at[:, None] + solid.corners[None]
         columns = numpy.stack([self.motion.number(x)[self.frames] for x in shape["turn"]], 1)
-        turn = columns.reshape(len(at), 3, 3)  # rows here are columns of the rotation matrix
+        turn = columns.reshape(len(at), 3, 3)  # rows here are the columns of the rotation matrix
         return at[:, None] + numpy.einsum("fji,nj->fni", turn, solid.corners)
 
     def _graph(self, shape: dict) -> Iterator[Track]:
-        """Yields graphs of coordinates over time, for a model without a drawing."""
+        """Yields graphs of coordinates over time, for a model that has no drawing."""
         width, height = self.camera.size
         t = self.motion.t
         columns = shape["columns"]
@@ -322,9 +322,9 @@ def _offsets(reach: float) -> numpy.ndarray:
 
 
 def _normals(points: numpy.ndarray) -> numpy.ndarray:
-    """Returns the outward unit normals of a face in each frame, in camera axes."""
+    """Returns the outward unit normals of a face in each frame, in the axes of the camera."""
     found = numpy.zeros((len(points), 3))
-    for k in range(1, points.shape[1] - 1):  # two corners of a face may coincide
+    for k in range(1, points.shape[1] - 1):  # a sum over triangles, since two corners may coincide
         found += numpy.cross(points[:, k] - points[:, 0], points[:, k + 1] - points[:, 0])
     return found / numpy.maximum(numpy.linalg.norm(found, axis=1, keepdims=True), REST)
 

@@ -22,13 +22,13 @@ CODECS = {
         *("-row-mt", "1", "-pix_fmt", "yuv420p"),
     ),
 }
-COLOURS = 128  # colours of a GIF
-INK = 225  # greatest brightness of ink
-SAID = 3  # lines of ffmpeg's messages that are reported
+COLOURS = 128  # Colours of a GIF.
+INK = 225  # Greatest brightness of pixels that count as ink.
+SAID = 3  # Reported lines of ffmpeg's messages.
 
 
 def refuse(kind: str) -> None:
-    """Raises UsageError if a film of this kind cannot be made here."""
+    """Raises UsageError if a film of this kind needs ffmpeg, which is not installed."""
     if kind in CODECS and shutil.which("ffmpeg") is None:
         raise UsageError(
             f"a {kind} is made by ffmpeg, which is not here (apt-get install ffmpeg); "
@@ -37,7 +37,8 @@ def refuse(kind: str) -> None:
 
 
 def video(frames: Iterable[numpy.ndarray], size: tuple[int, int], fps: float, path: Path) -> None:
-    """Writes a video by ffmpeg, which reads raw frames. Raises BuildError with its messages."""
+    """Writes a video by ffmpeg, which reads raw frames. Raises BuildError with ffmpeg's
+    messages."""
     width, height = size
     command = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y"]
     command += ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}"]
@@ -65,13 +66,13 @@ def video(frames: Iterable[numpy.ndarray], size: tuple[int, int], fps: float, pa
 
 
 def gif(frames: Iterable[numpy.ndarray], some: list[numpy.ndarray], fps: float, path: Path) -> None:
-    """Writes a GIF with one palette, determined by `some` frames, so that static parts compress
-    well."""
+    """Writes a GIF with one palette for all frames, computed from the frames `some`: so static
+    parts compress well."""
     from PIL import Image
 
     pictures = (Image.fromarray(frame[..., :3]) for frame in frames)
-    # Ink only: the paper is one colour, and no other one may be near it, since Pillow merges near
-    # colours.
+    # The palette is computed from ink only, plus white: Pillow merges near colours, and no other
+    # colour may be near white.
     ink = numpy.concatenate([frame[frame[..., :3].min(axis=2) < INK] for frame in some])[:, :3]
     sample = Image.fromarray(numpy.ascontiguousarray(ink.reshape(-1, 1, 3)))
     found = sample.quantize(COLOURS - 1, method=Image.Quantize.MEDIANCUT).getpalette() or []
@@ -84,7 +85,7 @@ def gif(frames: Iterable[numpy.ndarray], some: list[numpy.ndarray], fps: float, 
 
     made = quantized()
     first = next(made)
-    # GIFs count in hundredths of a second.
+    # Durations in a GIF are in hundredths of a second.
     duration = 10 * max(2, round(100 / fps))
     first.save(
         path, save_all=True, append_images=made, duration=duration, loop=0, optimize=False,

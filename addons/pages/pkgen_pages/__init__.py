@@ -1,8 +1,8 @@
-"""HTML pages: of `explain`, of a run, of a chart, of a stability map.
+"""HTML pages: reports of `explain`, of a run, of a chart, of a stability map.
 
-page.py         what all pages share: their style, tables, inline pictures
-explain/        equations typeset as MathML
-run.py          `pkgen run --report`
-chart.py        beside the pictures of `pkgen chart`
-stability.py    beside the pictures of `pkgen stability`
+page.py       the style, tables and inline pictures of all pages
+explain/      equations typeset as MathML
+run.py        `pkgen run --report`
+chart.py      the page that `pkgen chart` writes with its pictures
+stability.py  the page that `pkgen stability` writes with its pictures
 """

@@ -1,4 +1,4 @@
-"""One self-contained HTML page: the pictures inline, the answers, every point, the settings."""
+"""The HTML page of a work-precision chart: pictures, cheapest methods, all points, settings."""
 
 from __future__ import annotations
 
@@ -49,7 +49,8 @@ def html(chart: Chart, report: str, pictures: list[Path]) -> str:
 
 
 def _limits(chart: Chart) -> str:
-    """Returns the table of each method's predicted limit, longest good and shortest failed step."""
+    """Returns a table of methods: predicted step limit, longest successful and shortest failed
+    step."""
     rows = []
     for track in chart.tracks:
         limit = chart.spectrum.limit(track.method)

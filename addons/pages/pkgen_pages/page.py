@@ -1,4 +1,4 @@
-"""Self-contained HTML pages: a style, tables, inline pictures. They load no other resources."""
+"""Makes self-contained HTML pages: style, tables, inline pictures. They load no other files."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NUMBER = re.compile(r"[-+]?\d[\d.,]*(e[-+]?\d+)?( %)?")
 
 
 def document(title: str, sections: Iterable[str], style: str = "") -> str:
-    """Returns a page of HTML sections, without the empty ones. `style` is added to STYLE."""
+    """Returns an HTML page of the sections that are not empty. `style` is CSS added to STYLE."""
     body = "\n".join(section for section in sections if section)
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n'
@@ -66,7 +66,7 @@ def _cell(text: str) -> str:
 
 
 def picture(svg: str, number: int = 0) -> str:
-    """Returns an SVG without its prologue and URLs; `number` makes its ids unique on a page."""
+    """Returns an SVG element without metadata and namespaces; `number` makes its ids unique."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", svg)

@@ -1,6 +1,6 @@
 """The HTML report of a run: status, pictures, drifts, diagnostics, events, expectations, settings.
 
-The page loads no other resources and has no scripts. Names of a model are escaped.
+The page loads no other files and has no scripts. Names of a model are escaped.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from pkgen.version import __version__
 from . import page
 
 Rows = list[tuple[str, ...]]
-TIMES = 6  # most listed times of an event
-DPI = 110  # resolution of rasterized parts; low, since the page has many pictures
-MANY = 40  # a table of more rows is folded
+TIMES = 6  # Most listed times of an event.
+DPI = 110  # Resolution of rasterized parts; low, since the page has many pictures.
+MANY = 40  # A table with more rows is collapsed.
 # The pictures of the page; a kind that does not apply to the rows is left out.
 PICTURES = (("Over time", View("time")), ("Phase plane", View("")), ("Drift", View("drift")))
 LOOK = """
@@ -59,8 +59,8 @@ def html(
     view: View,
     given: dict[str, list[float]],
 ) -> str:
-    """Returns the page. `told` is the sidecar of the rows; `table` is None without rows. `given`
-    holds the parameters and the start, from Run.given()."""
+    """Returns the page. `told` is the metadata of the run (the content of FILE.csv.json); `table`
+    has its rows, or is None; `given` has the parameters and the start, from Run.given()."""
     time = "" if compilation.model.dimensionless else "s"
     model = compilation.declared
     found: dict = told["report"]  # type: ignore[assignment]
@@ -176,7 +176,7 @@ def _pictures(table: Table | None, view: View) -> Iterable[str]:
 
 
 def on_page(svg: str) -> str:
-    """Adapts an SVG to a light or dark page: ink gets the colour of text, paper no fill."""
+    """Adapts an SVG to a light or dark page: lines get the colour of text, backgrounds no fill."""
     for ink in (style.INK, style.BLACK):
         svg = svg.replace(ink.lower(), "currentcolor")
     svg = svg.replace("fill: #ffffff", "fill: none").replace(style.BLUE.lower(), "var(--blue)")
@@ -269,7 +269,7 @@ def _settings(
 
 
 def _given(compilation: Compilation, given: dict[str, list[float]]) -> Iterable[str]:
-    """Yields tables of the parameters and of the start."""
+    """Yields the tables of parameters and of initial values."""
     headings = ("", "value", "unit", "what")
     names = named.parameters(compilation)
     yield _table("Parameters", headings, _values(names, given["parameters"]))

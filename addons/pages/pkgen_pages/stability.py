@@ -1,4 +1,4 @@
-"""Writes one self-contained HTML page: the picture, the tables, the misses."""
+"""The HTML page of a stability map: the picture, the tables, the failed predictions."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Measures other packages' integrators: same motion, same reference, same error as pkgen's methods.
 
-The answers of each package are found like pkgen's own, among its methods and by time only; then all
-compared points are timed once more in turns.
+As for pkgen, the cheapest method of each package at an accuracy is sought, by time only. Then the
+best points of pkgen and of the packages are timed once more in turns.
 """
 
 from __future__ import annotations
@@ -31,13 +31,14 @@ from pkgen.system.progress import Show
 
 from .peers import Integrate, Motion, Peer, Refused, Slow, gsl_methods
 
-SHARE = 0.5  # time of all packages, relative to the time of the chart
-LAP = 1e-3  # seconds of the shortest lap
-ROUNDS, LONGEST, MOST = 3, 0.3, 30  # rounds; longest run retimed, in seconds; its cap, relative
+SHARE = 0.5  # Time of all packages, relative to the time of the chart.
+LAP = 1e-3  # Shortest timed repetition in seconds.
+# Rounds of timing; most seconds of a run that is timed again; its time limit, relative to that.
+ROUNDS, LONGEST, MOST = 3, 0.3, 30
 
 
 class Opened:
-    """A method of a package on one motion; point() is like Program.point."""
+    """A method of a package, applied to one motion; point() is like Program.point."""
 
     def __init__(self, peer: Peer, name: str, motion: Motion):
         self.motion = motion
@@ -58,7 +59,7 @@ class Opened:
                 fastest = self._laps(setting, seconds)
         except Slow:
             slow = True
-        except Exception as failure:  # any exception of a package is a failed run
+        except Exception as failure:  # any exception of a package counts as a failed run
             reason = str(failure) or type(failure).__name__
         done = fastest is not None
         return Point(
@@ -85,7 +86,7 @@ class Opened:
         return list(zip(times or [self.motion.until], exact, strict=True))
 
     def _laps(self, setting: float, seconds: float) -> float:
-        """Returns the fastest lap in at least `seconds`; motion.count is then that of one run."""
+        """Returns the fastest CPU time of a run, from repetitions for at least `seconds`."""
         best, total, block = math.inf, 0.0, 1
         while best == math.inf or total < seconds:
             began = time.process_time()
@@ -103,7 +104,7 @@ class Opened:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Suppresses warnings, and standard output of compiled code."""
+    """Suppresses warnings, and the standard output of compiled code."""
     sys.stdout.flush()
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     try:
@@ -120,7 +121,7 @@ def _quiet() -> Iterator[None]:
 def attach_peers(
     peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
 ) -> dict[str, str]:
-    """Adds the packages' methods to the programs. Returns the reasons for refusal by package."""
+    """Adds the packages' methods to the programs. Returns, by package, why it refuses the model."""
     refused: dict[str, str] = {}
     e = compilation.equations
     jolts = [] if compilation.looped else [x.quantity.name for x in e.impulsive]
@@ -139,7 +140,7 @@ def attach_peers(
 
 @record
 class Against:
-    """The packages as `analysis/chart/chart.py` asks for them."""
+    """The chosen packages, with the interface that `analysis/chart/chart.py` calls."""
 
     peers: tuple[Peer, ...]
 
@@ -149,7 +150,7 @@ class Against:
 
     @property
     def methods(self) -> list[str]:
-        """Methods of the runtime that are of a package."""
+        """Methods of other packages that the runtime contains (GSL), if they are chosen."""
         return gsl_methods() if any(peer.open is None for peer in self.peers) else []
 
     def measure(
@@ -161,8 +162,8 @@ class Against:
         tracks: list[Track],
         on_progress: Show,
     ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-        """Returns the packages' answers, pkgen's own answers, and all tracks; answers are timed in
-        turns."""
+        """Returns the cheapest methods of the packages, and those of pkgen, both timed in turns;
+        and the points of all methods."""
         return _measured(bench, self.peers, compilation, spectrum, own, tracks, on_progress)
 
 
@@ -179,8 +180,7 @@ def _measured(
     tracks: list[Track],
     on_progress: Show,
 ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-    """Returns the packages' answers, pkgen's own answers, and all tracks; answers are timed in
-    turns."""
+    """Implements Against.measure."""
     refused = attach_peers(peers, compilation, bench.starts)
     able = [p for p in peers if p.name not in refused]
     part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))

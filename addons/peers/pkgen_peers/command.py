@@ -1,4 +1,4 @@
-"""`pkgen chart --against`: which packages are asked for, and which are installed."""
+"""The option --against of `pkgen chart`: selects packages, and checks that they are installed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def chosen(options: argparse.Namespace) -> Against | None:
-    """Returns the installed packages of --against, and reports the others. Raises UsageError."""
+    """Returns the installed packages of --against; reports the missing ones. Raises UsageError."""
     if options.against is None:
         return None
     known, found, missing = {peer.name: peer for peer in PEERS}, [], []

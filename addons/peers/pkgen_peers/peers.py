@@ -1,8 +1,8 @@
-"""Integrators of other packages, by their own Python API (`--against`).
+"""Integrators of other packages, called by their own Python API (`--against`).
 
-A package that takes a function gets the model's compiled acceleration by ctypes; one that takes
-expressions gets those of the model's graph. All get one tolerance relative to the scale of each
-number. Their own compilation is not timed.
+A package that takes a function gets the model's compiled acceleration by ctypes; a package that
+takes expressions gets them from the model's graph. Each gets a relative tolerance, and absolute
+tolerances in proportion to the scale of each variable. Compilation by a package is not timed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from pkgen.run.build import runtime_methods
 if TYPE_CHECKING:
     import numpy
 
-SELDOM = 64  # evaluations between checks of the clock
+SELDOM = 64  # evaluations between two checks of the CPU time
 MOST_STEPS = 10**7
 TIME = Symbol(Kind.TIME)
 
@@ -37,12 +37,12 @@ class Refused(Exception):
 
 
 class Slow(Exception):
-    """The time of an integration is used up."""
+    """An integration has exceeded its time limit."""
 
 
 class Motion:
     """The initial value problem: y' = f(t, y) from `start`, y = (coordinates, rates, first-order
-    variables). `count` counts the calls of f, which raises Slow after the CPU time `late`."""
+    variables). `count` counts the calls of f, which raises Slow if the CPU time exceeds `late`."""
 
     def __init__(self, compilation: Compilation, program: Program, scales: Sequence[float]):
         import numpy
@@ -64,7 +64,7 @@ class Motion:
         return self._rates(t, y)
 
     def expressions(self, name: str, domain: Any, t: Any, y: Sequence[Any]) -> list[Any]:
-        """Returns f as a package's expressions, with numeric parameters. Raises Refused."""
+        """Returns f in the package's own expressions, with numeric parameters. Raises Refused."""
         e = self.compilation.equations
         if self.compilation.looped or e.acceleration is None:
             raise Refused(f"the accelerations are too large to be written out for {name}")
@@ -83,29 +83,29 @@ class Motion:
         return Written(g, nodes, constants)(domain, values)
 
 
-# (tolerance, times) -> states at the times; without times the last state.
+# A function (tolerance, times) -> states at the times; the last state if `times` is empty.
 Integrate = Callable[[float, Sequence[float]], Any]
 
 
 def gsl_methods() -> list[str]:
-    """Returns the GSL methods of the runtime; none if it was compiled without GSL."""
+    """Returns the names of GSL's methods in the runtime; none if it was compiled without GSL."""
     return [name for m in runtime_methods() if (name := str(m["name"])).startswith(GSL)]
 
 
 @record
 class Peer:
-    """A package. `open` makes an integrator for a motion and a method; `takes` is what it gets."""
+    """A package. `open(motion, method)` makes an integrator; `takes` describes its input."""
 
-    name: str  # its name in --against, and the prefix of its methods' names
-    module: str = ""  # module to import; "": the runtime has its methods
-    package: str = ""  # name for pip
+    name: str  # Name in --against, and prefix of its methods' names.
+    module: str = ""  # Module to import; "" if the runtime contains the methods.
+    package: str = ""  # Name for pip.
     takes: str = ""
     methods: Mapping[str, int] = field(default_factory=dict)  # orders by method
     open: Callable[[Motion, str], Integrate] | None = None
 
     @property
     def missing(self) -> str:
-        """Returns why it is not available, and the remedy; "" if it is available."""
+        """Says why the package is not available and how to install it; "" if it is available."""
         if not self.module:
             return "" if gsl_methods() else "pkgen is built without gsl: install libgsl-dev"
         try:
@@ -148,7 +148,7 @@ def _scipy(motion: Motion, method: str) -> Integrate:
 
 
 def _heyoka(motion: Motion, method: str) -> Integrate:
-    """Opens heyoka, which compiles an integrator for each tolerance: its order depends on it."""
+    """Returns an integrator that is compiled for each tolerance, which determines its order."""
     import heyoka
 
     names = [f"y{i}" for i in range(len(motion.start))]

@@ -1,8 +1,9 @@
-"""`pkgen sweep`: many members of a plan, in shards that any engine may run, and run again.
+"""`pkgen sweep`: integrates many trajectories (members), whose starts a plan samples.
 
-The start of a member is a pure function of the plan and its number (`sampling.py`). A shard is a
-range of members; its file is complete or absent, and describes itself (`shards.py`). Parts of the
-data set are divided by members alone (`parts.py`): their bytes do not depend on the engine.
+Members run in shards, on any engine. The start of a member is a pure function of the plan and its
+number (`sampling.py`). A shard is a range of members; its file is complete or absent, and has a
+description (`shards.py`), so that an interrupted sweep can be resumed. The files of the data set
+are divided by member numbers only (`parts.py`): their bytes do not depend on the engine.
 """
 
 COMMANDS = """

@@ -1,4 +1,4 @@
-"""Resolves the axes of a plan in the model: names, ranges and values with their units, in SI."""
+"""Resolves the axes of a plan in the model: names, and ranges or values in SI units."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _UNIT = re.compile(r"\[[^\[\]]*\]\s*$")
 
 
 def starts(plan: Plan, compilation: Compilation) -> Starts:
-    """Returns the starts of all members. Raises UsageError with the position of an error."""
+    """Returns the starts of all members. Raises UsageError with the position in the plan."""
     reader = _Reader(plan, compilation)
     names: dict[Column, str] = {}
     axes = []
@@ -40,7 +40,7 @@ def starts(plan: Plan, compilation: Compilation) -> Starts:
 
 
 def _members(plan: Plan, axes: list[Axis]) -> int:
-    """Returns the number of members: that of the plan, or of its grid or lists."""
+    """Returns the number of members, from the plan's `members`, its grid or its lists."""
     counted = None
     if plan.kind == "list":
         lengths = {len(axis.values) for axis in axes}
@@ -63,8 +63,8 @@ def _members(plan: Plan, axes: list[Axis]) -> int:
 
 
 def _even(plan: Plan, axes: list[Axis], members: int) -> list[Axis]:
-    """Returns the axes of a grid of `members` points, with equal counts along axes that give none.
-    """
+    """Returns the axes of a grid of `members` points; axes without a number of points get equal
+    numbers."""
     free = [x for x in axes if not (x.values or x.points)]
     known = on_grid(tuple(x for x in axes if x not in free))
     points = round((members / known) ** (1 / len(free)))
@@ -78,7 +78,7 @@ def _even(plan: Plan, axes: list[Axis], members: int) -> list[Axis]:
             'or say how many: x = ["0 .. 1", 50]',
         )
     return [
-        Axis(x.column, x.lo, x.hi, points) if x in free else x  # both ends of the range are points
+        Axis(x.column, x.lo, x.hi, points) if x in free else x  # the range includes both ends
         for x in axes
     ]
 
@@ -107,7 +107,7 @@ class _Reader:
         return Axis(column, *self.range(key, value, column))
 
     def of_grid(self, key: str, value: list, column: Column) -> Axis:
-        """Returns the axis of a list of values, or of a range and its number of points."""
+        """Returns the axis of a list of values, or of a range with its number of points."""
         if len(value) == 2 and isinstance(value[0], str) and ".." in value[0]:
             lo, hi = self.range(key, value[0], column)
             points = value[1]
@@ -137,7 +137,7 @@ class _Reader:
         ends = text.split("..")
         if len(ends) != 2 or not all(end.strip() for end in ends):
             raise self.wrong(key, f'{key} is a range: "LOW .. HIGH", with its unit behind it')
-        unit = _UNIT.search(ends[1])  # unit of both ends
+        unit = _UNIT.search(ends[1])  # the unit holds for both ends
         more = f" {unit[0]}" if unit and not _UNIT.search(ends[0]) else ""
         lo = self.value(key, ends[0].strip(), column, more)
         hi = self.value(key, ends[1].strip(), column)

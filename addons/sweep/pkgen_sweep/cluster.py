@@ -1,7 +1,6 @@
-"""Common code of the engines that give tasks to a cluster: Dask, Ray. Workers see the sweep's
-folder.
+"""Common code of the engines that submit tasks to a cluster: Dask, Ray.
 
-The tasks of a worker that dies are given again.
+Workers need access to the sweep's folder. The tasks of a worker that dies are submitted again.
 """
 
 from __future__ import annotations
@@ -20,9 +19,9 @@ from .job import Job
 from .remaining import Left, Task
 from .shards import Folder
 
-LOOK = 0.1  # seconds between looks at tasks
-PATIENCE = 60.0  # seconds without any worker before the sweep fails
-AHEAD = 3  # tasks submitted per worker at a time
+LOOK = 0.1  # Seconds between queries of the tasks.
+PATIENCE = 60.0  # Seconds without any worker after which the sweep fails.
+AHEAD = 3  # Tasks submitted per worker at a time.
 
 
 @lru_cache(1)
@@ -32,8 +31,7 @@ def _taken(job: bytes) -> Job:
 
 
 def task(packed: bytes, folder: Folder, kind: str, k: int) -> dict:
-    """Runs a task on a worker. Returns failures as text for the user, and raises nothing for them.
-    """
+    """Runs a task on a worker. Expected errors are returned as text for the user, not raised."""
     job = _taken(packed)
     try:
         done = work.shard(job, folder, k) if kind == "shard" else work.part(job, folder, k)
@@ -58,11 +56,11 @@ class Cluster(ABC):
 
     @abstractmethod
     def ended(self, flying: list) -> list:
-        """Returns the handles of tasks that are done or lost."""
+        """Returns the handles of tasks that have ended or are lost."""
 
     @abstractmethod
     def said(self, one: Any) -> dict:
-        """Returns the result of a task, or {"wrong": why} if its worker died."""
+        """Returns the result of a task, or {"wrong": reason} if its worker died."""
 
     @abstractmethod
     def workers(self) -> int: ...
@@ -71,7 +69,7 @@ class Cluster(ABC):
     def close(self) -> None: ...
 
     def _refuse_none(self) -> None:
-        """Raises NumericsFailed if no worker is left for PATIENCE: tasks would wait forever."""
+        """Raises NumericsFailed if there was no worker for PATIENCE: tasks would wait forever."""
         now = time.monotonic()
         if now - self.asked < PATIENCE / 10:
             return

@@ -1,4 +1,4 @@
-"""`pkgen sweep`: the members of a plan, in shards, into a data set."""
+"""`pkgen sweep`: integrates the members of a plan in shards, and writes a data set."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ pkgen sweep models/double_pendulum.lag --plan models/flips.toml -o flips
 pkgen sweep --resume flips
 pkgen sweep --status flips
 """
-ENGINES = ("local", "dask", "ray", "slurm")  # modules of this package
+ENGINES = ("local", "dask", "ray", "slurm")  # names of modules of this package
 CLUSTERS = ("dask", "ray")
 
 
@@ -38,7 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the members that a plan draws, whatever happens meanwhile; a data set in Parquet."""
+    """Integrate the members that a plan draws, and write a Parquet data set; resumable."""
     from . import status, store, sweep
 
     if options.status is not None:
@@ -84,7 +84,7 @@ def _go(begun, options: argparse.Namespace, on_progress) -> None:
             made = module.engine(level.job, level.folder, options)
             made.run(left.Left(*of, on_progress))
     except sweep.Unfinished:
-        pass  # the status reports it
+        pass  # the status, printed at the end, reports it
     except KeyboardInterrupt:
         print(
             f"pkgen: what is done stays: pkgen sweep --resume {begun.folder.path}", file=sys.stderr

@@ -1,4 +1,4 @@
-"""The Dask engine: runs shards as tasks of a cluster, given by its address or started here."""
+"""The Dask engine: runs shards as tasks of a given cluster, or of one started on this machine."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Dask(Cluster):
-    """A Dask cluster, given or started here."""
+    """A Dask cluster: a given one, or one started on this machine."""
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         try:
@@ -32,7 +32,7 @@ class Dask(Cluster):
                 n_workers=options.workers,
                 threads_per_worker=1,
                 dashboard_address=None,
-                silence_logs=logging.CRITICAL,  # tasks of dead workers are given again
+                silence_logs=logging.CRITICAL,  # the tasks of dead workers are retried
             )
         try:
             self.client = Client(self.cluster or address, timeout="10s")

@@ -1,4 +1,4 @@
-"""Accepts a sweep's folder as a model: the options of its plan, its map, its members."""
+"""Lets commands take a sweep's folder as a model: its plan's options, its map, its members."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ def is_one(name: str) -> bool:
 
 
 def picture(name: str, axes: list[str], column: str) -> Picture:
-    """Returns its map for `pkgen plot`. Raises UsageError."""
+    """Returns the map of a sweep, for `pkgen plot`. Raises UsageError."""
     return map.read(place(name), axes, column).picture()
 
 
 def taken(options: argparse.Namespace) -> Map:
-    """Returns its map, and sets `options` to the folder's model and to the plan's options; given
-    options take precedence. Raises UsageError."""
+    """Returns the map of a sweep. Sets `options` to the model in its folder and to the options of
+    its plan; options that are given take precedence. Raises UsageError."""
     path = place(options.model)
     if not is_folder(path):
         raise UsageError(f"{path}: a live page is of a folder: copy it here first")
@@ -52,7 +52,7 @@ def taken(options: argparse.Namespace) -> Map:
 
 
 def described(found: Map, compilation: Compilation) -> dict[str, object]:
-    """Returns the map for the page, whose address names starts and parameters by kind."""
+    """Returns the map for a live page, in whose address starts and parameters are named by kind."""
     settable = Settable(compilation)
     keys = {}
     for name in found.drawn:

@@ -1,6 +1,6 @@
-"""The data that workers need to run members: a library, settings, starts, what is kept.
+"""The data that workers need to integrate members: library, settings, starts, kept quantities.
 
-A Job is made once, where the sweep starts, and is sent to workers complete.
+A Job is made once, on the machine that starts the sweep, and is sent to the workers.
 """
 
 from __future__ import annotations
@@ -38,15 +38,16 @@ from .sampling import Starts
 if TYPE_CHECKING:
     import numpy
 
-BATCH = 1 << 16  # most members of a batch,
-BATCH_BYTES = 1 << 25  # and most bytes of its rows
-PART = 1 << 20  # approximate rows of a part of the data set
-AT_START = "(0)"  # suffix of drawn coordinates and rates
-SAMPLE = 64  # members for the choice of the method
+BATCH = 1 << 16  # Most members of a batch.
+BATCH_BYTES = 1 << 25  # Most bytes of the rows of a batch.
+PART = 1 << 20  # Approximate rows per file of the data set.
+AT_START = "(0)"  # Suffix of the columns of sampled coordinates and rates.
+SAMPLE = 64  # Members from which the method is chosen.
 
 
 class Batch(NamedTuple):
-    """Results of members: status, last valid time and kept numbers of each; and their rows."""
+    """Results of a batch: status, last valid time and kept numbers of each member; and their
+    rows."""
 
     members: numpy.ndarray
     rows: numpy.ndarray | None  # columns: member, t, ...
@@ -55,30 +56,30 @@ class Batch(NamedTuple):
 
 @record
 class Refine:
-    """Members of finer grids follow where classes change."""
+    """Settings of a refinement: finer grids near the boundary between classes of members."""
 
     levels: int
-    column: str  # column of the data set with the classes
+    column: str  # column of the data set that has the classes
 
 
 @record
 class Job:
     name: str
-    digest: str  # hash of the plan, the model, the version of pkgen
+    digest: str  # hash of plan, model and version of pkgen
     files: dict[str, str]
-    methods: tuple[str, ...]  # whose steps are inlined
-    build: dict[str, object]  # of the library and of a program
+    methods: tuple[str, ...]  # Methods whose steps are inlined.
+    build: dict[str, object]  # Options of compilation, for the library and for a program.
     settings: Settings
     starts: Starts
     kept: Kept
     time_unit: str
-    counts: Quantity  # the column of member numbers
+    counts: Quantity  # column with the numbers of the members
     refine: Refine | None
-    before: int = 0  # members of the previous levels
+    before: int = 0  # number of members of all previous levels
 
     @cached_property
     def library(self) -> Library:
-        """Returns the library, compiled if it is not cached. Raises BuildError."""
+        """The compiled library of the model, from the cache if possible. Raises BuildError."""
         diagnose = any(what == b"l" for what, _ in self.kept.reduced)
         return load(
             build_library(self.files, self.name, *self.methods, **self.build, diagnose=diagnose)
@@ -93,31 +94,31 @@ class Job:
 
     @property
     def rows_each(self) -> int:
-        """Returns the approximate number of rows of a member."""
+        """The approximate number of rows per member."""
         every, until = self.settings.every, self.settings.until
         return max(1, round(until / every) + 1) if every else 1
 
     @property
     def part(self) -> int:
-        """Returns the members of a part of the data set, which depend on the plan alone."""
+        """The number of members per file of the data set; it depends on the plan alone."""
         return max(1, PART // (self.rows_each if self.kept.rows else 1))
 
     @property
     def number_bytes(self) -> int:
-        """Returns the approximate bytes of a member on disk."""
+        """The approximate number of bytes per member on disk."""
         own = 2 + len(self.kept.numbers) + len(self.starts.axes)
         return 8 * (own + self.rows_each * (len(self.kept.rows) + 1) * bool(self.kept.rows))
 
     def batch(self) -> int:
         wide = self.rows_each * (len(self.settings.show) + 2) if self.kept.rows else 16
         most = max(1, min(BATCH, BATCH_BYTES // (8 * wide)))
-        return most - most % 64 if most > 64 else most  # whole blocks of SIMD lanes
+        return most - most % 64 if most > 64 else most  # a multiple of 64 fills the SIMD lanes
 
     def run(
         self, first: int, count: int, poll: Callable[[float], bool] | None = None
     ) -> Iterator[Batch]:
-        """Runs `count` members from `first` (from 0), a batch at a time. Raises UsageError if none
-        can run, KeyboardInterrupt if `poll` stops it."""
+        """Integrates `count` members from `first` (from 0), batch by batch. Raises UsageError if
+        none can be run, KeyboardInterrupt if `poll` stops it."""
         size = self.batch()
         for begin in range(first, first + count, size):
             of = min(size, first + count - begin)
@@ -150,7 +151,7 @@ def make(
     chosen: dict[str, object] | None = None,
 ) -> tuple[Job, Prepared]:
     """Makes the job. `chosen` is the method chosen for a scene's accuracy when the sweep began; it
-    is not measured again. Raises UsageError, ModelError, BuildError or NumericsFailed."""
+    is not chosen anew. Raises UsageError, ModelError, BuildError or NumericsFailed."""
     options = plan.of_a_run(options)
     try:
         return _make(plan, options, compiled, chosen)
@@ -178,7 +179,7 @@ def _make(
         return Ensemble(options.ensemble, made.columns, range(1, count + 1), values)
 
     def of_keep(options: argparse.Namespace, **how: object) -> Compilation:
-        """Compiles, with the kernels of Lyapunov exponents if the plan keeps them."""
+        """Compiles the model, with kernels for Lyapunov exponents if the plan keeps them."""
         if "lyapunov" in plan.keep:
             how["kernels"] = diagnostics.kernels(("lyapunov",))
             single = argparse.Namespace(**{**vars(options), "diagnose": "lyapunov"})
@@ -240,7 +241,7 @@ def _refine(plan: Plan, starts: Starts, keeping: Kept) -> Refine | None:
 
 
 def _of_plan(plan: Plan, said: str) -> str:
-    """Rewrites an error about an option of a run to refer to the plan."""
+    """Rewrites an error about an option of `pkgen run`, so that it refers to the plan."""
     for key in plan.options:
         option = f"--{key.replace('_', '-')} "
         if said.startswith(option):

@@ -1,6 +1,6 @@
 """The local engine: processes of this machine, each with one task at a time.
 
-If a process dies only its task is lost: another worker starts, and the task is retried.
+If a process dies, only its task is lost: a new worker is started, and the task is retried.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ class _Worker:
             self.process.stdin.write(data)
             self.process.stdin.flush()
         except BrokenPipeError:
-            pass  # the worker is dead, which heard() detects
+            pass  # the worker is dead; heard() detects that
 
     def give(self, task: Task) -> None:
         self.task, self.at = task, 0.0
         self._write(f"{task[0]} {task[1]}\n".encode())
 
     def heard(self) -> list[dict] | None:
-        """Returns its new messages; None: it is dead."""
+        """Returns the new messages of the worker; None if it is dead."""
         data = os.read(self.process.stdout.fileno(), 1 << 16)
         *lines, self.text = (self.text + data).split(b"\n")
         return [json.loads(line) for line in lines] if data else None
@@ -66,7 +66,7 @@ class _Worker:
 
 
 class Local:
-    """Processes of this machine."""
+    """The local engine: a pool of worker processes."""
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         folder.cleaned()

@@ -1,7 +1,7 @@
-"""The map of a sweep: a kept quantity of its members over two of the axes that were drawn.
+"""The map of a sweep: an image of a kept quantity over two of the sampled quantities.
 
-The data set is read by row groups, so that the memory does not depend on its size. A pixel is the
-mean of its members. Along an axis of few values, such as a grid's, each value is a pixel.
+A pixel is the mean of its members. If a sampled quantity has few values, as on a grid, each value
+is a pixel. The data set is read by row groups, so that the memory does not depend on its size.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from .store import listed
 if TYPE_CHECKING:
     import pyarrow
 
-MOST = 800  # most pixels along an axis
-PER_PIXEL = 8  # approximate members per pixel, if drawn at random
+MOST = 800  # Most pixels along an axis.
+PER_PIXEL = 8  # Approximate members per pixel, if members are drawn at random.
 FAILED = "failed"
-GOOD = STATUSES[:2]  # statuses 1 and 0; failures are negative
+GOOD = STATUSES[:2]  # the two successful statuses; failures have negative codes
 
 
 @record(eq=False)
 class Map:
-    """`values` of pixels, a row per y, NaN without a member; `first` is the number of a member of
-    each pixel, 0: none; `averaged` are the other axes."""
+    """An image. `values` has a row per y, with NaN for pixels without a member; `first` has the
+    number of one member per pixel, or 0; `averaged` are the sampled quantities that are no axes."""
 
     title: str
     x: Axis
@@ -48,7 +48,7 @@ class Map:
     at_y: numpy.ndarray
     values: numpy.ndarray
     first: numpy.ndarray
-    drawn: dict[str, numpy.ndarray]  # drawn quantities of member `first`
+    drawn: dict[str, numpy.ndarray]  # sampled quantities of the member in `first`, per pixel
     members: int
     without: int
     averaged: tuple[str, ...]
@@ -66,14 +66,14 @@ class Map:
 
 
 def read(path: Path, axes: Sequence[str] = (), value: str = "", most: int = MOST) -> Map:
-    """Returns the map, by default over the first two axes, of the first kept quantity, with up to
-    `most` pixels along an axis. Raises UsageError."""
+    """Returns the map of the kept quantity `value` over `axes`, with at most `most` pixels per
+    axis; by default the first kept quantity over the first two sampled ones. Raises UsageError."""
     with _opened(path) as reader:
         return reader.map(axes, value, most)
 
 
 def member(path: Path, number: int) -> dict[str, float]:
-    """Returns the drawn quantities of a member by column name. Raises UsageError."""
+    """Returns the sampled quantities of a member, by column name. Raises UsageError."""
     with _opened(path) as reader:
         for first, *columns in reader.columns(["member", *reader.drawn]):
             if first[0] <= number <= first[-1]:
@@ -177,7 +177,7 @@ class _Reader:
         return [pixels.done(members) for pixels in found]
 
     def columns(self, names: list[str], value: str = "") -> Iterator[list[numpy.ndarray]]:
-        """Yields the columns of each row group; a last one for `value`, NaN where it is null."""
+        """Yields the named columns of each row group, then `value`, with NaN for null."""
         of = STATUS if value == FAILED else value
         for table in self._groups([*names, *([of] if of else [])]):
             columns = [table.column(name).to_numpy() for name in names]
@@ -198,7 +198,7 @@ class _Reader:
 
 
 class _Pixels:
-    """The pixels along an axis: its values, if they are few, else bins of equal width."""
+    """The pixels along an axis: one per value if values are few, else bins of equal width."""
 
     def __init__(self, most: int) -> None:
         self.most = most
@@ -214,7 +214,7 @@ class _Pixels:
 
     def done(self, members: int) -> _Pixels:
         if self.values is not None and 2 * len(self.values) > members:
-            self.values = None  # nearly each member has its own value
+            self.values = None  # nearly every member has its own value: use bins
         if self.values is None:
             bins = int(min(self.most, max(8, numpy.sqrt(members / PER_PIXEL))))
             edges = numpy.linspace(self.low, self.high, bins + 1)

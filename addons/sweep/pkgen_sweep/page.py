@@ -1,4 +1,4 @@
-"""The map of a sweep for a live page: an image, and a member and its starts for each pixel."""
+"""The map of a sweep for a live page: an image, and for each pixel a member and its start."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pkgen.plot.draw import coloured
 
 from .map import Map
 
-PIXELS = 300  # pixels along an axis: a page of about 3 MB
+PIXELS = 300  # pixels along an axis; the page then has about 3 MB
 
 
 def described(found: Map, keys: dict[str, str]) -> dict[str, object]:
-    """Returns the data of the page; `keys` maps drawn columns to names in the page's address."""
+    """Returns the page's data; `keys` maps sampled columns to names in the page's address."""
     name, low, high = coloured(found.values)
     colours = colormaps[name]
     rows, columns = found.values.shape

@@ -1,7 +1,7 @@
-"""Writes the parts of the data set, in Parquet, from the shards that hold their members.
+"""Writes the files of the data set, in Parquet, from shards.
 
-Parts are divided by members and row groups by rows, so that the bytes do not depend on shards. A
-missing number (of a failed member, or the time of an event that did not occur) is null.
+Files are divided by member numbers and row groups by rows, so that the bytes do not depend on the
+shards. A missing number (of a failed member, or the time of an event that did not occur) is null.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ DRAWN = "drawn by the plan"
 
 
 def arrow():
-    """Returns pyarrow with its Parquet module. Raises UsageError if it is not installed."""
+    """Imports pyarrow with its Parquet module. Raises UsageError if it is not installed."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -41,7 +41,7 @@ def arrow():
 
 
 def names(job: Job) -> list[Quantity]:
-    """Returns the columns of the data set, which has a row per member."""
+    """Returns the columns of the data set, which has one row per member."""
     starts = []
     for column in job.starts.columns:
         at_start = column.name + AT_START if column.kind in "qv" else column.name
@@ -65,7 +65,7 @@ def schema(job: Job, columns: list[Quantity]) -> pyarrow.Schema:
 
 
 class _Writer:
-    """Writes rows in groups of one size, however they are divided when added."""
+    """Writes row groups of GROUP rows, for any division of the rows into add() calls."""
 
     def __init__(self, file, job: Job, columns: list[Quantity]):
         pa = arrow()
@@ -104,7 +104,7 @@ class _Writer:
                 self.flush()
             self.writer.close()
         finally:
-            self.writer.is_open = False  # prevents a second close() by its destructor
+            self.writer.is_open = False  # prevents a second close() in the destructor
 
     def _array(self, field: pyarrow.Field, x: np.ndarray) -> pyarrow.Array:
         if self.pa.types.is_dictionary(field.type):
@@ -116,7 +116,8 @@ class _Writer:
 
 
 def merge(job: Job, folder: Folder, part: int) -> dict:
-    """Writes a part from its shards, and its description. Raises Torn, and then writes nothing."""
+    """Writes a file of the data set, and its description, from shards. Raises Torn if a shard is
+    damaged; then nothing is written."""
     first, count = folder.of_part(part)
     failures: dict[str, dict] = {}
     with ExitStack() as stack:
@@ -158,7 +159,7 @@ def _failed(members: np.ndarray, begin: int, failures: dict[str, dict]) -> None:
 
 
 def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yields blocks of a part's members: first index, members, rows; cut at the part's ends."""
+    """Yields blocks (first index, members, rows) of a file, cut at its first and last member."""
     first, count = folder.of_part(part)
     for k in folder.shards_of(part):
         at = folder.of_shard(k)[0]
@@ -175,7 +176,7 @@ def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndar
 
 
 def classes(job: Job, folder: Folder) -> np.ndarray:
-    """Returns the class of each member of a level, for refinement."""
+    """Returns the class of each member of a level; refinement compares them."""
     pa, found = arrow(), []
     for k in folder.parts:
         with folder.data_files(k)[0].open("rb") as file:

@@ -1,6 +1,6 @@
-"""Reads a plan in TOML: options of a run, how members are drawn, what is kept.
+"""Reads a plan in TOML: options of a run, the sampled quantities, the kept quantities.
 
-Nothing in it is executed: numbers and units go through the parser of the language.
+Nothing in a plan is executed: numbers and units are read by the parser of the modelling language.
 """
 
 from __future__ import annotations
@@ -34,25 +34,26 @@ _KEY = re.compile(r"""\s*("[^"]*"|'[^']*'|[\w.-]+)\s*=\s*""")
 
 @record
 class Plan:
-    """The content of a plan, not yet resolved in the model."""
+    """The content of a plan; its names are not yet resolved in the model."""
 
     source: Source
     options: dict[str, object]  # options of `pkgen run`, by name
     kind: str
-    axes: dict[str, Any]  # drawn quantities, by name
+    axes: dict[str, Any]  # sampled quantities, by name
     members: int | None
     seed: int
     keep: tuple[str, ...]
-    refine: dict[str, Any]  # "where" and "levels", or empty
-    places: dict[tuple[str, str], Span] = field(repr=False)  # position of each key of a section
+    refine: dict[str, Any]  # "where" and "levels" of [refine]; or empty.
+    # Positions of values, by section and key.
+    places: dict[tuple[str, str], Span] = field(repr=False)
 
     def wrong(self, section: str, key: str, message: str, help: str = "") -> UsageError:
-        """Returns an error about a key, with its position."""
+        """Returns an error about a key, with the position of its value."""
         span = self.places.get((section, key)) or self.places.get((section, ""), Span(0, 0))
         return UsageError(Diagnostic(message, span, help).text(self.source))
 
     def wrong_within(self, section: str, key: str, text: str, found: Diagnostic) -> UsageError:
-        """Returns an error at a position in a text that is part of the key's value."""
+        """Returns an error at a position in `text`, which is part of the value of a key."""
         whole = self.places.get((section, key), Span(0, 0))
         at = self.source.text.find(text, whole.start, whole.end)
         message = f"{key}: {found.message}"
@@ -63,13 +64,13 @@ class Plan:
         return UsageError(Diagnostic(message, Span(start, end), found.help).text(self.source))
 
     def of_a_run(self, options: argparse.Namespace) -> argparse.Namespace:
-        """Returns the options of a run, with the plan's options in place of the defaults. Errors in
-        tableau files do not quote them, since plans are not trusted."""
+        """Returns the options of a run: those of the plan replace the defaults. Error messages do
+        not quote tableau files, since plans are untrusted."""
         more = {"unquoted": self.options.get("tableau", ())}
         return argparse.Namespace(**{**vars(options), **self.options, **more})
 
     def refuse_foreign(self, model: str) -> None:
-        """Raises UsageError for named files outside the folders of the plan and the model."""
+        """Raises UsageError if the plan names files outside its own folder and the model's."""
         folders = [os.path.dirname(path) for path in (self.source.path, model)]
         for file in self.options.get("tableau", ()):
             if why := refusal(file, file, *folders):
@@ -77,7 +78,7 @@ class Plan:
 
 
 def read_plan(path: str) -> Plan:
-    """Reads a plan. Raises UsageError or ModelError with the position of an error."""
+    """Reads a plan from a file. Raises UsageError or ModelError with the position of an error."""
     return of_text(read(path, "a plan in TOML"))
 
 
@@ -95,7 +96,7 @@ def of_text(source: Source) -> Plan:
         said = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error))
         place, why = (f":{said[2]}:{said[3]}", said[1]) if said else ("", str(error))
         raise UsageError(f"{source.path}{place}: not TOML: {why}") from None
-    except ValueError:  # Python's limit on digits
+    except ValueError:  # Python limits the digits of an integer
         raise UsageError(f"{source.path}: not a plan: a number of thousands of digits") from None
     except RecursionError:
         raise UsageError(f"{source.path}: not a plan: brackets within brackets") from None
@@ -153,7 +154,7 @@ def _refine(plan: Plan, said: Mapping[str, object]) -> dict[str, Any]:
 def _whole(plan: Plan, said: Mapping[str, object], key: str, usual: int | None, least: int):
     value = said.get(key, usual)
     if isinstance(value, float) and value.is_integer():
-        value = int(value)  # TOML reads 1e6 as a float
+        value = int(value)  # in TOML 1e6 is a float
     if value is not None and (not isinstance(value, int) or isinstance(value, bool)):
         raise plan.wrong("", key, f"{key} is a whole number")
     if value is not None and value < least:
@@ -162,7 +163,7 @@ def _whole(plan: Plan, said: Mapping[str, object], key: str, usual: int | None, 
 
 
 def _option(plan: Plan, key: str, value: object) -> object:
-    """Returns the value as the parsed command line has it."""
+    """Returns the value of an option as argparse would return it."""
     if key in TEXTS:
         if isinstance(value, list) and key == "record":
             value = ",".join(map(str, value))
@@ -188,8 +189,8 @@ def _text(plan: Plan, key: str, value: object) -> str:
 
 
 def _places(text: str) -> dict[tuple[str, str], Span]:
-    """Returns the position of each key's value, and of each section's head, which tomllib does not
-    give."""
+    """Returns the positions of values, by section and key, and of section headers (key ""); tomllib
+    has no positions."""
     found: dict[tuple[str, str], Span] = {}
     section, at = "", 0
     for line in text.split("\n"):

@@ -1,4 +1,4 @@
-"""The Ray engine: runs shards as tasks of a cluster, given by its address or started here."""
+"""The Ray engine: runs shards as tasks of a given cluster, or of one started on this machine."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 class Ray(Cluster):
-    """A Ray cluster, given or started here. Ray does not retry: a lost task is given again by Left.
-    """
+    """A Ray cluster: a given one, or one started on this machine. Lost tasks are queued again by
+    Left, not retried by Ray."""
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")  # suppresses a warning

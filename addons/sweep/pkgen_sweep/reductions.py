@@ -1,4 +1,4 @@
-"""The kept numbers of a member: of its final state, reductions of its rows, of its events."""
+"""The kept numbers of a member: final state, reductions over rows, event counts and times."""
 
 from __future__ import annotations
 
@@ -28,28 +28,28 @@ _CALL = re.compile(r"\s*(\w+)\s*\(\s*(.+?)\s*\)\s*")
 
 
 class NotThere(UsageError):
-    """A kept quantity was not compiled; a scene omits what it does not need."""
+    """A kept quantity was not compiled: a scene leaves out parts that it does not need."""
 
 
 @record
 class Kept:
-    """The kept numbers of a member: their reductions in the runtime, their names; and kept rows."""
+    """The kept numbers of a member, with their reductions in the runtime; and the kept rows."""
 
-    reduced: tuple[tuple[bytes, int], ...]  # kind and index: struct pk_run_reduced
+    reduced: tuple[tuple[bytes, int], ...]  # kind and index, as in struct pk_run_reduced
     numbers: tuple[Quantity, ...]
-    rows: tuple[Quantity, ...]  # columns of rows, if rows are kept
+    rows: tuple[Quantity, ...]  # columns of kept rows, or empty
 
 
 def by_row(plan: Plan) -> bool:
-    """Whether rows are needed, not only the final state."""
+    """Whether the plan needs rows over time, not only the final state."""
     return any(x == "rows" or x.startswith(("max", "min", "mean")) for x in plan.keep)
 
 
 def kept(
     plan: Plan, compilation: Compilation, settings: Settings, scene: Scene | None
 ) -> tuple[Kept, Settings]:
-    """Returns the kept numbers, and the settings of a run that computes them. Raises UsageError
-    with the position."""
+    """Returns the kept numbers, and settings of a run that computes them. Raises UsageError with
+    the position of an error in the plan."""
     return _Keeper(plan, compilation, settings, scene).all()
 
 
@@ -131,7 +131,8 @@ class _Keeper:
         return named.kinds(self.compilation)[kind][name][1]
 
     def column(self, name: str) -> tuple[int, Quantity]:
-        """Returns the index of a column in the rows, and its quantity; adds it if it is missing."""
+        """Returns the index and quantity of a column of the rows, which is added if it is
+        missing."""
         try:
             shown = self.values.shown(self.values.flat_name("keep", name), "keep")
         except UsageError as error:
@@ -154,7 +155,7 @@ class _Keeper:
         self.found.append((OF_EVENTS[function], events.index(name), quantity))
 
     def drift(self, name: str) -> None:
-        """Keeps the drift of the energy or an output, over all steps."""
+        """Keeps the largest drift of the energy or of an output, over all steps."""
         if name == "energy" and not named.has_energy(self.compilation):
             raise self.wrong("the model has no energy")
         outputs = [quantity.name for quantity in named.observed(self.compilation)]
@@ -170,13 +171,13 @@ class _Keeper:
 
     @staticmethod
     def whole(item: Expect) -> list[str]:
-        """Returns the `keep` entries of a whole-run expectation: drifts and event times."""
+        """Returns `keep` entries that suffice to judge a whole-run expectation."""
         drifts = [column(call.arguments[0]) or "…" for call in calls(item, "drift")]
         times = [call.arguments[0].id for call in calls(item, "time")]
         return [*(f'"drift({name})"' for name in drifts), *(f'"time({name})"' for name in times)]
 
     def expects(self) -> None:
-        """Keeps, for each expectation of the scene, 1 if it is met."""
+        """Keeps a number per expectation of the scene: 1 if it is met."""
         if self.scene is None or not self.scene.expects:
             raise self.wrong("'expects' is for a scene that expects something")
         for k, item in enumerate(self.scene.expects):

@@ -1,8 +1,8 @@
-"""Refines a grid where classes change: members of finer grids near the boundary between classes.
+"""Refines a grid near the boundary between classes of members.
 
-A cell whose corners are of several classes is halved along each axis; new corners of the pieces are
-the members of the next level. So members depend only on the classes of the previous levels, not on
-the engine or the order of work.
+A cell whose corners have different classes is halved along each axis; the new corners are the
+members of the next level. So members depend only on the classes of the previous levels, not on the
+engine or the order of work.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from pkgen.record import record
 
 @record(eq=False)
 class Level:
-    """A level: sorted flat indices of its known points in a grid of `shape`, and their `classes`;
-    and the cells that may be refined, by their lowest corners."""
+    """A level: a grid of `shape`, the sorted flat indices of its known points with their `classes`,
+    and the cells that may be refined (flat indices of their lowest corners)."""
 
     shape: tuple[int, ...]
     points: np.ndarray
@@ -25,8 +25,8 @@ class Level:
     cells: np.ndarray
 
     def next(self) -> tuple[Level, np.ndarray]:
-        """Returns the level of the finer grid, and its new points, whose classes are UNKNOWN until
-        known()."""
+        """Returns the level of the finer grid and its new points; their classes are UNKNOWN until
+        known() sets them."""
         mixed = self._mixed()
         fine = tuple(2 * n - 1 for n in self.shape)
         corners = np.array(list(product((0, 1), repeat=len(self.shape))))
@@ -42,13 +42,13 @@ class Level:
         return Level(fine, wanted, classes, _flat(cells, fine)), new
 
     def known(self, new: np.ndarray, classes: np.ndarray) -> Level:
-        """Returns the level with the classes of new points."""
+        """Sets the classes of the new points; returns the level."""
         filled = self.classes.copy()
         filled[np.searchsorted(self.points, new)] = classes
         return Level(self.shape, self.points, filled, self.cells)
 
     def _mixed(self) -> np.ndarray:
-        """Returns the cells whose corners are of several classes."""
+        """Returns the cells whose corners have different classes."""
         at = np.stack(np.unravel_index(self.cells, self.shape), axis=1)
         first, mixed = None, np.zeros(len(at), bool)
         for corner in product((0, 1), repeat=len(self.shape)):
@@ -67,7 +67,7 @@ def _flat(places: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def begun(shape: tuple[int, ...], classes: np.ndarray) -> Level:
-    """Returns the level of a plan's grid, with all points and all cells."""
+    """Returns the first level: the plan's grid, with all points and cells."""
     points = np.arange(len(classes), dtype=np.int64)
     places = np.stack(np.unravel_index(points, shape), axis=1)
     inside = (places < np.array(shape) - 1).all(axis=1)

@@ -1,7 +1,7 @@
-"""The remaining tasks of a sweep, which engines take, and the progress.
+"""The queue of a sweep's remaining tasks, and the report of its progress.
 
-An engine gets a Left by run(left): it takes tasks by next() until there are none, reports each
-result by said() or lost(), and calls tick() several times per second.
+An engine has a method run(left), where `left` is a Left: it takes tasks by left.next() until there
+are none, reports each result by said() or lost(), and calls tick() several times per second.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from .job import Job
 from .shards import Folder, failed_shard
 from .store import NOW, is_folder, listed, write_json
 
-TRIES = 3  # tries of a shard before it counts as failed
-LOST = 30  # consecutive lost tasks after which the cause is not a shard
-Task = tuple[str, int]  # "shard" or "part", and its number
+TRIES = 3  # Attempts after which a shard counts as failed.
+LOST = 30  # Consecutive lost tasks after which the sweep is stopped.
+Task = tuple[str, int]  # "shard" or "part", and its number.
 
 
 class Left:
-    """The remaining tasks of a sweep; engines take them."""
+    """The queue of remaining tasks, from which an engine takes them."""
 
     def __init__(self, job: Job, folder: Folder, engine: str, workers: int, on_progress=None):
         self.job, self.folder, self.on_progress = job, folder, on_progress
@@ -49,13 +49,13 @@ class Left:
         self.tick(0.0)
 
     def next(self) -> Task | None:
-        """Returns the next task; None: none, or none yet."""
+        """Returns the next task; None if there is none, or none that can start yet."""
         if self.ready:
             return "part", self.ready.pop()
         return ("shard", self.shards.pop()) if self.shards else None
 
     def said(self, task: Task, said: dict) -> None:
-        """Takes the result of a task. Raises UsageError if the disk is full."""
+        """Records the result of a task. Raises UsageError if its files could not be written."""
         if "disk" in said:
             raise UsageError(f"{said['disk']}; what is done stays: pkgen sweep --resume")
         if "wrong" in said:
@@ -64,7 +64,8 @@ class Left:
             self.finished(task, said["done"])
 
     def lost(self, task: Task, why: str) -> None:
-        """Records a task that failed or whose worker died; queues it again up to TRIES times."""
+        """Records a task that failed or whose worker died; queues it again, up to TRIES
+        attempts."""
         self.lost_in_a_row += 1
         if self.lost_in_a_row > LOST:
             raise NumericsFailed(f"workers fail one after the other: {why}")
@@ -101,7 +102,7 @@ class Left:
                     self.waiting[other] += 1
 
     def tick(self, flying: float) -> None:
-        """Reports the progress, to other terminals and this one."""
+        """Reports the progress: here, and in a file that other processes read."""
         now = time.time()
         if now - self.told < self.often:
             return

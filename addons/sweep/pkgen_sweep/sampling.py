@@ -1,8 +1,8 @@
-"""The starts of members: each is a function of the plan and the member's number alone.
+"""The starts of members. Each start is a function of the plan and the member's number only.
 
-Random numbers are by Philox, with counter blocks per member, so that they do not depend on how
-members are divided. Points of Sobol' are SciPy's. Strata of a Latin hypercube are permuted by a
-Feistel network, which gives each image without the others.
+Random numbers are from Philox, with own counter blocks per member, so that they do not depend on
+the division into shards. Sobol' points are from SciPy. The strata of a Latin hypercube are permuted
+by a Feistel network, which computes each image independently.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _ROUNDS = 6
 
 @record
 class Axis:
-    """A drawn quantity, in SI: a range (on a grid with its number of points), or values."""
+    """A sampled quantity, in SI: a range (on a grid, with a number of points), or a list."""
 
     column: Column
     lo: float = 0.0
@@ -31,7 +31,7 @@ class Axis:
     values: tuple[float, ...] = ()
 
     def spread(self, u: np.ndarray) -> np.ndarray:
-        """Maps numbers in [0, 1) to the range."""
+        """Maps numbers in [0, 1) to the range of the axis."""
         return np.minimum(self.lo + (self.hi - self.lo) * u, self.hi)
 
     def on_grid(self) -> np.ndarray:
@@ -40,21 +40,20 @@ class Axis:
 
 @record
 class Starts:
-    """The starts of all members, drawn by one kind of a plan."""
+    """The starts of all members, by one kind of sampling."""
 
     kind: str
     axes: tuple[Axis, ...]
     members: int
     seed: int
-    numbers: np.ndarray | None = None  # for "points": flat indices in the grid
+    numbers: np.ndarray | None = None  # flat indices in the grid, for kind "points"
 
     @property
     def columns(self) -> tuple[Column, ...]:
         return tuple(axis.column for axis in self.axes)
 
     def values(self, first: int, count: int) -> np.ndarray:
-        """Returns the values of `count` members from `first` (from 0): a row per member, a column
-        per axis."""
+        """Returns the starts of `count` members from `first` (from 0), of shape (count, axes)."""
         found = np.empty((count, len(self.axes)))
         for k, x in enumerate(_KINDS[self.kind](self, first, count)):
             found[:, k] = x
@@ -62,7 +61,7 @@ class Starts:
 
 
 def _uniform(starts: Starts, first: int, count: int) -> np.ndarray:
-    """Returns numbers in [0, 1), a row per axis."""
+    """Returns random numbers in [0, 1), of shape (axes, count)."""
     blocks = -(-len(starts.axes) // WORDS)
     made = np.random.Philox(key=starts.seed, counter=first * blocks)
     raw = made.random_raw(count * blocks * WORDS).reshape(count, blocks * WORDS)
@@ -82,8 +81,8 @@ def _latin(starts: Starts, first: int, count: int) -> list[np.ndarray]:
 
 
 def permuted(numbers: np.ndarray, n: int, seed: int, axis: int) -> np.ndarray:
-    """Returns the images in a permutation of 0, ..., n - 1. An image beyond n - 1 is permuted again
-    until it is within (cycle walking)."""
+    """Returns the images of numbers in a random permutation of 0, ..., n - 1. An image >= n is
+    permuted again until it is smaller (cycle walking)."""
     half = max(1, (max(1, n - 1).bit_length() + 1) // 2)
     keys = np.random.Philox(key=seed, counter=(1 << 128) + axis * _ROUNDS).random_raw(_ROUNDS)
     found = _feistel(numbers, half, keys)
@@ -93,7 +92,7 @@ def permuted(numbers: np.ndarray, n: int, seed: int, axis: int) -> np.ndarray:
 
 
 def _feistel(x: np.ndarray, half: int, keys: np.ndarray) -> np.ndarray:
-    """Applies a permutation of the numbers of 2 `half` bits."""
+    """Applies a Feistel network: a permutation of the integers of 2 `half` bits."""
     mask, bits = np.uint64((1 << half) - 1), np.uint64(half)
     left, right = x >> bits, x & mask
     for key in keys:
@@ -108,7 +107,7 @@ def _sobol(starts: Starts, first: int, count: int) -> list[np.ndarray]:
     from scipy.stats import qmc
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of counts that are no power of 2
+        warnings.simplefilter("ignore", UserWarning)  # a warning if `count` is no power of 2
         made = qmc.Sobol(len(starts.axes), scramble=True, bits=SOBOL_BITS, seed=starts.seed)
         if first:
             made.fast_forward(first)
@@ -117,7 +116,7 @@ def _sobol(starts: Starts, first: int, count: int) -> list[np.ndarray]:
 
 
 def _grid(starts: Starts, first: int, count: int) -> list[np.ndarray]:
-    """Returns grid points; the last axis varies fastest."""
+    """Returns points of the grid; the last axis varies fastest."""
     number = np.arange(first, first + count)
     found = []
     for axis in reversed(starts.axes):

@@ -2,17 +2,17 @@
 
     plan.json    description of the sweep; written once
     model.lag, plan.toml
-    shards/K     members K S, ...; removed when all are in the data set
-    data/        a row per member, in Parquet: part-K.parquet, of members K P, ..., and
-                 level-L-part-K.parquet of the levels that refine a grid
-    rows/        rows of the motions, likewise, if they are kept
-    parts/K      hashes of these files, and the failures of members
-    failed/K     how often a shard was tried, and why it failed
-    levels.json  numbers of members of the known levels
+    shards/K     the members from K S on, S per shard; removed when all are in the data set
+    data/        a row per member, in Parquet: part-K.parquet has the members from K P on, P per
+                 part; level-L-part-K.parquet has those of level L of a refined grid
+    rows/        rows over time of the members, in files of the same names, if rows are kept
+    parts/K      hashes of the files of part K, and the failures of its members
+    failed/K     number of attempts at shard K, and why it failed
+    levels.json  number of members of each level that has been begun
     now.json     the running engine and its progress
 
-A file appears when it is complete (`store.py`). A shard is blocks of numbers (little-endian
-doubles), a line of JSON that describes them, and the SHA-256 of all that.
+A file appears when it is complete (`store.py`). A shard has blocks of numbers (little-endian
+doubles), a line of JSON that describes them, and the SHA-256 of both.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from .store import of_kinds, read_json, write_json, written
 if TYPE_CHECKING:
     import numpy
 
-TAIL = 1 << 16  # bytes read for the last lines of a shard, usually enough
-DIGEST = 65  # bytes of the last line
+TAIL = 1 << 16  # Bytes read for the description of a shard; usually enough.
+DIGEST = 65  # Bytes of the last line, a SHA-256 in hexadecimal.
 PLAN, DATA = "plan.json", "data"
 _FOLDERS = ("shards", "parts", "failed", DATA)
 
@@ -50,7 +50,7 @@ KINDS = {
 
 
 def known(path: Path) -> dict | None:
-    """Returns plan.json of a sweep; None: there is none. Raises UsageError."""
+    """Returns plan.json of a sweep; None if it is missing. Raises UsageError."""
     found = read_json(path / PLAN)
     if found is None or found.get("pkgen", __version__) != __version__:
         return found
@@ -66,7 +66,7 @@ def is_sweep(path: Path) -> bool:
 
 @record
 class Folder:
-    """The folder of a sweep, and how its members are divided into shards and parts."""
+    """The folder of a sweep, and the division of its members into shards and files ("parts")."""
 
     path: Path
     digest: str
@@ -74,7 +74,7 @@ class Folder:
     shard: int  # members per shard
     part: int
     rows: bool
-    level: int = 0  # refinement level; its files have their own names
+    level: int = 0  # level of refinement, which is in the names of its files
 
     def _name(self, k: int, digits: int) -> str:
         return f"{f'level-{self.level}-' if self.level else ''}{k:0{digits}d}"
@@ -88,7 +88,7 @@ class Folder:
         return range(-(-self.members // self.part))
 
     def of_shard(self, k: int) -> tuple[int, int]:
-        """Returns its first member and number of members."""
+        """Returns a shard's first member and its number of members."""
         return k * self.shard, min(self.shard, self.members - k * self.shard)
 
     def of_part(self, k: int) -> tuple[int, int]:
@@ -112,7 +112,7 @@ class Folder:
         return self.path / "parts" / self._name(k, 6)
 
     def data_files(self, k: int) -> list[Path]:
-        """Returns the data files of a part; two if rows are kept."""
+        """Returns the files of a part of the data set: two if rows are kept."""
         folders = (DATA, "rows") if self.rows else (DATA,)
         name = f"level-{self.level}-part" if self.level else "part"
         return [self.path / folder / f"{name}-{k:06d}.parquet" for folder in folders]
@@ -122,12 +122,12 @@ class Folder:
             store.made(self.path / name)
 
     def cleaned(self) -> None:
-        """Removes partial files of killed processes; no other process may write now."""
+        """Removes partial files of killed processes; no other process may be writing."""
         store.cleaned(self.path)
 
 
 def shard_head(folder: Folder, k: int) -> dict:
-    """Returns the identity of a shard, which its description repeats."""
+    """Returns the identity of a shard, which is part of its description."""
     first, count = folder.of_shard(k)
     at = {"level": folder.level, "shard": k}
     return {"sweep": folder.digest, **at, "first": first, "count": count}
@@ -136,7 +136,7 @@ def shard_head(folder: Folder, k: int) -> dict:
 def write_shard(
     folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, dict]]
 ) -> dict:
-    """Writes a shard from blocks: members, rows, report of the run. Returns its description.
+    """Writes a shard from blocks (members, rows, report of the run). Returns its description.
     runtime/program/shard.c writes the same format without Python."""
     digest = hashlib.sha256()
     said = {**shard_head(folder, k), "blocks": [], "reports": []}
@@ -158,7 +158,7 @@ def write_shard(
 
 
 def failures_of(said: dict) -> list[dict]:
-    """Returns the failures of a shard by status."""
+    """Returns the failures of a shard's members, one entry per status."""
     found: dict[str, dict] = {}
     for report in said["reports"]:
         added(found, report["failures"])
@@ -166,7 +166,7 @@ def failures_of(said: dict) -> list[dict]:
 
 
 def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
-    """Adds failures by status: their number, and the first member."""
+    """Adds failures to `to`, one entry per status: their number, and the first failed member."""
     for one in failures:
         known = to.setdefault(one["status"], {**one, "count": 0})
         count = known["count"] + one["count"]
@@ -176,14 +176,14 @@ def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
 
 
 def head(folder: Folder, k: int) -> dict | None:
-    """Returns a shard's description; None: it is missing, incomplete or another sweep's."""
+    """Returns a shard's description; None if it is missing, incomplete or another sweep's."""
     path = folder.shard_file(k)
     try:
         with path.open("rb") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - TAIL))
             tail = file.read()
-            if tail[:-DIGEST].count(b"\n") < 2:  # the description is longer
+            if tail[:-DIGEST].count(b"\n") < 2:  # the description is longer than TAIL
                 file.seek(0)
                 tail = file.read()
         line = tail[: -DIGEST - 1].rpartition(b"\n")[2]
@@ -198,12 +198,12 @@ def head(folder: Folder, k: int) -> dict | None:
 
 
 class Torn(Exception):
-    """A shard does not match its hash; the argument is its number."""
+    """A shard is damaged: it does not match its hash. The argument is the shard's number."""
 
 
 def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarray | None]]:
-    """Yields the blocks of a shard. Raises Torn, at the end if the hash differs: then nothing
-    derived from them may be kept."""
+    """Yields the blocks of a shard. Raises Torn if it is damaged; a wrong hash is found only at the
+    end, and then all results from the blocks must be discarded."""
     import numpy
 
     said = head(folder, k)
@@ -238,7 +238,7 @@ def digest_of(path: Path) -> str | None:
 
 
 def part_is_whole(folder: Folder, k: int, thorough: bool) -> bool:
-    """Whether a part is in the data set; if `thorough`, its hashes are checked."""
+    """Whether file `k` of the data set is complete; if `thorough`, its hashes are checked."""
     said = read_json(folder.part_file(k))
     files = folder.data_files(k)
     if said is None or said.get("sweep") != folder.digest:
@@ -252,7 +252,7 @@ def part_is_whole(folder: Folder, k: int, thorough: bool) -> bool:
 
 
 def failed_shard(folder: Folder, k: int, why: str) -> int:
-    """Records a failure; returns the number of tries."""
+    """Records a failed attempt at a shard; returns the number of attempts."""
     known = read_json(folder.failed_file(k)) or {}
     tried = int(known.get("tried", 0)) + 1
     write_json(folder.failed_file(k), {"shard": k, "tried": tried, "why": why})
@@ -260,8 +260,8 @@ def failed_shard(folder: Folder, k: int, why: str) -> int:
 
 
 def foreign(path: Path, own: str) -> UsageError | None:
-    """Returns an error if a folder has files that are no sweep's; `own` is the model's file. A
-    sweep killed before plan.json leaves only known names."""
+    """Returns an error if the folder has files that no sweep writes; `own` is the name of the
+    model's file. A sweep killed before it wrote plan.json leaves only known names."""
     if path.exists() and not path.is_dir():
         return UsageError(f"-o {path}: it is a file; a sweep needs a folder")
     ours = {*_FOLDERS, "rows", "plan.toml", own}

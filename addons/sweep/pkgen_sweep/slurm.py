@@ -1,9 +1,8 @@
-"""The Slurm engine: an array of tasks, each of which makes its share of the shards by a static
-program. Nodes need a shell, sha256sum and the folder, but no Python.
+"""The Slurm engine: an array of tasks; each makes a subset of the shards by a static program.
 
-A task skips existing shards, so that it may run again. Parts of the data set are merged here, when
-shards appear. sbatch takes partition, account and time of the array from its environment
-(SBATCH_PARTITION, ...).
+Nodes need a shell, sha256sum and the folder, but no Python. A task skips existing shards, so that
+it may run again. Files of the data set are merged here, when shards appear. sbatch takes partition,
+account and time limit from its environment (SBATCH_PARTITION, ...).
 """
 
 from __future__ import annotations
@@ -27,10 +26,10 @@ from .remaining import TRIES, Left
 from .shards import Folder, failed_shard, head
 from .store import is_folder, read_json, write_json, written
 
-TASKS = 1000  # tasks of an array: Slurm's default limit is 1001
-POLL = 2.0  # seconds between looks at the folder
-ASKED = 10.0  # seconds between looks at the queue
-STARTS = 1 << 16  # members per write of starts
+TASKS = 1000  # Most tasks of an array: Slurm's default limit is 1001.
+POLL = 2.0  # Seconds between checks of the folder.
+ASKED = 10.0  # Seconds between queries of Slurm's queue.
+STARTS = 1 << 16  # Members whose starts are written at a time.
 
 SCRIPT = r"""#!/bin/sh
 #SBATCH --job-name=pkgen-NAME
@@ -62,7 +61,7 @@ done
 
 
 class Slurm:
-    """The Slurm engine. It waits for an array that a previous process has queued."""
+    """The Slurm engine. If a previous process has queued an array, it waits for that."""
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         if shutil.which("sbatch") is None:
@@ -110,7 +109,7 @@ class Slurm:
             time.sleep(POLL)
 
     def _ended(self, waiting: set[int], tried: dict[int, int]) -> None:
-        """After the end of the array, gives up shards that were tried TRIES times."""
+        """Records shards that an ended array lacks; gives up those tried TRIES times."""
         for k in [k for k in waiting if head(self.folder, k) is None]:
             known = read_json(self.folder.failed_file(k)) or {}
             failed_shard(self.folder, k, known.get("why") or "its task ended; see slurm/task-*.txt")
@@ -139,7 +138,7 @@ class Slurm:
         )
 
     def _submitted(self, shards: list[int]) -> str:
-        """Submits an array for these shards; returns its number."""
+        """Submits an array of tasks for the shards; returns the array's number."""
         self.place.mkdir(exist_ok=True)
         if not (self.place / "program").exists():
             self._program()
@@ -185,8 +184,8 @@ class Slurm:
 
     @staticmethod
     def _is_queued(number: str) -> bool:
-        """Whether the array has waiting or running tasks; true if the controller does not answer.
-        """
+        """Whether the array has waiting or running tasks; true if Slurm's controller does not
+        answer."""
         said = _asked("squeue", "--noheader", "--jobs", number)
         if said.returncode:
             return "Invalid job id" not in said.stderr

@@ -1,4 +1,4 @@
-"""The progress of a sweep, from the files in its folder alone."""
+"""The progress of a sweep, read from the files in its folder only."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .sweep import LEVELS, PLAN
 
 
 def status(path: Path) -> dict:
-    """Returns the progress. Raises UsageError if the folder has no sweep, or a damaged one."""
+    """Returns the progress. Raises UsageError if the folder has no sweep, or damaged files."""
     said = known(path)
     if said is None:
         raise UsageError(f"--status {path}: no sweep lies there: it has no {PLAN}")
@@ -62,7 +62,7 @@ def _status(path: Path, said: dict) -> dict:
 
 
 def _of_level(folder: Folder, failures: dict[str, dict]) -> tuple[int, int, int]:
-    """Returns the numbers of completed members, parts and shards; adds failures of members."""
+    """Returns the numbers of completed members, files and shards of a level; adds its failures."""
     done, parts, shards = 0, 0, set()
     for part in folder.parts:
         first, count = folder.of_part(part)
@@ -114,7 +114,7 @@ def lines(found: dict) -> list[str]:
 
 
 def failed(found: dict) -> list[str]:
-    """Describes the failed members, and why they failed."""
+    """Lists the failed members by status, with the reason of the first."""
     if not found["failed"]:
         return []
     said = [f"{found['failed']:,} of {found['members']:,} members failed"]

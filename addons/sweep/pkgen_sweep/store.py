@@ -1,8 +1,8 @@
-"""The location of a sweep's files: a folder, or an address of an object store (s3://bucket/dir).
+"""The files of a sweep, in a folder or in an object store (s3://bucket/dir).
 
-Paths are those of pathlib or universal_pathlib, which are read alike. The differences are here:
-atomic writes, locks, free space. In a folder a file is renamed to its name; in an object store it
-is put in one piece, which is invisible until it is complete.
+Paths are of pathlib or universal_pathlib, with the same methods for reading. This module has the
+operations that differ: atomic writes, locks, free space. In a folder a file is written under a
+temporary name and renamed; in an object store it is uploaded as one object.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from pkgen.system.exits import UsageError
 from pkgen.system.files import PARTIAL, scratch
 
 NOW = "now.json"
-SILENT = 60.0  # seconds without a report after which a sweep in a store has stopped
+SILENT = 60.0  # seconds without a report after which an engine counts as stopped, in a store
 
 
 def place(text: str) -> Path:
-    """Returns the path of an address. Raises UsageError if the store does not answer."""
+    """Returns the path of an address. Raises UsageError if an object store does not answer."""
     scheme, found, rest = text.partition("://")
     if not found:
         return Path(text)
@@ -40,20 +40,20 @@ def place(text: str) -> Path:
             "(s3fs for s3, gcsfs for gs, adlfs for az)"
         ) from None
     try:
-        path = UPath(text, use_listings_cache=False)  # other processes write too
+        path = UPath(text, use_listings_cache=False)  # other processes write to the store
         path.exists()
-    except Exception as error:  # each store has its own exceptions
+    except Exception as error:  # each kind of store has its own exceptions
         raise UsageError(f"{text}: {error or type(error).__name__}") from None
     return path
 
 
 def is_folder(path: Path) -> bool:
-    """Whether it is on a file system, not in an object store."""
+    """Whether the path is in a file system, not in an object store."""
     return isinstance(path, Path)
 
 
 def made(path: Path) -> None:
-    """Makes a folder; an object store has none."""
+    """Makes a folder; object stores need none."""
     if is_folder(path):
         path.mkdir(parents=True, exist_ok=True)
 
@@ -66,7 +66,7 @@ def listed(folder: Path, pattern: str = "*") -> list[Path]:
 
 
 def cleaned(path: Path) -> None:
-    """Removes partial files of killed processes; no other process may write now."""
+    """Removes partial files of killed processes; no other process may be writing."""
     for folder in path.iterdir() if is_folder(path) else ():
         if folder.is_dir() and not folder.is_symlink():
             for one in folder.glob(f"*{PARTIAL}"):
@@ -75,8 +75,8 @@ def cleaned(path: Path) -> None:
 
 @contextmanager
 def written(path: Path) -> Iterator[IO[bytes]]:
-    """Opens a file that appears when it is complete. Two processes may write it, with equal
-    content."""
+    """Opens a file for writing, which appears at `path` when it is complete. Two processes may
+    write the same content at once."""
     try:
         with (_renamed if is_folder(path) else _put)(path) as file:
             yield file
@@ -108,7 +108,7 @@ def _put(path) -> Iterator[IO[bytes]]:
             path.fs.put_file(str(folder / path.name), path.path)
         except OSError as error:
             raise OSError(error.errno or errno.EIO, str(error)) from None
-        except Exception as error:  # each store has its own exceptions
+        except Exception as error:  # each kind of store has its own exceptions
             raise OSError(errno.EIO, str(error)) from None
 
 
@@ -118,7 +118,7 @@ def write_json(path: Path, content: object) -> None:
 
 
 def read_json(path: Path) -> dict | None:
-    """Returns the content; None: it is missing or incomplete."""
+    """Returns the content of a JSON file; None if it is missing or invalid."""
     try:
         found = json.loads(path.read_bytes())
     except (OSError, ValueError):
@@ -127,7 +127,7 @@ def read_json(path: Path) -> dict | None:
 
 
 def of_kinds(path: Path, found: dict, kinds: Mapping[str, type | tuple[type, ...]]) -> dict:
-    """Returns `found` if each key is of its kind. Raises UsageError."""
+    """Checks that the value of each key is of its type; returns `found`. Raises UsageError."""
     for key, kind in kinds.items():
         value = found.get(key)
         if not isinstance(value, kind) or (kind is int and not 0 < value < 1 << 63):
@@ -136,7 +136,7 @@ def of_kinds(path: Path, found: dict, kinds: Mapping[str, type | tuple[type, ...
 
 
 def free_bytes(path: Path) -> int | None:
-    """Returns the free bytes of the disk of a path; None: unknown for a store."""
+    """Returns the free bytes of the disk of a path; None for an object store."""
     if not is_folder(path):
         return None
     there = next(p for p in (path.absolute(), *path.absolute().parents) if p.is_dir())
@@ -145,8 +145,8 @@ def free_bytes(path: Path) -> int | None:
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """Locks the sweep for one engine. Raises UsageError if another one runs. A store has no locks:
-    the engine reports in NOW, and two of them do the work twice."""
+    """Locks the sweep for one engine. Raises UsageError if another engine has the lock. Object
+    stores have no locks: two engines there do the work twice."""
     if not is_folder(path):
         try:
             yield
@@ -160,7 +160,7 @@ def alone(path: Path) -> Iterator[None]:
             fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise UsageError(f"{path}: another pkgen sweeps here") from None
-        except OSError:  # the file system has no locks
+        except OSError:  # the file system does not support locks
             pass
         yield
     finally:

@@ -1,4 +1,4 @@
-"""Begins and resumes a sweep, and refines its levels."""
+"""Begins a sweep, resumes it, and makes its levels of refinement."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ from .sampling import Starts
 from .shards import PLAN, Folder, foreign, part_is_whole
 from .store import free_bytes, place, write_json, written
 
-SECONDS = 10.0  # least seconds of work in a shard
-TIMED = 0.3  # least seconds of the first timing
+SECONDS = 10.0  # Fewest seconds of work in a shard.
+TIMED = 0.3  # Fewest seconds of the timing that determines the size of shards.
 LEVELS, TOML = "levels.json", "plan.toml"
 Compiled = Callable[..., Compilation]
 
@@ -40,12 +40,12 @@ Compiled = Callable[..., Compilation]
 class Sweep:
     job: Job
     folder: Folder
-    notes: tuple[str, ...] = ()  # messages before it runs
+    notes: tuple[str, ...] = ()  # messages to show before it runs
 
 
 def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
-    """Returns a new sweep, or the existing one of the same plan. Raises UsageError if the folder
-    has another, or for an error in the plan."""
+    """Returns a new sweep, or the one in the folder if its plan is the same. Raises UsageError if
+    the folder has a different sweep, or for an error in the plan."""
     arrow()
     path = place(options.directory)
     known = shards.known(path)
@@ -65,7 +65,7 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
 
 
 def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
-    """Returns plan.json, the plan and the model of the sweep in a folder; sets model and size of
+    """Reads plan.json, the plan and the model of the sweep in a folder; sets model and size of
     `options`. Raises UsageError."""
     known = shards.known(path)
     if known is None:
@@ -77,7 +77,7 @@ def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
         options.model, options.size = str(file), known["size"]
         plan = of_text(from_text(str(path / TOML), (path / TOML).read_text("utf-8")))
         text, name = file.read_text("utf-8"), known["model"]
-        with suppress(ModelError):  # the original path, if unchanged
+        with suppress(ModelError):  # use the original path if its text is the same
             return known, plan, from_text(name if read(name).text == text else str(file), text)
         return known, plan, from_text(str(file), text)
     except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
@@ -85,7 +85,7 @@ def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
 
 
 def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Sweep:
-    """Returns the sweep in a folder."""
+    """Returns the sweep in a folder, to continue it. Raises UsageError if it has changed."""
     arrow()
     known, plan, source = lying(path, options)
     job, _ = _made(plan, source, options, compiled, known)
@@ -102,7 +102,7 @@ def _made(plan: Plan, source: Source, options: argparse.Namespace, compiled, kno
 
 
 def _other(path: Path, known: dict, plan: Plan, source: Source) -> str:
-    """Returns how the sweep in the folder differs."""
+    """Describes how the sweep in the folder differs from the requested one."""
     if known.get("pkgen") != __version__:
         return f"the sweep there is of pkgen {known.get('pkgen')}, and this is {__version__}"
     with suppress(OSError):
@@ -150,7 +150,7 @@ def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, ma
             "shard": shard,
             "part": job.part,
             "rows": folder.rows,
-            "seconds": pace,  # per member, at the first timing
+            "seconds": pace,  # seconds per member, by _pace
             "chosen": prepared.chosen,
             "columns": [asdict(c) for c in names(job)],
         },
@@ -167,11 +167,11 @@ def _size(n: float) -> str:
 
 
 def _pace(job: Job) -> float:
-    """Returns CPU seconds per member, over samples of the members. Raises NumericsFailed if the
+    """Measures CPU seconds per member on samples of the members. Raises NumericsFailed if the
     method refuses the system."""
     count = 1
     exponents = [2 + k for k, (what, _) in enumerate(job.kept.reduced) if what == b"l"]
-    job.library  # noqa: B018 (it may have to be compiled)
+    job.library  # noqa: B018 (compiles it now, not within the timing)
     while True:
         began = time.process_time()
         firsts = sorted({min(job.members - count, k * job.members // 4) for k in range(4)})
@@ -198,14 +198,14 @@ def _pace(job: Job) -> float:
 
 
 def _shard(members: int, pace: float) -> int:
-    """Returns the members of a shard: SECONDS of work, or all."""
+    """Returns the number of members of a shard: those that take SECONDS, or all."""
     size = max(1, min(int(SECONDS / max(pace, 1e-9)) + 1, members))
     return size if size < 64 else -(-size // 64) * 64
 
 
 def levels(sweep: Sweep) -> Iterator[Sweep]:
-    """Yields the sweep, then its refinements, each when the previous ones are done. Raises
-    Unfinished if a level is incomplete."""
+    """Yields the sweep of the plan's grid, then those of its refinements; each is requested when
+    the previous one is done. Raises Unfinished if a level is incomplete."""
     job, folder = sweep.job, sweep.folder
     yield sweep
     if job.refine is None:
@@ -235,4 +235,4 @@ def _classes(job: Job, folder: Folder):
 
 
 class Unfinished(Exception):
-    """A level is incomplete, from which the next is made."""
+    """The next level cannot be computed, since the present one is incomplete."""

@@ -1,5 +1,6 @@
-"""The two tasks of a sweep, which any process may run: make a shard, merge a part. Each may run
-twice, even at once: the output is the same."""
+"""The two tasks of a sweep: make a shard, merge shards to a file. Any process may run them, even
+twice at the same time: the output is the same.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +15,15 @@ Poll = Callable[[float], bool]
 
 
 def shard(job: Job, folder: Folder, k: int, poll: Poll | None = None) -> dict:
-    """Makes a shard; returns its description. Raises OSError if it cannot be written."""
+    """Computes and writes a shard; returns its description. Raises OSError if writing fails."""
     first, count = folder.of_shard(k)
     batches = ((b.members, b.rows, b.report) for b in job.run(first, count, poll))
     return write_shard(folder, k, batches)
 
 
 def part(job: Job, folder: Folder, k: int) -> dict | None:
-    """Merges a part, and removes shards that are completely in the data set. Returns None if a
-    shard is damaged; it is removed, to be made again."""
+    """Merges shards to a file of the data set, and removes shards that are completely merged.
+    Returns None if a shard is damaged; that shard is removed, and will be made again."""
     try:
         said = merge(job, folder, k)
     except Torn as torn:
@@ -37,8 +38,8 @@ def part(job: Job, folder: Folder, k: int) -> dict | None:
 
 
 def survey(folder: Folder, thorough: bool) -> tuple[list[int], list[int]]:
-    """Returns the missing shards and parts, and removes damaged parts; `thorough` checks their
-    hashes."""
+    """Returns the missing shards, and the files of the data set that are incomplete; removes
+    damaged files. If `thorough`, hashes are checked."""
     parts = [k for k in folder.parts if not part_is_whole(folder, k, thorough)]
     for k in parts:
         for path in (folder.part_file(k), *folder.data_files(k)):

@@ -1,7 +1,7 @@
 """A worker of the local engine: `python -m pkgen_sweep.worker`, started by pkgen.
 
-Its standard input has the job, pickled, then a task per line; its standard output has a line of
-JSON per result, and progress reports. It ends at the end of its input.
+It reads the pickled job and then a task per line from standard input, until that ends. It writes a
+line of JSON per result or progress report to standard output.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def tell(said: dict) -> None:
 
 
 def main() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process handles it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process
     job, folder = pickle.load(sys.stdin.buffer)
     for line in sys.stdin.buffer:
         what, number = line.split()

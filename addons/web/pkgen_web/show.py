@@ -36,8 +36,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make one file that opens in a browser and needs nothing else: the model moves in it,
-    computed there by its own C, with all its parameters and methods at hand."""
+    """Make one HTML file that simulates the model in a browser, by its C as WebAssembly, with
+    controls for parameters, starts and methods; it needs no other files."""
     refuse_both(options, options.page)
     folder, shown = addons.of_folder(options.model), None
     if folder:

@@ -1,2 +1,3 @@
-"""A model as data (`pkgen describe`): names, units, bounds, starts, methods, drawings. Live pages,
-films and exports read only this description. The schema is docs/dev/describe.md."""
+"""The description of a model as data (`pkgen describe`), read by live pages, films and exports:
+names, units, bounds, starts, methods, drawings. The schema is docs/dev/describe.md.
+"""

@@ -1,4 +1,4 @@
-"""The proved constants of motion in the description of a model."""
+"""The part of a model's description on proved constants of the motion."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ..graph.differentiate import symbols_in
 from ..graph.evaluate import evaluate
 from ..run import named
 
-POINTS = 5  # random states
-CLOSE = 1e-9  # relative tolerance
+POINTS = 5  # Number of random states.
+CLOSE = 1e-9  # Relative tolerance.
 
 
 def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
-    """Yields the proved constants. `index` counts claims or momenta. The `label` of the energy says
-    if it is not T + V, as for a bead on a hoop that a motor turns."""
+    """Yields the proved constants. `index` is that of the claim or the momentum. The `label` of the
+    energy says if it is not T + V, as for a bead on a hoop that a motor turns."""
     structure, model = compilation.structure, compilation.model
     energy = "" if model.dimensionless else "J"
     if structure.conservative and named.has_energy(compilation):
@@ -31,15 +31,15 @@ def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
         }
     for k, item in enumerate(model.conserved):
         yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
-    if isinstance(structure, Structure):  # loops have no facts about single coordinates
+    if isinstance(structure, Structure):  # not known if families are loops
         for k, q in enumerate(compilation.equations.momenta_names):
             if structure.cyclic[k]:
                 yield {"name": q.name, "kind": "momentum", "index": k, "unit": q.unit}
 
 
 def _is_sum(compilation: Compilation) -> bool:
-    """Whether h = q' dL/dq' - L equals T + V, tested at random states. Returns True for loops, and
-    if the model has L but not T and V, since nothing is known then."""
+    """Whether h = q' dL/dq' - L equals T + V, tested at random states. Also True for loops, and if
+    the model has L but not T and V: then nothing is known."""
     e = compilation.equations
     if compilation.looped or e.kinetic is None or e.potential is None:
         return True

@@ -1,4 +1,4 @@
-"""The description of a compiled model: docs/dev/describe.md has the schema."""
+"""Describes a compiled model as data; docs/dev/describe.md has the schema."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .scenes import LISTED, described_scene, members_of
 
 SCHEMA = 1
 
-Given = dict[str, list[float]]  # parameters and start, from Run.given()
+Given = dict[str, list[float]]  # parameters and initial values, from Run.given()
 
 
 def described(
@@ -38,8 +38,8 @@ def described(
     scene: Scene | None = None,
     draw: bool = True,
 ) -> dict[str, object]:
-    """Returns the description of a model. With `draw`, it was compiled by drawn(). `given` holds
-    parameters and start, computed by the library."""
+    """Returns the description of a model. If `draw`, it was compiled with the outputs that drawn()
+    adds. `given` has the parameters and the start, computed by the library."""
     model = compilation.declared
     return {
         "schema": SCHEMA,
@@ -85,8 +85,8 @@ def described(
 
 
 def title(model: Model) -> str:
-    """Returns the first comment of the text if it is a title: it begins with a capital letter and
-    has no period at the end. Otherwise returns the name in words."""
+    """Returns the first line of the text if it is a comment that looks like a title: it begins with
+    a capital letter and has no period at the end. Otherwise returns the model's name in words."""
     comment = model.source.text.lstrip().partition("\n")[0].partition("#")[2].strip()
     if comment[:1].isupper() and not comment.endswith("."):
         return comment
@@ -104,8 +104,8 @@ def _each(found: named.Named) -> Iterator:
 
 
 def _flat(found: named.Named) -> Iterator[tuple[int, int, int, named.Declared, object]]:
-    """Yields (flat index, declaration's number, position, declaration, quantity), long families
-    left out."""
+    """Yields (flat index, number of the declaration, position in its family, declaration,
+    quantity), except for families of more than LISTED members."""
     for k, item in enumerate(found.declared):
         if item.count <= LISTED:
             for position in range(item.count):
@@ -136,7 +136,7 @@ def _parameters(
 
 
 def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[str, object]:
-    """Returns the bounds of a parameter; None: infinite, or a start that became a parameter."""
+    """Returns a parameter's bounds (None: infinite); starts that became parameters have none."""
     found: dict[str, object] = {"lo": None, "hi": None, "lo_open": True, "hi_open": True}
     if item is None:
         return found
@@ -153,13 +153,13 @@ def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[s
 
 
 def _whole(compilation: Compilation) -> bool:
-    """Whether all members of families are listed."""
+    """Whether every family is short enough to be listed in full."""
     kinds = (named.parameters, named.inputs, named.coordinates)
     return all(item.count <= LISTED for kind in kinds for item in kind(compilation).declared)
 
 
 def _switches(compilation: Compilation) -> int:
-    """Returns the number of switches: arguments of step, abs etc. whose zeros change equations."""
+    """Returns the number of arguments of step, abs etc. at whose zeros the equations change."""
     e = compilation.equations
     return switch_count(e) if compilation.looped else len(e.switches)
 
@@ -194,8 +194,8 @@ def _coordinates(
 
 
 def _following(model: Model) -> Callable[[str, int], bool]:
-    """Returns a function (name, order): whether the start of a coordinate or its rate depends on
-    parameters. The last start statement counts."""
+    """Returns a function of (name, order) that says whether the start of a coordinate (order 0) or
+    rate (order 1) depends on parameters. The last start statement counts."""
     moving = {p.name for p in model.parameters}
     for item in sorted(model.definitions, key=lambda d: d.span.start):
         if names(item.value) & moving:
@@ -210,7 +210,7 @@ def _following(model: Model) -> Callable[[str, int], bool]:
 def _states(
     compilation: Compilation, settings: Settings, given: Given
 ) -> Iterator[dict[str, object]]:
-    """Yields the first-order variables; their indices follow those of the rates."""
+    """Yields the first-order variables; their indices follow the indices of the rates."""
     known = named.states(compilation)
     follow, set_v = _following(compilation.model), dict(settings.start_v)
     for flat, _, _, _, quantity in _flat(named.coordinates(compilation, rates=True)):
@@ -254,8 +254,8 @@ def _events(compilation: Compilation) -> Iterator[dict[str, object]]:
 
 
 def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str, object]]:
-    """Yields the model's own methods, then those of the runtime and GSL, each with the reason if it
-    does not apply."""
+    """Yields the model's own methods, then those of the runtime and GSL, with the reason why a
+    method does not apply."""
     own = compilation.model.methods
     all_methods = known(own)
     made = compilation.equations, compilation.structure
@@ -279,7 +279,7 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
         }
 
 
-# By flag of a method: kernels that it needs and loops lack; the runtime refuses these methods too.
+# By flag of a method: kernels that it needs and loops lack; the runtime refuses it too.
 _NOT_OF_LOOPS = {
     "holonomic": "M",
     "jacobians": "Jacobians",

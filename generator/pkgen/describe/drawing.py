@@ -1,7 +1,7 @@
 """Drawings of a model, from its `draw` statements. A model without `draw` is drawn as bobs at the
-positions that it names, or else as its coordinates over time.
+positions that it names, or else as graphs of its coordinates over time.
 
-Each number of a drawing is a constant, or a hidden output that is added to the model on request.
+Each number of a drawing is a constant, or a hidden output that is added to the model.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ from ..tree import (
     of_member,
 )
 
-Entry = float | dict[str, int]  # a number, or {"output": k}
-PREFIX = "0_draw_"  # names in models do not begin with a digit
+Entry = float | dict[str, int]  # A number, or {"output": index}.
+PREFIX = "0_draw_"  # Names in models do not begin with a digit.
 
 
 def with_drawing(model: Model) -> Model:
-    """Returns the model with an output for each number of its drawing that is not a constant."""
+    """Returns the model with hidden outputs for all nonconstant numbers of its drawing."""
     return replace(model, observed=(*model.observed, *_Outputs(model).all()))
 
 
 def drawn(use: Use | None) -> Use:
-    """Returns a use of the model that also has the outputs of its drawing."""
+    """Returns `use`, a transformation of the model, extended by the outputs of the drawing."""
     if use is None:
         return Use(lambda model: (model, ()), lambda _: None, declared=with_drawing)
     before = use.declared
@@ -53,7 +53,7 @@ def drawn(use: Use | None) -> Use:
 
 
 def drawing(compilation: Compilation) -> dict[str, object]:
-    """Returns the view and the shapes, with indices of outputs of a model compiled by drawn()."""
+    """Returns the view and the shapes, with indices of outputs of the model from drawn()."""
     model = compilation.declared
     entries = _entries(compilation)
     coordinates = named.coordinates(compilation)
@@ -63,7 +63,7 @@ def drawing(compilation: Compilation) -> dict[str, object]:
         for shape in outputs.shapes(item):
             if item.shape == "level":
                 if not all(name in coordinates for name in item.axes):
-                    continue  # a scene holds a coordinate
+                    continue  # the scene fixes one of these coordinates
                 x, y = (coordinates[name][0] for name in item.axes)
                 shape |= {"x": x, "y": y}
             shapes.append(_resolved(shape, entries))
@@ -75,7 +75,7 @@ def drawing(compilation: Compilation) -> dict[str, object]:
 
 
 def _entries(compilation: Compilation) -> dict[str, Entry]:
-    """Returns, by name of output, its index or its value if that is a number."""
+    """Maps names of outputs to {"output": index}, or to their value if it is a constant."""
     found: dict[str, Entry] = {}
     for k, quantity in enumerate(named.observed(compilation)):
         found[quantity.name] = {"output": k}
@@ -107,7 +107,7 @@ def _drawings(model: Model) -> tuple[Drawing, ...]:
 
 def _defaults(model: Model) -> tuple[Drawing, ...]:
     """Returns a bob at each position that definitions, coordinates and outputs name: vectors, and
-    scalars with the names that `middle.particles` recognizes."""
+    groups of scalars that `middle.particles` recognizes as positions."""
     known = lengths(model)
     items: list[tuple[Name, tuple]] = []
     vectors: dict[tuple, dict[str, Span]] = {}
@@ -117,7 +117,7 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
             continue
         stem, _, part = item.name.partition(".")
-        if part and part not in AXES:  # of a body or joint only the centre of mass is drawn
+        if part and part not in AXES:  # a body or joint is drawn by its centre of mass
             if part == "com":
                 whole = Name(item.name, None, item.span)
                 at = tuple(Component(whole, k, item.span) for k in range(3))
@@ -184,7 +184,7 @@ class _Outputs:
         return self.definitions
 
     def shapes(self, item: Drawing) -> Iterator[dict[str, object]]:
-        """Yields the shapes of a statement: one per member of a family; one for a whole curve."""
+        """Yields the shapes of a statement: one per member of a family; one for a curve."""
         made = [self._shape(item, parts) for parts in self._of_members(item)]
         if item.shape == "curve":
             made = [{"kind": "curve", "points": [s["at"] for s in made], **_labels(item)}]
@@ -211,13 +211,13 @@ class _Outputs:
             }
 
     def _indices(self, family: Range) -> range:
-        """Returns the indices of the drawn members, at most limits.DRAWN."""
+        """Returns the indices of the drawn members, evenly spaced, at most limits.DRAWN."""
         lo, hi = ends(self.model, family)
         return range(lo, hi + 1, max(1, -(-(hi + 1 - lo) // limits.DRAWN)))
 
     def _index(self, range: Range, value: int, behind: int) -> Expr:
-        """Returns the index of a member, `behind` before the last one. In the second half it is
-        relative to the end, N - 1 say, so that families can be kept as loops."""
+        """Returns the index of a member as an expression. In the second half it is `behind` the
+        end, like N - 1, so that families can be compiled to loops."""
         if behind >= value or not names(range.hi):
             return Number(Fraction(value), range.span)
         return Add((range.hi, Number(Fraction(behind), range.span)), (1, -1), range.span)
@@ -250,12 +250,12 @@ class _Outputs:
         return self.names[key]
 
 
-# Keys of shapes whose values are not outputs.
+# Keys of a shape whose values are not outputs.
 _WORDS = ("kind", "name", "label", "form", "axis", "caption", "says", "times", "member")
 
 
 def _caption(model: Model, item: Drawing) -> str:
-    """Returns the comment in the line above a statement, except the first: it is of the whole."""
+    """Returns the comment above a statement; "" for the first, whose comment titles the drawing."""
     if item in model.drawings[:1] or not model.drawings:
         return ""
     above = model.source.text[: item.span.start].rpartition("\n")[0].rpartition("\n")[2].strip()
@@ -263,7 +263,7 @@ def _caption(model: Model, item: Drawing) -> str:
 
 
 def _times(model: Model, item: Drawing) -> float | None:
-    """Returns the factor by which a coordinate is magnified in the drawing, or None."""
+    """Returns the factor that magnifies a coordinate in the drawing, or None."""
     coordinates = {c.name for c in model.coordinates}
     for part in dict(item.parts).get("at", ()) if item.shape in ("bob", "curve") else ():
         if isinstance(part, Multiply) and part.exponents == (1, 1):
@@ -274,7 +274,7 @@ def _times(model: Model, item: Drawing) -> float | None:
 
 
 def _said(model: Model, parts: tuple[Expr, ...]) -> str:
-    """Returns the label of an arrow without a comment: its text in the model, or "velocity"."""
+    """Returns the label of an arrow without a comment: "velocity" or the text of its vector."""
     whole = parts[0].span.to(parts[-1].span)
     text = model.source.text[whole.start : whole.end]
     return "velocity" if re.fullmatch(r"\[\w+'(, (\w+'|0))*\]|\w+'|\[0, \w+', 0\]", text) else text
@@ -286,7 +286,7 @@ def _labels(item: Drawing) -> dict[str, object]:
 
 
 def _key(part: object) -> object:
-    """Returns a key of an expression that does not depend on its place in the text."""
+    """Returns a hashable key of an expression, the same wherever it is in the text."""
     if isinstance(part, tuple):
         return tuple(map(_key, part))
     if is_dataclass(part):
@@ -318,7 +318,7 @@ def _view(
 
 
 def _spatial(shape: dict) -> bool:
-    """Whether any part of the shape may leave the xy plane."""
+    """Whether any part of a shape may leave the xy plane."""
     places = [shape.get(word) for word in ("at", "from", "to")]
     points = [at for at in places if isinstance(at, list) and len(at) == 3]
     points += shape.get("points", [])

@@ -1,4 +1,4 @@
-"""Makes a description from the options of a command, and the library for its drawing."""
+"""Compiles and describes a model from the options of a command."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .drawing import drawn
 
 @record
 class Described:
-    """A described model, compiled with all its coordinates, parameters and kernels."""
+    """A described model; it was compiled with all its coordinates, parameters and kernels."""
 
     compilation: Compilation
     settings: Settings
@@ -35,9 +35,9 @@ def describe(
     unroll: int = lengths.UNROLL,
     draw: bool = True,
 ) -> Described:
-    """Compiles and describes a model; `compiled(options, **how)` compiles it. Without `draw`, its C
-    lacks the outputs of its drawing. Raises UsageError, ModelError, BuildError, or NumericsFailed
-    if the runtime refuses the parameters."""
+    """Compiles a model, by `compiled(options, **how)`, and describes it. Without `draw`, the
+    compiled C lacks the outputs of the drawing. Raises UsageError, ModelError, BuildError, or
+    NumericsFailed if the runtime refuses the parameters."""
     use = scene_use.whole(options)
     compilation = compiled(options, unroll=unroll, use=drawn(use) if draw else use)
     chosen = scene.of(options, compilation.declared)

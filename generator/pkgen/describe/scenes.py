@@ -1,4 +1,4 @@
-"""The scenes in the description of a model."""
+"""The part of a model's description on its scenes."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ..scenes import scene as scenes
 from ..source import ModelError
 from ..system.exits import UsageError
 
-SHOWN = 2000  # most members of a swarm in a description
-LISTED = 1000  # largest family whose members are described one by one
+SHOWN = 2000  # Most members of a swarm in a description.
+LISTED = 1000  # Largest family whose members are described one by one.
 
 
 def members_of(model: Model, item: Start) -> list[int | None]:
-    """Returns the indices of the members that a start sets; [] if they are more than LISTED."""
+    """Returns the indices of the members that a start statement sets; [] if more than LISTED."""
     if item.range is None:
         return [None if item.index is None else integer(item.index, sizes(model))]
     lo, hi = ends(model, item.range)
@@ -46,8 +46,8 @@ def described_scene(compilation: Compilation, scene: Scene) -> dict[str, object]
 
 
 def _members_of(compilation: Compilation, scene: Scene) -> dict[str, object]:
-    """Returns the columns that differ between members of a swarm, and their values; at most SHOWN
-    members, evenly spaced. Returns {} if a value cannot be computed."""
+    """Returns the columns that differ between the members of a swarm, and their values, for at most
+    SHOWN members, evenly spaced. Returns {} if a value cannot be computed."""
     from ..scenes.swarm import members  # NumPy
 
     model = compilation.declared
@@ -66,8 +66,8 @@ def _member(key: tuple[str, int | None]) -> str:
 
 
 def _starts(model: Model, scene: Scene) -> dict[str, float]:
-    """Returns the starts of a scene at its parameter values, except starts that depend on the
-    member of a swarm."""
+    """Returns the start values of a scene for its parameter values, except values that differ
+    between members of a swarm."""
     values = scenes.values(model, scene, {})
     found = {}
     for item in scene.starts:

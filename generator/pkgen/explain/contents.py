@@ -1,5 +1,4 @@
-"""The contents of `explain`, for models whose families are loops (loops.py) or unrolled
-(flat.py)."""
+"""The contents of `explain`: by loops.py if families q[1..N] are loops, else by flat.py."""
 
 from __future__ import annotations
 
@@ -10,25 +9,25 @@ from ..graph.graph import Node
 from ..middle.loops.loops import LoopEquations
 from ..record import record
 
-Shown = tuple[str, str, Node, str]  # a name, its unit, its node, its index range
-Section = tuple[str, Iterable[str]]  # its title, its lines
+Shown = tuple[str, str, Node, str]  # An output: name, unit, node, range of its index.
+Section = tuple[str, Iterable[str]]  # A section: title, lines.
 
 
 @record(kw_only=True)
 class Contents:
     e: Equations | LoopEquations
     text: Callable[[Node], str]
-    freedom: str  # counts of degrees of freedom, rotations and states
-    declared: list[tuple[str, Sequence[Quantity]]]  # coordinates, body rates, states, by kind
+    freedom: str  # Numbers of degrees of freedom, rotations and first-order variables.
+    declared: list[tuple[str, Sequence[Quantity]]]  # Coordinates, angular velocities, states.
     parameters: Sequence[ParameterSlot]
     equations: list[Section]
-    outputs: list[Shown]  # with the quantities claimed to be constant
-    families: list[tuple[str, str]]  # facts on families: loops or unrolled
+    outputs: list[Shown]  # Outputs, and quantities claimed to be constant.
+    families: list[tuple[str, str]]  # Statement whether families are loops or unrolled.
     costs: Section
-    record: dict[str, object]  # the entries of `--json` that depend on this kind of model
+    record: dict[str, object]  # entries of `--json` that only loops.py or only flat.py makes
 
 
 def section(title: str, lines: Iterable[str]) -> str:
-    """Returns a section of the text, "" if it has no lines."""
+    """Returns a section of the text; "" if it has no lines."""
     shown = [f"  {line}".rstrip() for line in lines]
     return "\n".join([title, *shown]) if shown else ""

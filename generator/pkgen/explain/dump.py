@@ -1,4 +1,4 @@
-"""`--dump=STAGE`: the result of any compiler stage as text, for developers of pkgen."""
+"""`--dump=STAGE`: the result of a compiler stage as text, for developers of pkgen."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ def dump(
     kernels: frozenset[str] | None,
     libm: bool = False,
 ) -> str:
-    """Returns the result of a stage for a model, as text, without running later stages."""
+    """Returns the result of a stage for a model, as text; later stages do not run."""
     made = next(islice(stages(source, sizes, kernels, libm=libm), STAGES.index(stage), None))
-    if stage == "lower":  # without a scene there are no parts
+    if stage == "lower":  # the parts of a scene are not dumped
         made, *_ = made
     return as_text(made, source)
 
 
 def equations_text(equations: Equations) -> str:
-    """Returns the expression graph, a node per line, then the nodes of each field of Equations."""
+    """Returns the expression graph, a node per line, then the nodes in each field of Equations."""
     graph = equations.graph
     lines = [f"%{node} = {_node_text(graph, node)}" for node in range(len(graph.op))]
     for field in fields(equations):

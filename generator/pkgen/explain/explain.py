@@ -1,5 +1,5 @@
-"""`pkgen explain` as text: the model's statements, its equations, its structure. It has no part in
-the generation of C.
+"""`pkgen explain` as text: the model's statements, its equations, its structure. Nothing here
+affects the generated C.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from . import flat, loops
 from .contents import Contents, section
 
 NOTHING = "no symmetries, for the model is too large"
-WIDE = 40  # columns of an invariant's formula
+WIDE = 40  # most characters of an invariant's formula in its column
 
 
 def contents(compilation: Compilation) -> Contents:
@@ -24,7 +24,7 @@ def contents(compilation: Compilation) -> Contents:
 
 
 def explain(compilation: Compilation, costs: bool = False) -> str:
-    """Returns the whole report, with the operations of each kernel if `costs`."""
+    """Returns the whole report; with `costs`, also the number of operations of each kernel."""
     e, structure, model = compilation.equations, compilation.structure, compilation.model
     c = contents(compilation)
     said = model.name + (f": {model.description}" if model.description else "")
@@ -48,7 +48,7 @@ def explain(compilation: Compilation, costs: bool = False) -> str:
 
 
 def record(compilation: Compilation) -> dict[str, object]:
-    """Returns the report for `--json`."""
+    """Returns the report as data, for `--json`."""
     c = contents(compilation)
     return {
         "model": compilation.model.name,
@@ -71,13 +71,13 @@ def record(compilation: Compilation) -> dict[str, object]:
 
 
 def structure_record(structure: Facts) -> dict[str, object]:
-    """Returns the structural facts; coordinates are numbers."""
+    """Returns the facts about the structure; coordinates are given by index."""
     shown = {k: v for k, v in vars(structure).items() if k not in ("claims", "symmetries")}
     return {k: list(v) if isinstance(v, tuple) else v for k, v in shown.items()}
 
 
 def proofs_record(structure: Facts) -> dict[str, object]:
-    """Returns the constants of the motion with their proofs, and the author's claims."""
+    """Returns the constants of the motion with their proofs, and those claimed by the author."""
     symmetries = structure.symmetries
     return {
         "invariants": [
@@ -91,7 +91,7 @@ def proofs_record(structure: Facts) -> dict[str, object]:
 
 
 def _quantities(title: str, quantities: Sequence[Quantity]) -> str:
-    """Returns a section of names, units and descriptions."""
+    """Returns a section with names, units and descriptions."""
     width = max((len(q.name) for q in quantities), default=0)
     lines = (f"{q.name:<{width}}  {_unit(q.unit):<10} {q.description}" for q in quantities)
     return section(title, lines)
@@ -114,7 +114,7 @@ def _parameters(c: Contents) -> str:
 
 
 def _constant(c: Contents, node: Node) -> str:
-    """Returns a number as a decimal, like its author wrote it; other nodes as expressions."""
+    """Returns a constant as a decimal; other nodes as expressions."""
     if c.e.graph.op[node] is Op.NUMBER:
         return f"{float(c.e.graph.data[node]):.15g}"
     return c.text(node)
@@ -155,7 +155,7 @@ def _events(c: Contents) -> Iterator[str]:
 
 
 def constants_text(rows: list[tuple[str, str]], symmetries: Symmetries | None) -> str:
-    """Returns the section about constants of the motion."""
+    """Returns the section about constants of the motion; `rows` are (name, proof)."""
     width = min(max((len(name) for name, _ in rows), default=0), WIDE)
     lines = [f"{name:<{width}}  {why}" for name, why in rows]
     if symmetries is not None:

@@ -1,7 +1,7 @@
 """The contents of `explain` for a model whose families are unrolled: named expressions.
 
-Small expressions are SymPy text, lightly simplified; large ones are shown by their number of
-operations only. `Rows` are names with their graph nodes.
+Small expressions are SymPy text, slightly simplified; for large ones, only the number of operations
+is shown. `Rows` are names with their graph nodes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..middle.analyze import sympy_bridge
 from .contents import Contents
 
 Rows = list[tuple[str, Node]]
-SHOWN_OPERATIONS = 300  # a longer expression is not shown
+SHOWN_OPERATIONS = 300  # most operations of a shown expression
 
 
 def contents(compilation: Compilation) -> Contents:
@@ -97,7 +97,7 @@ def _constraints(e: Equations, text: Callable[[Node], str]) -> list[str]:
 
 
 def declared(e: Equations) -> list[tuple[str, tuple[Quantity, ...]]]:
-    """Returns the coordinates, body rates, attitudes and states, by kind."""
+    """Returns coordinates, angular velocities of bodies, attitudes and states, by kind."""
     return [
         ("Coordinates", e.seen),
         ("Body rates", e.rates[len(e.seen) :]),
@@ -114,12 +114,12 @@ def lagrangian_rows(e: Equations) -> Rows:
 
 
 def free_force(e: Equations) -> tuple[Node, ...]:
-    """Returns the generalized forces without the forces of constraints."""
+    """Returns the generalized forces without constraint forces."""
     return e.force if e.constraints is None else e.constraints.free_force
 
 
 def motion_rows(e: Equations) -> Rows:
-    """Returns the nonzero entries of the lower triangle of M, and f."""
+    """Returns the nonzero entries in the lower triangle of M, then the entries of f."""
     names = e.moving
     rows = [
         (f"M[{names[i]}, {names[j]}]", row[j])
@@ -135,7 +135,7 @@ def rate_rows(e: Equations) -> Rows:
 
 
 def canonical_rows(e: Equations) -> Rows:
-    """Returns H(q, p) and its gradients; nothing unless the canonical form was requested."""
+    """Returns H(q, p) and its gradients; nothing if the canonical form was not requested."""
     h = e.hamiltonian
     if h is None:
         return []
@@ -144,7 +144,7 @@ def canonical_rows(e: Equations) -> Rows:
 
 
 def rates_title(e: Equations) -> str:
-    """Returns the heading of the rows x' = g, such as "Rates of the attitudes and states"."""
+    """Returns the heading of the equations x' = g, such as "Rates of the attitudes and states"."""
     what = ["attitudes"] if e.quaternions else []
     what += ["states"] if len(e.states) > e.quaternions or not what else []
     return f"Rates of the {' and '.join(what)}"
@@ -170,8 +170,7 @@ def freedom(e: Equations) -> list[str]:
 
 
 def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
-    """Yields the constraint functions that are 0, their rates if holonomic, then the
-    multipliers."""
+    """Yields the constraint functions, the rates of the holonomic ones, and the multipliers."""
     c = equations.constraints
     if c is None:
         return

@@ -1,4 +1,4 @@
-"""`pkgen explain` of a model whose families are loops: one row of the equations in the index i."""
+"""`pkgen explain` of a model whose families q[1..N] are compiled to loops: equations in i."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def contents(compilation: Compilation) -> Contents:
 
 
 def freedom(e: LoopEquations) -> str:
-    """Returns the counts of degrees of freedom, rotations and states, in terms of the sizes."""
+    """Returns counts of degrees of freedom, rotations and states, like "2 N degrees of freedom"."""
     write = Writer(e)
     kinds = ("degrees of freedom", lambda g: not g.is_state), ("rotations", _is_first)
     kinds += (("states", lambda g: g.is_state and "." not in g.name),)
@@ -75,7 +75,7 @@ def freedom(e: LoopEquations) -> str:
 
 
 def _is_first(group: Group) -> bool:
-    """Returns whether it is the first body rate (.x) of a rotation."""
+    """Whether the group is the first component (.x) of a rotation's angular velocity."""
     return group.is_turn and group.name.endswith(".x")
 
 
@@ -101,14 +101,14 @@ def _outputs(write: Writer) -> Iterator[Shown]:
 
 
 def _slot(write: Writer, g: Group, default: Assigned, at: Bounded) -> ParameterSlot:
-    """Returns one slot that stands for all members of a parameter."""
+    """Returns a ParameterSlot that stands for all members of a parameter family."""
     own, follows = g.declared.bounds, g.declared.follows
     shown = (at.lo, at.hi, own.lo_open, own.hi_open)
     return ParameterSlot(_quantity(write, g), g.name, 0, 0, default.node, follows, *shown)
 
 
 def declared(write: Writer) -> list[tuple[str, list[Quantity]]]:
-    """Returns the coordinates, body rates, attitudes and states, by kind."""
+    """Returns coordinates, angular velocities of bodies, attitudes and states, by kind."""
     e, numbers = write.e, {name for r in write.e.model.rotations for name in r.quaternion}
     kinds = {
         "Coordinates": [g for g in e.coordinates if not (g.is_state or g.is_turn)],
@@ -120,7 +120,7 @@ def declared(write: Writer) -> list[tuple[str, list[Quantity]]]:
 
 
 def energies(write: Writer) -> list[tuple[str, str]]:
-    """Returns T and V, or L unless the model has both."""
+    """Returns the formulas of T and V, or of L if the model does not have both."""
     e = write.e
     parts = [("T", e.kinetic), ("V", e.potential)]
     if e.kinetic is None or e.potential is None:
@@ -141,7 +141,7 @@ def _equations(write: Writer) -> Iterator[str]:
 
 
 def along_lines(write: Writer) -> list[EquationLine]:
-    """Returns the `let`s with recurrences that only outputs use, without their rates."""
+    """Returns recurrences along families that only outputs use, without time derivatives."""
     found = []
     for item in (item for together in write.e.along for item in together):
         for part in item.parts if "'" not in item.name else ():
@@ -152,13 +152,13 @@ def along_lines(write: Writer) -> list[EquationLine]:
 
 
 def carried_says(write: Writer) -> str:
-    """Returns the sentence that explains the rows of carried values."""
+    """Says how forces on values of a recurrence are passed back to the variables defining them."""
     names = ", ".join(g.name for g in write.e.carried_groups)
     return f"the rows of {names} go over to what each is made of, from the last member to the first"
 
 
 def carried_lines(write: Writer) -> list[EquationLine]:
-    """Returns the definitions of carried values."""
+    """Returns the definitions of carried values, which are given by recurrences along a family."""
     found = []
     for item in write.e.carried:
         parts = tuple(Part(p.lo, p.hi, p.value, p.value) for p in item.pieces)
@@ -168,8 +168,8 @@ def carried_lines(write: Writer) -> list[EquationLine]:
 
 
 def mass_lines(write: Writer) -> list[EquationLine]:
-    """Returns the lower triangle of M: entries of a member with lower members of its family, with
-    families declared before, and with scalars."""
+    """Returns the lower triangle of M: entries of each member with lower members of its family,
+    with families declared earlier, and with single coordinates."""
     e, found = write.e, []
     order = [g.name for g in e.rows]
     for g in e.rows:
@@ -213,7 +213,7 @@ def force_lines(write: Writer) -> list[EquationLine]:
 
 
 def constraint_lines(write: Writer) -> list[EquationLine]:
-    """Returns phi of each constraint, and J v + j0 of each rolling."""
+    """Returns phi of each holonomic constraint, and J v + j0 of each rolling constraint."""
     found = []
     for rows in write.e.bound:
         group, what = rows.group, rows.position if rows.holonomic else rows.rate
@@ -227,7 +227,7 @@ def constraint_lines(write: Writer) -> list[EquationLine]:
 
 
 def rate_lines(write: Writer) -> list[EquationLine]:
-    """Returns the rates of the states."""
+    """Returns the rates of change of the first-order variables."""
     return _rows_of(write, "{}'", True)
 
 
@@ -266,11 +266,11 @@ def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
 
 
 def beyond(write: Writer) -> list[str]:
-    """Returns the values of ghosts beyond the ends of families."""
+    """Returns boundary conditions: values at indices just outside the ranges of families."""
     found = []
     for g in write.e.families:
         if g.is_turn:
-            continue  # their attitudes have the same ends
+            continue  # their attitudes have the same boundary conditions
         if g.periodic:
             far = indexed(g.name, f"{write.i}+{write.index(g.count)}")
             found.append(f"{far} = {indexed(g.name, write.i)} (periodic)")

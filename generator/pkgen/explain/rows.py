@@ -1,9 +1,9 @@
-"""Rows of equations in the form of a textbook: one equation in the index i, the ends separately.
+"""Equations of families in the form of a textbook: one in the index i, and others at the ends.
 
-Each part of a row holds for lo <= i <= hi. Where all parts hold the row is one expression. A few
-members at an end are written out one by one: those where some parts do not hold, or where a ghost
-beyond the end copies another member (`free`) or has an acceleration (`fixed` at a function of t).
-The family is assumed to have more members than these.
+Each part of a row (a sum of parts) holds for lo <= i <= hi. Where all parts hold, the row is one
+expression in i. A few members at each end are written out one by one: those where some parts do not
+hold, and those next to an index outside the family that copies a member (`free`) or has an
+acceleration (`fixed` at a function of t). The family is assumed to be longer than both ends.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ SHOWN_OPERATIONS = 300
 M = variable(ROW)
 PRIMES = {"v": "'", "w": "''", "d": "'", "acc": "''"}
 
-# A function that returns the left side of a row for a member; None if it is not shown.
+# A function that returns the left side of the equation of a member, or None if it has none.
 Label = Callable[[Affine], str | None]
 
 
 class Unclear(Exception):
-    """The start or end of a part depends on how sizes compare."""
+    """A part's range and the family's range cannot be compared without the values of sizes."""
 
 
 @record
 class EquationLine:
     left: str
     right: str
-    range: str = ""  # "i = 1..N", or "" where i does not occur
+    range: str = ""  # such as "i = 1..N"; "" if the equation has no i
 
     def __str__(self) -> str:
         return f"{self.left} = {self.right}" + (f"   for {self.range}" if self.range else "")
@@ -49,7 +49,7 @@ class EquationLine:
 
 @record
 class Style:
-    """The formats of an expression, of one that is too large, of a sum over a range, of a sum."""
+    """Formats of an expression, of a large one (by its size), of an indexed sum, of a plain sum."""
 
     expression: Callable[[sympy.Expr], str]
     large: Callable[[int], str]
@@ -66,7 +66,7 @@ PLAIN = Style(
 
 
 class Writer:
-    """Writes expressions of one model, and rows with an expression per member."""
+    """Writes expressions of a model, and equations with an index."""
 
     def __init__(self, e: LoopEquations, style: Style = PLAIN):
         self.e = e
@@ -76,7 +76,7 @@ class Writer:
         own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
         self.i = next(letter for letter in ("i", "k", "n", "i_") if letter not in own)
         self.j = next(letter for letter in ("j", "l", "o", "j_") if letter not in own)
-        # Sizes whose names equal pkgen's loop variables have other names internally.
+        # Sizes named like pkgen's loop variables have other names internally.
         sizes = {unlike_loops(size.name): size.name for size in e.model.sizes}
         free = (letter for letter in "jklnopqrsuvw" if letter not in own)
         self._shown = sizes | {ROW: self.i, OTHER: self.j} | dict(zip(COUNTERS, free, strict=False))
@@ -84,7 +84,7 @@ class Writer:
         self._summed = [inner for x in once for inner in within(x)]
 
     def index(self, at: Affine) -> str:
-        """Returns an index as text: `i+1`, `N-1`. The row's index is `i` or another free letter."""
+        """Returns an index as text: `i+1`, `N-1`; the letter differs if the model uses `i`."""
         return at.text(self._shown).replace(" ", "")
 
     def span(self, lo: Affine, hi: Affine) -> str:
@@ -105,7 +105,7 @@ class Writer:
         return style.plus(parts) if parts else "0"
 
     def text(self, pieces: Iterable[tuple[Node, Affine]]) -> str:
-        """Returns the sum of nodes, each evaluated at a member."""
+        """Returns the sum of nodes, each evaluated at the index that is paired with it."""
         import sympy as sp
 
         pieces = [(node, at) for node, at in pieces if node != ZERO]
@@ -157,7 +157,7 @@ class Writer:
             place = slot.at.replaced({ROW: at})
             if slot.kind in ("q", "v", "w", "d", "s", "a", "acc"):
                 if slot.kind == "w" and group.is_carried:
-                    return sp.Integer(0)  # L's own row, where coordinates do not accelerate
+                    return sp.Integer(0)  # this row takes accelerations as zero
                 place = self.home(group, place)
                 if slot.kind == "w" and at != M and self._is_own(group, place):
                     return sp.Integer(0)
@@ -165,7 +165,7 @@ class Writer:
         return sp.Symbol(name + primes)
 
     def _once(self, k: int) -> str:
-        """Returns the text of sum k of those that are computed once."""
+        """Returns the text of sum k, one of the sums that are computed once, not per step."""
         [found] = [x for x in self._summed if x.place == k]
         ranges = (
             f"{self.index(variable(v))} = {self.index(a)}..{self.index(b)}"
@@ -176,7 +176,7 @@ class Writer:
     # -- members ------------------------------------------------------------------------------
 
     def home(self, group: Group, at: Affine) -> Affine:
-        """Returns the member that a ghost beyond an end copies; for a given one its own index."""
+        """Returns the member that an index outside the family copies; else the same index."""
         below, above = at - group.lo, group.hi - at
         if group.periodic:
             if below.is_constant and below.constant < 0:
@@ -192,7 +192,7 @@ class Writer:
         return group.is_family and _reaches(group.lo, at) and _reaches(at, group.hi)
 
     def _images(self, group: Group, at: Affine) -> list[Affine]:
-        """Returns the member's index, and the indices of the ghosts that copy it."""
+        """Returns a member's index, and the indices outside the family that copy the member."""
         found = [at]
         if group.periodic:
             found += [at + group.count, at - group.count]
@@ -204,7 +204,7 @@ class Writer:
         return found
 
     def name(self, group: Group, at: Affine) -> str | None:
-        """Returns the name of a member, None for a given one."""
+        """Returns the name of a member; None at an index where the value is prescribed."""
         place = self.home(group, at)
         given = any(end.kind == "fixed" and p == place for p, end in group.ends)
         return None if given else indexed(group.shown, self.index(place))
@@ -212,7 +212,7 @@ class Writer:
     # -- rows ---------------------------------------------------------------------------------
 
     def rows(self, group: Group, items: list[tuple[Label, tuple[Part, ...]]]) -> list[EquationLine]:
-        """Returns the lines of quantities of a family's members, each with its label and parts."""
+        """Returns a family's equations; an item is a label (left side) and the parts of its sum."""
         try:
             below, above = self._ends(group, [part for _, parts in items for part in parts])
             labels = [label for label, _ in items if label(M) is not None]
@@ -252,7 +252,7 @@ class Writer:
         return [EquationLine(left, self.text(pieces)) for left, pieces in found.items()]
 
     def _listed(self, items) -> list[EquationLine]:
-        """Returns every part with its range, for rows whose ends depend on how sizes compare."""
+        """Returns every part with its own range, if Unclear is raised."""
         found = []
         for label, parts in items:
             left = label(M)
@@ -263,7 +263,7 @@ class Writer:
         return found
 
     def _ends(self, group: Group, parts: list[Part]) -> tuple[int, int]:
-        """Returns the numbers of members at the lower and upper end with separate equations."""
+        """Returns how many members at the lower and at the upper end have separate equations."""
         below = above = 0
         for part in parts:
             low, high = part.lo - group.lo, group.hi - part.hi
@@ -292,7 +292,7 @@ class Writer:
         return below, above
 
     def _by_index(self, node: Node) -> bool:
-        """Returns whether a node depends on the index itself: as a number, or in a parameter."""
+        """Whether a node contains the index itself as a number, or a parameter with an index."""
         return any(
             slot.kind == "index" or (slot.kind == "param" and slot.at is not None)
             for slot in self._slots(node)
@@ -306,7 +306,7 @@ class Writer:
 
 
 def _reaches(low: Affine, high: Affine) -> bool:
-    """Returns whether low <= high in families that are long enough. Raises Unclear if not known."""
+    """Whether low <= high if families are long enough. Raises Unclear if that is not determined."""
     distance = high - low
     if distance.is_constant:
         return distance.constant >= 0

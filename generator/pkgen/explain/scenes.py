@@ -1,4 +1,4 @@
-"""The sections of `explain` about scenes: the parts of the model that each of them needs."""
+"""The sections of `explain` about scenes: the parts of the model that each scene needs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ..scenes import compile_plan as scene_use
 
 @record
 class SceneShown:
-    """The parts that a scene leaves out, with reasons, and the operations of each kernel in the
-    model (`before`) and in the C of the scene (`after`), summed over independent parts."""
+    """The parts of the model that a scene leaves out, with reasons. The operations of each kernel
+    in the model (`before`) and in the scene's C (`after`), summed over independent subsystems."""
 
     name: str
     description: str
@@ -25,7 +25,7 @@ class SceneShown:
 
 
 def scene_shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
-    """Compiles a scene and returns its summary, or the reasons why it cannot be compiled."""
+    """Compiles a scene; returns its summary, or the reasons why it cannot be compiled."""
     before = {} if whole.looped else _operations(whole.program.kernels)
     name, description, source = scene.name, scene.description, whole.declared.source
     wrong = scene_check.wrong(whole.declared, sizes, scene)
@@ -52,7 +52,7 @@ def _operations(kernels: list[Kernel] | tuple[Kernel, ...]) -> dict[str, int]:
 
 
 def text(scenes: list[SceneShown]) -> str:
-    """Returns the sections of all scenes, "" without scenes."""
+    """Returns the sections of all scenes; "" if there are none."""
     return "\n\n".join(_text(scene) for scene in scenes)
 
 

@@ -1,2 +1,3 @@
-"""Pictures of rows: a table is composed to a picture, which matplotlib or a terminal renders.
-`style.py` defines the look of all pictures of pkgen."""
+"""Pictures of rows: compose.py makes a picture of a table, draw.py or terminal.py renders it.
+`style.py` defines the look of all pictures of pkgen.
+"""

@@ -1,4 +1,4 @@
-"""Composes a picture of tables: its panels, axes, lines and colours."""
+"""Composes a picture from tables of rows: its panels, axes, lines and colours."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .style import PALETTE
 from .table import COARSE, CONSTANT, Table, base
 from .view import View
 
-PANELS = 6  # most panels of a picture
-FAMILY = 12  # most members of a family that are lines; more are an image
-LINES = 14  # most lines in one panel
-LONG = 18  # most characters of names at an axis
-NOISE = 1e-9  # a column this small, relative to the largest of its kind, is rounding noise
-APART = 15.0  # columns whose sizes differ by this factor do not share an axis
+PANELS = 6  # Most panels of a picture.
+FAMILY = 12  # Most members of a family drawn as lines; larger families are images.
+LINES = 14  # Most lines in one panel.
+LONG = 18  # Most characters of the names at an axis.
+NOISE = 1e-9  # A column smaller than this, relative to the largest of its unit, is rounding noise.
+APART = 15.0  # Columns whose sizes differ by this factor do not share an axis.
 
 
 def picture(view: View, tables: Sequence[Table]) -> Picture:
-    """Returns the picture. Raises UsageError if the tables lack columns to draw."""
+    """Returns the picture of the tables. Raises UsageError if they lack columns to draw."""
     kind = view.kind or _usual(view, tables)
     made = _MAKERS[kind](view, tables)
     title, notes = _title(tables), tuple(note for table in tables for note in table.notes)
@@ -36,7 +36,7 @@ def picture(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def suggested(table: Table) -> Picture:
-    """Returns a phase plane of the table: a section, a cloud, or a coordinate and its rate."""
+    """Returns a phase plane plot: a Poincaré section, a cloud, or a coordinate and its rate."""
     return picture(View("section"), [table])
 
 
@@ -50,7 +50,7 @@ def _usual(view: View, tables: Sequence[Table]) -> str:
 
 
 def _title(tables: Sequence[Table]) -> str:
-    """Returns a title of model, scene and method, as far as they are the same in all tables."""
+    """Returns a title of model, scene and method, omitting those that differ between tables."""
     words = []
     for key in ("model", "scene"):
         found = {str(table.told.get(key, "")) for table in tables}
@@ -70,7 +70,7 @@ def _method(table: Table) -> str:
 
 
 def _by_method(panel: Panel, tables: Sequence[Table]) -> Panel:
-    """Gives lines the colours of their methods if each table is a line of a different method."""
+    """Gives lines the colours of their methods, if each table is one line and methods differ."""
     marks = [mark(_method(table))[0] for table in tables]
     if not 1 < len(tables) == len(set(marks)) or not all(map(_method, tables)):
         return panel
@@ -90,7 +90,7 @@ def time_axis(table: Table) -> Axis:
     return Axis(label(quantity.name, quantity.unit))
 
 
-# -- over time -------------------------------------------------------------------------------------
+# -- plots over time -------------------------------------------------------------------------------
 
 
 def _over_time(view: View, tables: Sequence[Table]) -> Picture:
@@ -108,7 +108,7 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]:
-    """Returns a note if rows are drawn as points because they are few."""
+    """Returns a note if rows are drawn as points, since they are too sparse for lines."""
     if any(table.several or table.event is not None for table in tables):
         return ()
     if all(line.kind == "line" for panel in panels for line in panel.lines):
@@ -117,7 +117,7 @@ def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]
 
 
 def _in_all(option: str, name: str, tables: Sequence[Table]) -> list[str]:
-    """Returns the columns of a name. Raises UsageError if tables have different ones."""
+    """Returns the columns that a name denotes. Raises UsageError if they differ between tables."""
     found = [table.found(option, name) for table in tables]
     for table, names in zip(tables, found, strict=True):
         if names != found[0]:
@@ -126,8 +126,8 @@ def _in_all(option: str, name: str, tables: Sequence[Table]) -> list[str]:
 
 
 def _chosen(tables: Sequence[Table]) -> list[str]:
-    """Returns the columns that all tables have, without the energy if there are others. Raises
-    UsageError if there are none."""
+    """Returns the columns that all tables have, without the energy unless it is the only one.
+    Raises UsageError if there are none."""
     known = [q.name for q in tables[0].quantities]
     common = [n for n in known if all(n in table.names[1:] for table in tables[1:])]
     if not common:
@@ -141,7 +141,7 @@ def _chosen(tables: Sequence[Table]) -> list[str]:
 
 
 def _groups(table: Table, names: list[str]) -> list[list[str]]:
-    """Groups names by panels: a long family, or columns of equal unit, kind and similar size."""
+    """Groups names into panels: a long family, or columns of equal unit and similar size."""
     found: dict[object, list[str]] = {}
     counts = Counter(base(name) for name in names)
     kinds = {n: (table.quantity(n).unit, n.count("'") + ("omega(" in n)) for n in names}
@@ -166,7 +166,7 @@ def _groups(table: Table, names: list[str]) -> list[list[str]]:
 
 
 def _size(x: numpy.ndarray) -> float:
-    """Returns the range of a column; for a constant, its magnitude."""
+    """Returns max - min of a column; for a constant column, its absolute value."""
     x = x[numpy.isfinite(x)]
     if not len(x):
         return 1.0
@@ -174,7 +174,7 @@ def _size(x: numpy.ndarray) -> float:
 
 
 def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
-    """Returns a panel of columns of one table."""
+    """Returns a panel with columns of one table."""
     (table,) = tables
     if len(names) > FAMILY and len({base(n) for n in names}) == 1:
         what = shown(base(names[0])).rstrip("′")
@@ -188,7 +188,7 @@ def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
 
 
 def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
-    """Returns limits that show columns which are constant up to rounding as flat lines, or None."""
+    """Returns axis limits at which rounding noise looks flat, if all columns are constant."""
     good = [x[numpy.isfinite(x)] for x in columns]
     good = [x for x in good if len(x)]
     largest = max((float(numpy.abs(x).max()) for x in good), default=0.0)
@@ -199,7 +199,7 @@ def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
 
 
 def _together(table: Table, names: list[str]) -> str:
-    """Returns the label of an axis: all names, else names of families, else only the unit."""
+    """Returns an axis label: all names, or if too long those of families, or only the unit."""
     unit = table.quantity(names[0]).unit
     bases = list(dict.fromkeys(base(name) for name in names))
     parted = len(bases) < len(names) and not any("[" in name for name in names)
@@ -210,7 +210,7 @@ def _together(table: Table, names: list[str]) -> str:
 
 
 def _image(table: Table, names: list[str]) -> Image:
-    every = -(-len(table.data) // 1200)  # a printer shows no more
+    every = -(-len(table.data) // 1200)  # a printed page resolves no more
     index = numpy.array([float(n[n.rindex("[") + 1 : n.rindex("]")]) for n in names])
     values = numpy.stack([table[name][::every] for name in names])
     quantity = table.quantity(names[0])
@@ -218,14 +218,14 @@ def _image(table: Table, names: list[str]) -> Image:
 
 
 def _coarse(image: Image) -> bool:
-    """Whether an image has fewer than eight columns per period: stripes may be artefacts."""
+    """Whether an image has fewer than eight columns per period, so that stripes may be aliasing."""
     v = image.values
     whole = numpy.sqrt(numpy.nanmean((v - numpy.nanmean(v, axis=1, keepdims=True)) ** 2))
     return bool(numpy.sqrt(numpy.nanmean(numpy.diff(v, axis=1) ** 2)) > COARSE * whole > 0)
 
 
 def _overlaid(tables: Sequence[Table], names: list[str]) -> Panel:
-    """Returns a panel of one column of several tables, or of many members."""
+    """Returns a panel that shows the same column of several tables, or of many members."""
     (name,) = names
     lines: list[Line] = []
     colours = None
@@ -236,7 +236,7 @@ def _overlaid(tables: Sequence[Table], names: list[str]) -> Panel:
     return Panel(time_axis(tables[0]), own, tuple(lines), colours=colours, tight=True)
 
 
-# -- planes, places, sections ----------------------------------------------------------------------
+# -- plots of two or three columns -----------------------------------------------------------------
 
 
 def _plane(view: View, tables: Sequence[Table]) -> Picture:
@@ -266,19 +266,19 @@ def _plane(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _named(line: Line, what: str, table: Table, others: bool) -> Line:
-    """Returns the line with the names of its columns in front of its label."""
+    """Returns the line with its label preceded by `what`, the names of its columns."""
     own = "" if line.label == table.label and not others else line.label
     return replace(line, label=", ".join(word for word in (what, own) if word))
 
 
 def _common(table: Table, names: list[str]) -> Axis:
-    """Returns an axis labelled with all names, such as x1 and x2."""
+    """Returns an axis that is labelled with several names, such as x1, x2."""
     names = list(dict.fromkeys(names))
     return Axis(label(", ".join(names), table.quantity(names[0]).unit))
 
 
 def _pair(option: str, names: tuple[str, ...], tables: Sequence[Table]) -> tuple[str, ...]:
-    """Returns the columns of a curve; a vector in a plane without the component that is 0."""
+    """Returns a curve's columns; of a vector in space, a component that is 0 is left out."""
     if len(names) > 1:
         found = [_in_all(option, name, tables) for name in names]
         for name, columns in zip(names, found, strict=True):
@@ -299,12 +299,12 @@ def _section(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _cloud(view: View, tables: Sequence[Table]) -> Picture:
-    """Draws many members at few times."""
+    """Draws a cloud of many members at a few times."""
     return _plane(View("phase", (_varying(tables),)), tables)
 
 
 def _varying(tables: Sequence[Table]) -> tuple[str, str]:
-    """Returns a coordinate and its rate that both vary, else two columns that vary."""
+    """Returns a coordinate and its rate if both vary, else the first two columns that vary."""
     table = tables[0]
     names = [q.name for q in table.quantities if q.name != "energy"]
     moving = [n for n in names if _varies(table[n])]

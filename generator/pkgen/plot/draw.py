@@ -1,5 +1,4 @@
-"""Renders pictures by matplotlib as SVG, PNG or PDF. Names are plain text: a `$` starts no
-formula."""
+"""Renders pictures by matplotlib as SVG, PNG or PDF. Names are plain text, also with a `$`."""
 
 from __future__ import annotations
 
@@ -22,14 +21,14 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-HEAVY = 40_000  # points in lines, above which a panel is rasterized even in vector files
-HEAVY_POINTS = 3000  # the same for single points
-BESIDE = 5  # most entries of a legend above its panel; a longer one is to the right
-TOP = 0.22  # inches of a title
+HEAVY = 40_000  # Panels with more points in lines are rasterized, even in vector files.
+HEAVY_POINTS = 3000  # Panels with more single points are rasterized.
+BESIDE = 5  # Legends with more entries are to the right of a panel, shorter ones above it.
+TOP = 0.22  # Height of a title in inches.
 
 
 def draw(picture: Picture, width: float | None = None) -> Figure:
-    """Renders a picture; `width` in inches, by default that of a page or of a column."""
+    """Renders a picture; `width` in inches is by default that of a page or a column."""
     width = width or (style.PAGE if picture.wide else style.COLUMN)
     with looks():
         figure = Figure(figsize=(width, _height(picture, width)), layout="constrained")
@@ -56,7 +55,7 @@ def draw(picture: Picture, width: float | None = None) -> Figure:
 def encoded(
     picture: Picture, kind: str, width: float | None = None, dpi: float | None = None
 ) -> bytes:
-    """Returns the picture as a file of one of style.FORMATS."""
+    """Returns the content of a file of the picture, in one of style.FORMATS."""
     figure = draw(picture, width)
     with looks():
         return style.encoded(
@@ -81,7 +80,7 @@ def _height(picture: Picture, width: float) -> float:
 
 
 def _of_plane(panel: Panel, width: float) -> float:
-    """Returns the height of a plane, for equal scales within limits."""
+    """Returns the height of a plane plot in inches, for equal scales within limits."""
     if not panel.equal:
         return 0.86 * width
     (x0, x1), (y0, y1) = _span(panel.lines, "x"), _span(panel.lines, "y")
@@ -169,7 +168,7 @@ def _line(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
 
 
 def _numbers(line: Line, panel: Panel) -> numpy.ndarray:
-    """Returns for each point the number of its member, which its colour shows."""
+    """Returns the member number of each point; the colour of a point shows it."""
     low, high, _ = panel.colours
     counts = numpy.diff([*line.strands, len(line.x)])
     return numpy.repeat(numpy.linspace(low, high, len(counts)), counts)
@@ -218,7 +217,7 @@ def _space(axes: Axes, panel: Panel) -> None:
         return
     spans = [_span(panel.lines, name) for name in "xyz"]
     longest = max(b - a for a, b in spans) or 1.0
-    # A nearly flat curve gets a box of some height.
+    # The box has a minimal height, even if the curve is nearly flat.
     spans = [_at_least(a, b, 0.4 * longest) for a, b in spans]
     longest = max(b - a for a, b in spans)
     for which, (a, b) in zip("xyz", spans, strict=True):
@@ -234,7 +233,7 @@ def _at_least(a: float, b: float, length: float) -> tuple[float, float]:
 
 
 def coloured(values: numpy.ndarray) -> tuple[str, float, float]:
-    """Returns the name of the colour map of an image, and the values at its ends."""
+    """Returns the name of an image's colour map, and the values at its lower and upper end."""
     finite = values[numpy.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
     most = max(abs(low), abs(high)) or 1.0
@@ -274,7 +273,7 @@ def _legend(axes: Axes, panel: Panel) -> None:
         if beside
         else {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": len(named)}
     )
-    # Labels are set afterwards: matplotlib ignores those that begin with an underscore.
+    # Labels are set later: legend() ignores labels that begin with an underscore.
     legend = axes.legend(
         handles,
         ["x"] * len(named),

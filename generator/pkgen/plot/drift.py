@@ -1,6 +1,7 @@
-"""Pictures of drifts: the deviation of constants from their start over time, both logarithmic. A
-slope of 1/2 is a random walk of round-off, 1 a steady loss, 0 the bounded error of a symplectic
-method."""
+"""Pictures of drifts: the deviation of constants from their start over time, on log axes. A slope
+of 1/2 is a random walk of round-off, 1 a steady loss, 0 the bounded error of a symplectic
+method.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +15,8 @@ from .names import label, shown
 from .picture import Axis, Line, Panel, Picture
 from .table import Table
 
-SHORT = 24  # most characters of a text on growth in a legend
-LEAST = 1e-19  # smaller relative drifts are not drawn
+SHORT = 24  # Most characters of the description of growth in a legend.
+LEAST = 1e-19  # Smallest relative drift that is drawn.
 
 
 def picture(tables: Sequence[Table], names: list[str]) -> Picture:
@@ -60,7 +61,7 @@ def constants(table: Table) -> list[str]:
 
 
 def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:
-    """Returns |x - x(0)| relative to the report's scale, else to max |x|; None: nothing to draw."""
+    """Returns |x - x(0)| relative to the scale in the report, or to max |x|; None if all are 0."""
     x, member = table[name], table.member
     order = numpy.argsort(member, kind="stable")
     x, t, member = x[order], table.time[order], member[order]
@@ -70,7 +71,7 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
     scale = told.get("scale")
     if not isinstance(scale, int | float) or not scale > 0:
         scale = finite.max(initial=0.0)
-    if told.get("first") == 0 and told.get("max") == 1:  # its only scale is its own size
+    if told.get("first") == 0 and told.get("max") == 1:  # the scale is the drift itself
         return None
     off = numpy.abs(x - first) / scale if scale else numpy.zeros(len(x))
     drawn = (t > 0) & (off > LEAST)
@@ -81,7 +82,7 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
 
 
 def _both(table: Table, line: Line, words: str) -> list[Line]:
-    """Returns the running maximum as a strong line, over the pale line of the drift."""
+    """Returns two lines: the running maximum, and the drift itself as a pale line behind it."""
     if table.several:
         strong = Line(words, line.x, line.y, line.colour, "line", None, line.strands)
         return [strong, Line("", line.x[:0], line.y[:0], line.colour, "back")]

@@ -1,4 +1,4 @@
-"""The colour and the marker of a method, the same in all pictures."""
+"""The colour and the marker of each method, the same in all pictures."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from zlib import crc32
 
 from .style import BLACK, BLUE, BROWN, GREEN, LIGHTER, ORANGE, PURPLE, RED, SKY
 
-# Methods of each colour, distinguished by markers. Methods often compared differ in colour.
+# Methods by colour; methods that are often compared differ in colour, others by marker.
 TABLE = {
     BLUE: "gauss verlet rk2 yoshida8 boris6 rattle6 gsl_msbdf",
     RED: "dopri5 gauss2 yoshida4 gsl_rkf45 respa lobatto4 rattle",
@@ -18,7 +18,7 @@ TABLE = {
     BROWN: "gauss5 gauss7 kahan_li8 radau5 suzuki4 exponential",
 }
 MARKERS = "osD^vPX*"
-OTHERS = "<>ph"  # markers of other methods: a model's own, another package's
+OTHERS = "<>ph"  # markers of methods of a model or of other packages
 MARKS = {
     name: (colour, MARKERS[(row + k) % len(MARKERS)])
     for row, (colour, names) in enumerate(TABLE.items())
@@ -27,7 +27,7 @@ MARKS = {
 
 
 def mark(name: str, dark: bool = False) -> tuple[str, str]:
-    """Returns colour and marker."""
+    """Returns the colour and the marker of a method."""
     code, colours = crc32(name.encode()), tuple(TABLE)
     other = colours[code % len(colours)], OTHERS[code // len(colours) % len(OTHERS)]
     colour, marker = MARKS.get(name, other)

@@ -1,4 +1,4 @@
-"""Typography of names and units: theta1' is printed as θ₁′, kg*m/s^2 as kg·m/s²."""
+"""Formats names and units for pictures: theta1' as θ₁′, kg*m/s^2 as kg·m/s²."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _WORD = re.compile(r"([^\W\d_]+)(\d*)(?=[^\w]|_|$)")
 
 
 def shown(name: str) -> str:
-    """Returns a name with Greek letters, digits after a letter as subscripts, and primes."""
+    """Returns a name with Greek letters, primes, and digits after a letter as subscripts."""
     name = re.sub(r"(?<![\w])omega(?=\()", "ω", name)
     return _WORD.sub(_letter, name).replace("'", "′")
 
@@ -30,7 +30,7 @@ def unit(text: str) -> str:
 
 
 def number(x: float) -> str:
-    """Returns a number with three digits: 0.256, 6.31·10⁻⁶, 10⁻³."""
+    """Returns a number with up to three digits: 0.256, 6.31·10⁻⁶, 10⁻³."""
     digits, power = f"{x:.2e}".split("e")
     digits = digits.rstrip("0").rstrip(".")
     if (-3 if digits == "1" else -5) < int(power) < 4:
@@ -40,10 +40,10 @@ def number(x: float) -> str:
 
 
 def amount(x: str, of: str) -> str:
-    """Returns a number and its unit, with a space that does not break."""
+    """Returns a number and its unit, separated by a no-break space."""
     return f"{x}\u00a0{unit(of)}" if of else x
 
 
 def label(name: str, of: str) -> str:
-    """Returns the label of an axis."""
+    """Returns the label of an axis: name and unit."""
     return f"{shown(name)} [{unit(of)}]" if of else shown(name)

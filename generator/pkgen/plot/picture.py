@@ -1,4 +1,4 @@
-"""The content of a picture, independent of rendering: panels of lines over axes."""
+"""The content of a picture, independent of rendering: panels with axes and lines."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Axis:
 
 @record(eq=False)
 class Line:
-    """Points in order. `kind`: "line", "points", or "back", a pale line that belongs to the
-    previous line. `colour` is an index of the palette. A line of many trajectories has `strands`,
-    the index at which each begins."""
+    """Points in order. `kind` is "line", "points", or "back": a pale line behind the line before
+    it. `colour` is an index in the palette. If the points are of many trajectories, `strands` has
+    the index at which each trajectory begins."""
 
     label: str
     x: numpy.ndarray
@@ -31,12 +31,12 @@ class Line:
     kind: str = "line"
     z: numpy.ndarray | None = None
     strands: numpy.ndarray | None = None
-    marked: bool = False  # whether begin and end are marked
+    marked: bool = False  # whether both ends of the line have a marker
 
 
 @record(eq=False)
 class Image:
-    """A family over time: `values` has a column per time, a row per member."""
+    """A family over time as an image: `values` has a column per time and a row per member."""
 
     values: numpy.ndarray
     x: numpy.ndarray
@@ -51,14 +51,14 @@ class Panel:
     lines: tuple[Line, ...] = ()
     z: Axis | None = None
     image: Image | None = None
-    equal: bool = False  # whether the axes have equal scales
-    colours: tuple[float, float, str] | None = None  # colour bar of strands: range and label
-    tight: bool = False  # whether the x axis ends where the lines end
+    equal: bool = False  # Whether x and y have equal scales.
+    colours: tuple[float, float, str] | None = None  # Colour bar of strands: ends, label.
+    tight: bool = False  # Whether the x axis ends where the lines end.
 
 
 @record(eq=False)
 class Picture:
-    """Panels below each other, with a common x axis if `shared`."""
+    """Panels one below another, with a common x axis if `shared`."""
 
     title: str
     panels: tuple[Panel, ...]

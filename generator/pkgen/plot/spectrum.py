@@ -1,7 +1,7 @@
-"""Spectra of columns with rows equidistant in time.
+"""Amplitude spectra of columns whose rows are equidistant in time.
 
-Amplitudes use a Hann window, whose side lobes fall off as the third power: F. J. Harris, Proc. IEEE
-66 (1978) 51. The diagnostic `--diagnose spectrum` gives precise frequencies.
+They use a Hann window, whose side lobes decay like the third power of frequency: F. J. Harris,
+Proc. IEEE 66 (1978) 51. For precise frequencies there is `--diagnose spectrum`.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from .names import label, shown
 from .picture import Axis, Line, Panel, Picture
 from .table import Table
 
-LEAST = 16  # least number of rows
-DEPTH = 1e-7  # lower limit of the amplitude axis, relative to the highest line
-TAIL = 1e-4  # the frequency axis covers amplitudes above this, relative to the highest line
+LEAST = 16  # Fewest rows.
+DEPTH = 1e-7  # Lower limit of the amplitude axis, relative to the highest peak.
+TAIL = 1e-4  # The frequency axis covers all amplitudes above this, relative to the highest peak.
 
 
 def picture(tables: Sequence[Table], names: list[str]) -> Picture:
@@ -48,8 +48,8 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
 
 
 def amplitudes(table: Table, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Returns angular frequencies and amplitudes, from the first equidistant finite rows. Raises
-    UsageError if they are too few."""
+    """Returns angular frequencies and amplitudes of the first rows that are equidistant and finite.
+    Raises UsageError if they are fewer than LEAST."""
     if table.several:
         raise UsageError(f"--spectrum {name}: one motion is needed; {table.label} has many")
     t, x = table.time, table[name]
@@ -64,7 +64,7 @@ def amplitudes(table: Table, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
             f"{table.label} has {count}"
         )
     window = numpy.hanning(count)
-    # Subtract the mean: it is not a line, and its leakage would hide low frequencies.
+    # Subtract the mean: leakage of this component would hide low frequencies.
     values = x[:count] - numpy.sum(window * x[:count]) / numpy.sum(window)
     found = numpy.abs(numpy.fft.rfft(window * values)) * 2 / numpy.sum(window)
     return 2 * numpy.pi * numpy.fft.rfftfreq(count, float(steps[0])), found

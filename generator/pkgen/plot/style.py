@@ -1,7 +1,7 @@
 """The style of all pictures: colours, font sizes, widths, and metadata of files.
 
-Most colours are from M. Okabe and K. Ito, distinguishable with any usual colour vision. Widths fit
-a column and a page of most journals. Files have no date and are reproducible.
+Most colours are from M. Okabe and K. Ito, distinguishable with any usual colour vision. Widths are
+a column and a page of most journals. Files are reproducible: they contain no date.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, BLACK, YELLOW = "#E69F00", "#56B4E9", "#000000", "#F0E442"
 BROWN = "#7A4A21"
 INK, GREY, PALE = "#222222", "#8C8C8C", "#E4E4E4"
-# Colours and dashes of curves in turn; dashes also distinguish curves printed without colours.
+# Colours of lines 0, 1, ...; dashes distinguish lines that are printed without colours.
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK, BROWN)
 DASHES = ("-", (0, (5, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
 SEQUENTIAL, DIVERGING = "cividis", "RdBu_r"
 
 COLUMN, PAGE = 90 / 25.4, 180 / 25.4  # inches
 FORMATS = ("svg", "png", "pdf")
-OF_LATEX = "pgf"  # typeset by LaTeX, in the font of the paper around it
+OF_LATEX = "pgf"  # a file for LaTeX, which sets its text in the document's font
 DPI = 200
-DPI_WITHIN = 144  # resolution of rasterized parts of vector files
-# Fallback fonts of the width with which labels were placed.
+DPI_WITHIN = 144  # Resolution of rasterized parts of vector files.
+# Fallback fonts, similar in width to DejaVu Sans, for which labels are placed.
 FONTS = "'DejaVu Sans', Verdana, sans-serif"
-# Settings of all files.
+# Settings of matplotlib for all files.
 FILES = {
     "svg.hashsalt": "pkgen",
-    "svg.fonttype": "none",  # text, not paths: smaller files, searchable
-    "pdf.fonttype": 42,  # TrueType, which publishers accept
+    "svg.fonttype": "none",  # Text, not paths: smaller files, searchable.
+    "pdf.fonttype": 42,  # TrueType, which publishers accept.
     "font.family": "DejaVu Sans",
     "hatch.linewidth": 0.4,
 }
@@ -71,7 +71,7 @@ LOOK = {
 }
 
 
-# Colours for a dark page: background, text, and lighter versions of dark palette colours.
+# Colours for a dark page: background, text, and lighter versions of dark colours.
 DARK_GROUND, DARK_INK = "#15181C", "#E8EAED"
 DARK = {
     **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), DARK_GROUND),
@@ -93,7 +93,7 @@ class Look:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Returns the formats, always with SVG, which HTML pages need."""
+        """The file formats, always with SVG, since HTML pages need it."""
         return tuple(dict.fromkeys(("svg", *self.formats)))
 
     @property
@@ -110,7 +110,7 @@ class Look:
 
 
 def written(make: Callable[[Look], Figure], stem: Path, look: Look) -> list[Path]:
-    """Writes the figure that `make` draws in this look; returns the files STEM.svg and so on."""
+    """Writes the figure that `make` draws in this look, as STEM.svg etc.; returns the paths."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -132,13 +132,13 @@ def colour(k: int) -> str:
 
 
 def dashes(k: int, over: bool = False) -> object:
-    """Returns the dashes of line k: solid until colours repeat; with `over`, for lines that may
-    overlap, different for neighbours."""
+    """Returns the dashes of line k. Lines are solid until colours repeat; with `over`, neighbouring
+    lines have different dashes, since they may overlap."""
     return DASHES[(k if over else k // len(PALETTE)) % len(DASHES)]
 
 
 def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
-    """Returns the figure as a file of one of FORMATS or OF_LATEX. Raises UsageError."""
+    """Returns the figure as a file in one of FORMATS, or OF_LATEX. Raises UsageError."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None, "ModDate": None}}
     file = io.BytesIO()
     try:
@@ -152,7 +152,7 @@ def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
 
 
 def saved(figure: Figure, stem: Path, kinds: Iterable[str], dpi: float = DPI) -> list[Path]:
-    """Writes STEM.svg and so on, of FORMATS or OF_LATEX; returns the paths."""
+    """Writes the figure as STEM.svg etc., in formats of FORMATS or OF_LATEX; returns the paths."""
     files = [stem.with_name(f"{stem.name}.{kind}") for kind in kinds]
     for path in files:
         path.write_bytes(encoded(figure, path.suffix[1:], dpi))
@@ -160,8 +160,8 @@ def saved(figure: Figure, stem: Path, kinds: Iterable[str], dpi: float = DPI) ->
 
 
 def tidy(svg: str) -> str:
-    """Returns an SVG with fallback fonts, and with coordinates rounded to 1/100 point: digits are
-    half of a file."""
+    """Returns an SVG with fallback fonts, and coordinates rounded to 1/100 point: in most files
+    digits are half of the size."""
     return re.sub(
         r'(?<= )(?:d|x|y|transform)="[^"]*"',
         lambda attribute: re.sub(r"(\.\d\d)\d+", r"\1", attribute[0]),

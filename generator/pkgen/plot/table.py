@@ -1,7 +1,7 @@
 """Tables of rows to draw, with names and units of columns, from a run or a file.
 
-Units of a CSV are in its header (`x [m]`) or in its sidecar FILE.csv.json, or unknown. Tables need
-not be written by pkgen. The abscissa is the column t, or else the first column.
+Units of a CSV file are in its header (`x [m]`) or in FILE.csv.json, its metadata; else unknown.
+Tables of other programs are accepted. The abscissa is the column t, or else the first column.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from ..system.near import near
 if TYPE_CHECKING:
     import numpy
 
-COARSE = 0.77  # RMS change between rows over standard deviation, at eight rows per period
-CONSTANT = 1e-7  # largest relative variation of a constant
-NOISE = 1e-12  # rounding noise relative to the largest number of the table
-FEWEST = 8  # fewest rows from which a period is estimated
+COARSE = 0.77  # RMS change between rows over standard deviation, at eight rows per period.
+CONSTANT = 1e-7  # Largest relative variation of a column that counts as constant.
+NOISE = 1e-12  # Rounding noise, relative to the largest number of the table.
+FEWEST = 8  # Fewest rows from which a period is estimated.
 _HEAD = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 _INDEX = re.compile(r"\d+")
 
 
 @record(eq=False)
 class Table:
-    """`data` has a row per time and a column per quantity. With many trajectories, the first column
-    is the member of each row."""
+    """A table of rows. `data` has a row per time and a column per quantity. If there are many
+    trajectories, the first column is the member number."""
 
-    label: str  # name in a legend
+    label: str  # name of the table in a legend
     columns: tuple[Quantity, ...]
     data: numpy.ndarray
     several: bool = False
-    told: Mapping[str, object] = field(default_factory=dict)  # the sidecar of the rows
+    told: Mapping[str, object] = field(default_factory=dict)  # the run's FILE.csv.json
     notes: tuple[str, ...] = ()
 
     @property
@@ -49,7 +49,7 @@ class Table:
 
     @property
     def abscissa(self) -> int:
-        """The index of the column over which the others are drawn."""
+        """The index of the column that is drawn along the x axis."""
         return self.names.index("t") if "t" in self.names else int(self.several)
 
     @property
@@ -67,7 +67,7 @@ class Table:
 
     @property
     def quantities(self) -> list[Quantity]:
-        """The columns that may be drawn."""
+        """The columns that can be drawn over the abscissa."""
         return [
             c for k, c in enumerate(self.columns) if k != self.abscissa and (k or not self.several)
         ]
@@ -79,7 +79,7 @@ class Table:
         return self.columns[self.names.index(name)]
 
     def found(self, option: str, name: str) -> list[str]:
-        """Returns the columns of a name: one, or members of a family, or components."""
+        """Returns the columns that a name denotes: a column, members of a family, or components."""
         names = self.names
         if name in names:
             return [name]
@@ -92,7 +92,7 @@ class Table:
 
     @property
     def drifts(self) -> dict[str, dict[str, object]]:
-        """The drifts in the run's report, by name of the constant."""
+        """The drifts in the run's report, by name of the conserved quantity."""
         report = self.told.get("report")
         found = report.get("drifts") if isinstance(report, dict) else None
         items = found if isinstance(found, list) else []
@@ -100,7 +100,7 @@ class Table:
 
     @property
     def sparse(self) -> bool:
-        """Whether rows are farther apart than the steps of an adaptive method."""
+        """Whether an adaptive method made more steps than there are rows."""
         report = self.told.get("report")
         if not isinstance(report, dict) or report.get("step") is not None or self.several:
             return False
@@ -109,7 +109,7 @@ class Table:
 
     def rough(self, x: numpy.ndarray) -> bool:
         """Whether a column has fewer than eight rows per period, so that lines between rows would
-        mislead. Rounding noise does not count."""
+        mislead. A column of rounding noise is not rough."""
         import numpy
 
         x, rest = x[numpy.isfinite(x)], numpy.delete(self.data, self.abscissa, axis=1)
@@ -122,7 +122,7 @@ class Table:
 
     @property
     def event(self) -> str | None:
-        """The event whose occurrences all rows are; None without one, "" if its name is unknown."""
+        """The event at which all rows were recorded; "" if its name is unknown, else None."""
         settings = self.told.get("settings")
         if not isinstance(settings, dict) or settings.get("at") is None:
             return None
@@ -137,7 +137,7 @@ class Table:
 
 
 def base(name: str) -> str:
-    """Returns the family or vector of a name: q' for q[3]', omega(R) for omega(R).x."""
+    """Returns the family or vector of a name: q' of q[3]', omega(R) of omega(R).x."""
     family = re.fullmatch(r"(.*)\[\d+\]('*)", name)
     if family:
         return family[1] + family[2]
@@ -149,8 +149,8 @@ def part_of(name: str, whole: str) -> bool:
 
 
 def read(path: str) -> Table:
-    """Reads a file of a run, or another table. Raises UsageError with the place of an error, or
-    OSError."""
+    """Reads a file of rows, of pkgen or of another program. Raises UsageError with the position of
+    an error, or OSError."""
     file = Path(path)
     if file.is_dir():
         raise UsageError(f"{path}: this is a directory; give files of rows")
@@ -166,7 +166,7 @@ def read(path: str) -> Table:
 
 
 def rows(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """Returns the rows that a run has just written, with the sidecar `told`; None if the start is
+    """Returns the rows that a run has just written, with its metadata `told`; None if the start is
     the only row."""
     columns, data = _npy(path) if path.name.endswith(".npy") else _csv(path)
     made = _table(label, columns, data, told)
@@ -190,7 +190,7 @@ def _table(
 
 
 def quantities(told: object) -> list[Quantity]:
-    """Returns the columns in a sidecar; invalid items are left out."""
+    """Returns the columns listed in metadata; invalid items are ignored."""
     keys = ("name", "unit", "description")
     items = told if isinstance(told, list | tuple) else ()
     rows = [[item.get(key, "") for key in keys] for item in items if isinstance(item, dict)]
@@ -198,7 +198,7 @@ def quantities(told: object) -> list[Quantity]:
 
 
 def _told(path: Path, names: Iterable[str]) -> tuple[dict[str, object], str]:
-    """Returns the sidecar of a file, or {}, and a note about an error; it is not required."""
+    """Returns the metadata of a file ({} if there is none), and a note about an error or ""."""
     place = beside(path)
     try:
         told = json.loads(place.read_text(encoding="utf-8"))
@@ -216,9 +216,9 @@ def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
     from numpy.lib.recfunctions import structured_to_unstructured
 
     try:
-        # A memory map allocates nothing for rows that the header claims but the file lacks.
+        # A memory map allocates nothing if the header claims more rows than the file has.
         found = numpy.load(path, mmap_mode="r", allow_pickle=False)
-    except Exception as error:  # NumPy's header parser raises any type
+    except Exception as error:  # NumPy's header parser raises exceptions of any type
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
@@ -264,8 +264,8 @@ def _csv(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
 
 
 def _slowly(path: Path, rest: str, columns: list[Quantity]) -> Iterable[list[float]]:
-    """Parses rows that NumPy could not read, such as quoted cells. Raises UsageError with the place
-    of an error."""
+    """Parses rows that NumPy could not read, for example with quoted cells. Raises UsageError with
+    the position of an error."""
     for line, row in enumerate(csv.reader(rest.splitlines()), 2):
         if not any(cell.strip() for cell in row):
             continue
@@ -281,7 +281,7 @@ def _slowly(path: Path, rest: str, columns: list[Quantity]) -> Iterable[list[flo
 
 
 def _column(path: Path, cell: str) -> Quantity:
-    """Parses a header cell such as `theta [rad]`; the index in `q[3]` is not a unit."""
+    """Parses a header cell such as `theta [rad]`; in `q[3]` the brackets are no unit."""
     name, of = _HEAD.fullmatch(cell.replace("\n", " ")).groups()  # type: ignore[union-attr]
     if of is not None and (not name or _INDEX.fullmatch(of)):
         name, of = cell.strip(), None

@@ -1,6 +1,6 @@
 """Renders pictures in a terminal, with eight Braille dots per character.
 
-Without colours or Unicode, lines are drawn by marks, one per character.
+Without colours or Unicode, lines are drawn by characters such as * and +, one per cell.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _ASCII = {
     "┤": "|",
     "━": "=",
 }
-HIGH, LOW = 22, 8  # most and fewest text rows of a panel
+HIGH, LOW = 22, 8  # most and fewest lines of text per panel
 MARGIN = 10
 FINE = 4000  # most interpolated points between two rows
 
@@ -60,7 +60,7 @@ def lines(picture: Picture, console: Console) -> list[Text]:
 
 
 def _spelt(panel: Panel) -> Panel:
-    """Returns the panel with labels in ASCII, before widths are measured."""
+    """Returns the panel with ASCII labels, before widths are measured."""
 
     def axis(one: Axis | None) -> Axis | None:
         return one and replace(one, label=_ascii(one.label))
@@ -151,7 +151,7 @@ def _span(panel: Panel, which: str) -> tuple[float, float]:
 def _equal(
     x: tuple[float, float], y: tuple[float, float], across: int, up: int
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Widens a range so that the scales are equal; the dots of terminals are about square."""
+    """Widens a range so that both axes have equal scales; dots of terminals are about square."""
     size = max((x[1] - x[0]) / across, (y[1] - y[0]) / up)
 
     def wide(span: tuple[float, float], dots: int) -> tuple[float, float]:
@@ -166,7 +166,7 @@ def _dotted(
 ) -> list[Text]:
     bits = numpy.zeros((height, columns), int)
     colours = numpy.full((height, columns), -1)
-    for line in reversed(panel.lines):  # the first line is on top
+    for line in reversed(panel.lines):  # the first line is drawn last, above the others
         i, j = _places(panel, line, x, y, 2 * columns, 4 * height)
         numpy.bitwise_or.at(bits, (j // 4, i // 2), DOTS[j % 4, i % 2])
         colours[j // 4, i // 2] = line.colour
@@ -198,7 +198,7 @@ def _places(
     across: int,
     up: int,
 ) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Returns columns and rows of the dots of a line, with row 0 at the top."""
+    """Returns the column and row indices of the dots of a line; row 0 is at the top."""
     a = (_on(panel.x, line.x) - x[0]) / (x[1] - x[0]) * (across - 1)
     b = (_on(panel.y, line.y) - y[0]) / (y[1] - y[0]) * (up - 1)
     if line.kind != "points" and len(a) > 1:
@@ -212,11 +212,11 @@ def _places(
 def _filled(
     a: numpy.ndarray, b: numpy.ndarray, strands: numpy.ndarray | None
 ) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Interpolates points, so that lines have no gaps."""
+    """Interpolates between points, so that lines have no gaps."""
     gaps = numpy.maximum(numpy.abs(numpy.diff(a)), numpy.abs(numpy.diff(b)))
     gaps = numpy.where(numpy.isfinite(gaps), gaps, 0)
     if strands is not None:
-        gaps[strands[1:] - 1] = 0  # no line from one member to the next
+        gaps[strands[1:] - 1] = 0  # trajectories are not joined to each other
     counts = numpy.minimum(numpy.ceil(gaps).astype(int) + 1, FINE)
     begin = numpy.repeat(numpy.arange(len(counts)), counts)
     part = numpy.arange(len(begin)) - numpy.repeat(numpy.cumsum(counts) - counts, counts)
@@ -230,7 +230,7 @@ def _filled(
 
 
 def _seen(panel: Panel) -> Panel:
-    """Projects a panel in space to a plane, seen from the side and above, similar to matplotlib."""
+    """Projects a panel in space to a plane, seen from the side and above, as in matplotlib."""
     turn, lift = math.radians(-60), math.radians(25)
 
     def flat(line: Line) -> Line:

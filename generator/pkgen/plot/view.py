@@ -1,4 +1,4 @@
-"""The requested view of a table, from options."""
+"""The view of a table that command-line options request."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LIST = re.compile(r",(?![^\[\]()]*[\])])")  # not within q[1,2]
 
 @record
 class View:
-    """`names` has a tuple of column names for each curve; with kind "" the rows decide."""
+    """The requested curves: `names` has their columns. With kind "" the rows decide the view."""
 
     kind: str = ""
     names: tuple[tuple[str, ...], ...] = ()
@@ -25,12 +25,12 @@ class View:
 
     @property
     def columns(self) -> list[str]:
-        """All column names, once each."""
+        """All column names, each once."""
         return [*dict.fromkeys(name for names in self.names for name in names)]
 
 
 def asked(options: argparse.Namespace) -> View:
-    """Returns the view that options request. Raises UsageError."""
+    """Returns the view that the options request. Raises UsageError."""
     given = [kind for kind in KINDS if getattr(options, kind)]
     if len(given) > 1:
         raise UsageError(f"--{given[0]} and --{given[1]}: one picture at a time")

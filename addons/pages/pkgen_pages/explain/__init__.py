@@ -1,1 +1,1 @@
-"""`pkgen explain --html`: equations, proofs and reductions with formulas in MathML."""
+"""`pkgen explain --html`: equations, proofs and simplifications, with formulas in MathML."""

@@ -20,8 +20,8 @@ from .typeset import Typesetter
 
 
 def constants(compilation: Compilation, prose: Prose, shown: Shown | None) -> Iterator[str]:
-    """Yields the invariants with their proofs, their formulas, and the author's claims. `shown` has
-    the equations, None if families are loops."""
+    """Yields the invariants with proofs and formulas, and the author's claims. `shown` formats the
+    equations; it is None if families of coordinates are compiled to loops."""
     structure = compilation.structure
     symmetries = structure.symmetries
     name = prose.written.name

@@ -1,4 +1,4 @@
-"""The sections of a page that show a model and its equations, with families unrolled."""
+"""The sections of a page that show a model and its equations, one equation per coordinate."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from .written import Line, Written
 if TYPE_CHECKING:
     import sympy
 
-ROWS = 24  # with more equations of motion, only the first three and the last are shown
-MEMBERS = 6  # with more names in a row, only the first two and the last are shown
+ROWS = 24  # If there are more equations of motion, only the first three and the last are shown.
+MEMBERS = 6  # If a table row has more names, only the first two and the last are shown.
 _OF_MULTIPLIERS = (
     "The multipliers; J has the slopes of these rows by the rates, "
     "γ is their rate of change where nothing accelerates"
@@ -36,7 +36,8 @@ _DIRECTIONS = {1: "rising", -1: "falling", 0: "either way"}
 
 
 def quantity_rows(quantities: Iterable[Quantity], prose: Prose) -> Iterator[tuple[str, str, str]]:
-    """Yields rows (names, unit, description); neighbours that share the latter two share a row."""
+    """Yields rows (names, unit, description); adjacent names of equal unit and description share
+    one."""
     for (unit, says), group in groupby(quantities, key=lambda q: (q.unit, q.description)):
         names = [members(q.name, prose) for q in group]
         if len(names) > MEMBERS:
@@ -45,7 +46,7 @@ def quantity_rows(quantities: Iterable[Quantity], prose: Prose) -> Iterator[tupl
 
 
 def members(name: str, prose: Prose) -> str:
-    """Returns a name typeset; of a family q[1..N], its first and its last member."""
+    """Returns a name typeset; for a family q[1..N], its first and its last member."""
     family, _, index = name.rstrip("]").partition("[")
     ends = [f"{family}[{end}]" for end in index.split("..")] if ".." in index else [name]
     shown = [mathml.inline(prose.written.name(x)) for x in ends]
@@ -95,7 +96,7 @@ def _infinite(end: Expr) -> bool:
 
 
 def of_lagrangian(written: Written) -> tuple[list[Line], list[Line]]:
-    """Returns the lines of energies and forces, and the `let`s that they use."""
+    """Returns formulas of energies and forces, and of the `let` definitions that they use."""
     kinds = ("kinetic", "potential", "lagrangian", "dissipation", "force")
     return [*written.energies(), *written.forces()], written.lets_of(kinds)
 
@@ -261,7 +262,7 @@ class EquationSections:
         yield from self._zeros([(q.name, node) for q, _, node in events], notes)
 
     def _zeros(self, rows: Sequence[tuple[str, Node]], notes: Sequence[str]) -> Iterator[str]:
-        """Yields the formulas 0 = node, each with its note."""
+        """Yields the formulas 0 = node, each with a note."""
         shown = self.shown.where([(mathml.number("0"), node) for _, node in rows])
         if shown.operations:
             yield from where(shown)
@@ -272,8 +273,7 @@ class EquationSections:
 
 
 def _of_constraint(name: str) -> str:
-    """Returns the note of a constraint row: "joint z" for joint.z, "rate of ..." for a name with
-    '."""
+    """Returns the label of a constraint: "joint z" for joint.z, "rate of joint" for joint'."""
     own, _, axis = name.rstrip("'").partition(".")
     shown = f"{escape(own)} {mathml.inline(mathml.name(axis))}" if axis else escape(own)
     return f"rate of {shown}" if name.endswith("'") else shown

@@ -1,7 +1,7 @@
-"""`pkgen explain --html`: the report as one self-contained page with the equations typeset.
+"""`pkgen explain --html`: the report as one self-contained page with typeset equations.
 
-`fragment()` makes the same report for inclusion in another page, which also needs `style()` of
-`style.py`.
+`fragment()` makes the same report for inclusion in another page, which also needs the styles from
+`style()` of `style.py`.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ def html(compilation: Compilation, scenes: Sequence[SceneShown] = ()) -> str:
 
 
 def fragment(compilation: Compilation, scenes: Sequence[SceneShown] = (), level: int = 2) -> str:
-    """Returns the page's content below its title: equations, structure, constants of the motion,
-    and the reductions of each scene. `level` is that of its headings. The content has no styles,
-    scripts, ids or URLs."""
+    """Returns the content of the page without its title: equations, structure, constants of the
+    motion, and the simplifications in each scene. `level` is the level of its headings. The content
+    has no styles, scripts, ids or URLs."""
     model = compilation.model
     written = Written(model)
     prose = Prose(written, *_words(compilation))
@@ -71,7 +71,7 @@ def fragment(compilation: Compilation, scenes: Sequence[SceneShown] = (), level:
 
 
 def _words(compilation: Compilation) -> tuple[set[str], set[str]]:
-    """Returns the model's names that may occur in sentences, and the formulas that may."""
+    """Returns the model's names, and its formulas, that may occur in sentences."""
     e, model = compilation.equations, compilation.model
     declared = (*model.parameters, *model.coordinates, *model.states, *model.inputs)
     names = {x.name for x in (*declared, *model.observed, *model.conserved, *model.rotations)}
@@ -96,7 +96,7 @@ def _quantities(c: Contents, prose: Prose) -> Iterable[str]:
 
 
 def scene_section(scene: SceneShown, prose: Prose) -> Iterable[str]:
-    """Yields a scene's section: the parts it leaves out, the reasons, the operations saved."""
+    """Yields a scene's section: parts of the model that it does not need, and operations saved."""
     yield heading(f"Scene {scene.name.replace('_', ' ')}")
     if scene.description:
         yield f"<p>{prose(scene.description)}</p>"

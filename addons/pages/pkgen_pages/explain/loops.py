@@ -1,4 +1,4 @@
-"""The equations of a model whose families are loops, typeset: one row in the index i."""
+"""Typesets the equations of indexed families q[1..N] that are compiled to loops: a row in i."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .tables import heading, lead, listed
 from .typeset import Typesetter
 from .written import Written
 
-_BREAK = "\0"  # marks where a line may break
+_BREAK = "\0"  # marks positions where a line may break
 _ONE = mathml.number("1")
 _PLACE = re.compile(r"f\[(.*)\]")
 
@@ -67,7 +67,7 @@ def _style(e: LoopEquations, written: Written) -> Style:
 
 
 class _Ranks(dict):
-    """The ranks of names; a name with an index or primes has the rank of its family."""
+    """Ranks of names for sorting; a member of a family, or a derivative, has the family's rank."""
 
     def __init__(self, names: Iterable[str]):
         super().__init__((name, k) for k, name in enumerate(names))
@@ -102,7 +102,7 @@ def _sums(over: str) -> str:
 
 
 def _range(text: str) -> str:
-    """Returns ranges typeset as i = 1, …, N."""
+    """Returns the ranges of indices, typeset as i = 1, …, N."""
     shown = []
     for variable, lo, hi in map(_ends, text.split(", ")):
         between = row(operator(","), operator("…"), operator(","))
@@ -118,7 +118,7 @@ def _ends(text: str) -> tuple[str, str, str]:
 
 
 def _motion(write: Writer) -> Iterator[str]:
-    """Yields M q'' = f by rows. If M is diagonal and its rows have the ranges of f's, each row is
+    """Yields the rows of M q'' = f. If M is diagonal, with the same index ranges as f, each row is
     one equation; otherwise M and f are listed separately."""
     mass, force = mass_lines(write), force_lines(write)
     inertia = {(line.left, line.range): line.right for line in mass}
@@ -137,7 +137,7 @@ def _motion(write: Writer) -> Iterator[str]:
 
 
 def _beyond(said: str) -> str:
-    """Returns a line like "q[0] = 0 (fixed)" typeset."""
+    """Returns a boundary value like "q[0] = 0 (fixed)", typeset."""
     place, _, rest = said.partition(" = ")
     value, _, kind = rest.rpartition(" (")
     shown = row(mathml.name(place), operator("="), mathml.index(value))

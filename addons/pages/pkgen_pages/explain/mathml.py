@@ -1,4 +1,4 @@
-"""Makes MathML elements and typesets a model's names; browsers draw these without scripts.
+"""Makes MathML elements, and typesets a model's names; browsers render MathML without scripts.
 
 theta1' becomes a theta with a dot and an index; p_x and q[i+1] have subscripts; omega(R).x is an
 omega with subscript x. Reference: MathML Core, https://www.w3.org/TR/mathml-core/
@@ -13,25 +13,25 @@ from html import escape
 
 from pkgen.front.words import greek
 
-NARROW = 24  # letters that fit in a line of any page
+NARROW = 24  # most letters of a formula that fits in a line of a narrow page
 MINUS = "\u2212"
-_TIMES = "\u2062"  # invisible multiplication
-_APPLY = "\u2061"  # invisible function application
+_TIMES = "\u2062"  # Invisible multiplication.
+_APPLY = "\u2061"  # Invisible function application.
 _THIN = '<mspace width="0.17em"></mspace>'
 _NAME = re.compile(r"([^\W\d_]+)_?(\d*)(?:_(\w+))?")
 _MEMBER = re.compile(r"(\w+)\[(.*)\]")
 _COMPONENT = re.compile(r"(.+)\.([xyzw]{1,2})")
 _RATE = re.compile(r"omega\((\w+)\)")
 _VISIBLE = re.compile(r"<[^>]*>|[\u2061\u2062]")
-# Greek letters by their names in the language.
+# Greek letters by their names in the modelling language.
 _GREEK = {greek(c): c for c in map(chr, range(ord("Α"), ord("ω") + 1)) if greek(c)}
 _TALL = ("<mfrac>", "<msqrt>", "<mtable>", "<munderover>")
 _DOTS = {1: "˙", 2: "¨"}
 
 
 def formula(chunks: Iterable[str], note: str = "") -> str:
-    """Returns a displayed formula, whose line may break between chunks, followed by a note in HTML.
-    If a chunk is too wide for a narrow page, the keyboard can scroll it."""
+    """Returns a displayed formula followed by a note in HTML; its line may break between chunks. If
+    a chunk is too wide for a narrow page, the formula can be scrolled by the keyboard."""
     chunks = list(chunks)
     parts = [f'<math displaystyle="true">{row(chunk)}</math>' for chunk in chunks]
     parts += [f'<span class="note">{note}</span>'] if note else []
@@ -44,7 +44,7 @@ def inline(content: str) -> str:
 
 
 def row(*parts: str) -> str:
-    """Returns the parts as one element."""
+    """Returns the parts as one <mrow> element."""
     content = "".join(parts)
     whole = content.startswith("<mrow>") and content.find("</mrow>") == len(content) - len(
         "</mrow>"
@@ -62,12 +62,12 @@ def leading(sign: str) -> str:
 
 
 def binary(sign: str) -> str:
-    """Returns a sign between two terms, with the spacing of one also after a line break."""
+    """Returns a binary plus or minus, which keeps its spacing at the start of a line."""
     return f'<mo form="infix">{escape(sign.replace("-", MINUS))}</mo>'
 
 
 def number(text: str) -> str:
-    """Returns a decimal; an exponent is written as a power of ten."""
+    """Returns a decimal number; an exponent is written as a power of ten."""
     mantissa, e, exponent = text.partition("e")
     shown = mantissa.lstrip("-")
     digits = f"<mn>{shown}</mn>"
@@ -85,7 +85,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def unit_text(unit: str) -> str:
-    """Returns a unit with raised powers: m/s² for m/s^2, s⁻¹ for 1/s."""
+    """Returns a unit with superscript exponents: m/s² for m/s^2, s⁻¹ for 1/s."""
     if unit.startswith("1/") and "/" not in unit[2:] and "*" not in unit:
         base, _, power = unit[2:].partition("^")
         unit = f"{base}^-{power or 1}"
@@ -94,7 +94,7 @@ def unit_text(unit: str) -> str:
 
 
 def unit(text: str) -> str:
-    """Returns a unit, with a space before it, to follow a number."""
+    """Returns a space and a unit, to follow a number."""
     return f"{_THIN}<mtext>{escape(unit_text(text))}</mtext>" if text else ""
 
 
@@ -104,7 +104,7 @@ def fraction(above: str, below: str, small: bool = False) -> str:
 
 
 def fenced(content: str, left: str = "(", right: str = ")") -> str:
-    """Returns the content in brackets, which stretch if it has fractions, roots or the like."""
+    """Returns the content in brackets, which stretch if it has fractions, roots or matrices."""
     grows = "" if any(tall in content for tall in _TALL) else ' stretchy="false"'
     return row(
         f'<mo form="prefix" lspace="0" rspace="0"{grows}>{left}</mo>',
@@ -118,13 +118,13 @@ def bars(content: str, bar: str = "|") -> str:
 
 
 def applied(function: str, argument: str, bracketed: bool) -> str:
-    """Returns a function with its argument, in brackets or after a space."""
+    """Returns a function applied to an argument, which is in brackets or follows a space."""
     between = f"<mo>{_APPLY}</mo>" + ("" if bracketed else _THIN)
     return row(function, between, fenced(argument) if bracketed else argument)
 
 
 def product(factors: Iterable[str]) -> str:
-    """Returns the factors in a row, with a space next to names of several letters."""
+    """Returns the factors one after another, with a space next to names of several letters."""
     made = ""
     for factor in factors:
         if made:
@@ -135,7 +135,7 @@ def product(factors: Iterable[str]) -> str:
 
 
 def _is_word(content: str, end: int) -> bool:
-    """Returns whether the first (end 0) or last (end -1) visible text is a word."""
+    """Whether the first (end 0) or last (end -1) visible text has several letters."""
     letters = [x for x in re.split(r"<[^>]*>", content) if x]
     return bool(letters) and len(letters[end]) > 1 and letters[end].isalpha()
 
@@ -145,14 +145,14 @@ def sub(base: str, below: str) -> str:
 
 
 def sup(base: str, above: str) -> str:
-    """Returns a power; the exponent of a name with an index stands above the index."""
+    """Returns a power; if the base has an index, the exponent is above the index."""
     if base.startswith("<msub>") and base.endswith("</msub>"):
         return f"<msubsup>{base[len('<msub>') : -len('</msub>')]}{row(above)}</msubsup>"
     return f"<msup>{row(base)}{row(above)}</msup>"
 
 
 def sums(over: str, lo: str, hi: str) -> str:
-    """Returns the summation sign with its range."""
+    """Returns a summation sign with its range."""
     below = row(over, operator("="), lo)
     return f"<munderover>{operator('∑')}{below}{row(hi)}</munderover>"
 
@@ -165,7 +165,7 @@ def matrix(rows: Iterable[Iterable[str]]) -> str:
 
 
 def width(content: str) -> int:
-    """Returns the number of visible letters; a fraction counts as its parts in a row."""
+    """Returns the number of visible letters; numerator and denominator of a fraction are added."""
     return len(_VISIBLE.sub("", content))
 
 
@@ -173,8 +173,8 @@ def width(content: str) -> int:
 
 
 def name(text: str, lone: str = "", bold: bool = False) -> str:
-    """Returns a name of a model typeset, with primes, an index, or a component. The body rates of
-    the rotation `lone`, the model's only one, omit its name; vectors are bold."""
+    """Returns a name of the model typeset, with primes, index or component; vectors are bold. The
+    angular velocity of `lone`, the only rotation of a model, has no name as subscript."""
     base = text.rstrip("'")
     letter, below = _parts(base, lone, bold)
     letter = dotted(letter, len(text) - len(base))
@@ -182,7 +182,7 @@ def name(text: str, lone: str = "", bold: bool = False) -> str:
 
 
 def _parts(text: str, lone: str, bold: bool) -> tuple[str, str]:
-    """Returns a letter or a word, and its subscript."""
+    """Splits a name into a letter or a word, and its subscript."""
     if component := _COMPONENT.fullmatch(text):
         letter, below = _parts(component[1], lone, bold)
         axis = row(*map(_identifier, component[2]))

@@ -1,4 +1,4 @@
-"""Chooses the shortest of several forms of an expression, measured as typeset."""
+"""Chooses the shortest of several forms of an expression, measured after typesetting."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from . import mathml
 if TYPE_CHECKING:
     import sympy
 
-TRIED = 120  # most operations of an expression whose other forms are tried
-LONGER = 1.2  # the gathered form may be longer than the shortest by this factor
-TERMS = 40  # most terms of an expanded form
+TRIED = 120  # Most operations of an expression for which other forms are tried.
+LONGER = 1.2  # Largest length of the form with collected terms, relative to the shortest form.
+TERMS = 40  # Most terms of an expanded form.
 
 
 def shortest(
@@ -21,9 +21,9 @@ def shortest(
     typeset: Callable[[sympy.Expr], str],
     others: Iterable[sympy.Expr] = (),
 ) -> sympy.Expr:
-    """Returns the shortest of: the expression; one of `others`; products of sines as sines of sums;
-    the expanded form. The expanded form with like terms gathered, and their coefficients factored,
-    may be a little longer."""
+    """Returns the shortest form: the expression itself, one of `others`, the expanded form, or
+    products of sines written as sines of sums. The form with like terms collected, and their
+    coefficients factored, is preferred even if it is a little longer."""
     import sympy as sp
     from sympy.simplify.fu import TR10i
 
@@ -47,7 +47,7 @@ def shortest(
 
 
 def _expanded(expr: sympy.Expr) -> sympy.Expr:
-    """Returns the expression multiplied out, except inside functions, roots and denominators."""
+    """Expands the expression, except inside functions, roots and denominators."""
     import sympy as sp
 
     kept: dict[sympy.Expr, sympy.Expr] = {}
@@ -79,7 +79,7 @@ def _has_content(x: sympy.Expr) -> bool:
 
 
 def _content_outside(x: sympy.Expr) -> sympy.Expr:
-    """Returns sqrt(x^2/4 + y^2/4) as sqrt(x^2 + y^2)/2."""
+    """Moves a common factor out of a power: sqrt(x^2/4 + y^2/4) becomes sqrt(x^2 + y^2)/2."""
     content, rest = x.base.primitive()
     return content**x.exp * rest**x.exp
 

@@ -1,5 +1,6 @@
-"""Shows nodes of the equations as formulas, with the model's names, in the shortest of several
-forms. Long or repeated subexpressions get names.
+"""Formats nodes of the expression graph as formulas in the model's names.
+
+Each formula is in the shortest of several forms. Long or repeated subexpressions get names.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ from .typeset import Typesetter
 if TYPE_CHECKING:
     import sympy
 
-WHOLE = 100  # most operations of a short formula
-AGAIN = 5  # least operations of a repeated subexpression that gets a name
-OFTEN = 20  # the same in short formulas, over all its repetitions together
-PART = 40  # a subexpression of more operations gets a name though it occurs once
-NAMED = 24  # most names per formula; with more it is not shown
+WHOLE = 100  # Most operations of a short formula.
+AGAIN = 5  # Fewest operations of a repeated subexpression that gets a name.
+OFTEN = 20  # Fewest operations, over all repetitions, that a name saves in short formulas.
+PART = 40  # Most operations of a subexpression that occurs once and gets no name.
+NAMED = 24  # Most names per formula; a formula that needs more is not shown.
 _LETTERS = "ABCDFGKPSUWXYZ"
 
 Chunks = list[str]
@@ -36,7 +37,7 @@ Chunks = list[str]
 
 @record
 class Where:
-    """Formulas and the definitions of names in them; only `operations` if these are too many."""
+    """Formulas and definitions of names in them; if they are too long, only their `operations`."""
 
     formulas: tuple[Chunks, ...]
     named: tuple[Chunks, ...] = ()
@@ -93,7 +94,7 @@ class Shown:
         return to_sympy(self.e.graph, nodes, symbol, shortened if self.turns else None, given)
 
     def chunks(self, left: str, expr: sympy.Expr, relation: str = "=") -> Chunks:
-        """Returns a formula in chunks, between which a line may break."""
+        """Returns a formula as chunks; a line may break between two chunks."""
         first, *others = self.typeset.terms(expr)
         return [row(left, mathml.binary(relation), first), *others]
 
@@ -101,8 +102,8 @@ class Shown:
         return shortest(expr, self.constants, self.typeset, self._by_entries(expr))
 
     def _by_entries(self, expr: sympy.Expr) -> list[sympy.Expr]:
-        """Returns [a form with rotation matrices instead of a unit quaternion's products], or
-        []."""
+        """Returns a list: the form in entries of rotation matrices instead of products of
+        quaternion components, or nothing if there is none."""
         import sympy as sp
 
         made = expr
@@ -116,8 +117,8 @@ class Shown:
         return [] if made == expr else [sp.expand(made)]
 
     def _entries(self) -> dict[sympy.Expr, sympy.Expr]:
-        """Returns the names of the entries of rotation matrices by their expressions in the
-        quaternion, in the variants of the graph: also without a factor of two, and negated."""
+        """Maps polynomials in quaternion components to entries of rotation matrices. It has the
+        variants that occur in the graph: negated, or without a factor of two."""
         import sympy as sp
 
         found: dict[sympy.Expr, sympy.Expr] = {}
@@ -141,10 +142,10 @@ class Shown:
                         found[2 * value], found[-2 * value] = entry, -entry
         return found
 
-    # -- formulas with names ------------------------------------------------------------------
+    # -- formulas with named subexpressions ----------------------------------------------------
 
     def where(self, rows: Sequence[tuple[str, Node]]) -> Where:
-        """Returns the formulas LEFT = node of the rows, which share their names."""
+        """Returns the formulas LEFT = node, and definitions of names that they share."""
 
         def made(values: list[sympy.Expr]) -> list[Chunks]:
             return [
@@ -157,8 +158,8 @@ class Shown:
     def made_of(
         self, nodes: Sequence[Node], made: Callable[[list[sympy.Expr]], list[Chunks]]
     ) -> Where:
-        """Returns the formulas that `made` makes of the nodes' expressions, and the names in
-        them."""
+        """Returns the formulas that `made` makes of the nodes' expressions, and the definitions of
+        the names in them."""
         chosen, size = self._chosen(nodes)
         if len(chosen) > NAMED:
             return Where((), operations=size)
@@ -176,8 +177,8 @@ class Shown:
         return Where(tuple(formulas), tuple(named))
 
     def _chosen(self, nodes: Sequence[Node]) -> tuple[list[Node], int]:
-        """Returns the nodes that get names, arguments before their users, and the number of
-        operations of all nodes."""
+        """Returns the nodes that get names, in order of dependence, and the number of operations of
+        all nodes."""
         g = self.e.graph
         order = reachable(g, nodes)
         entries, odd = self._nodes_of_entries(order), self._odd(order)
@@ -214,7 +215,7 @@ class Shown:
         )
 
     def _odd(self, order: Iterable[Node]) -> set[Node]:
-        """Returns the nodes of odd degree in a quaternion, whose sign means nothing by itself."""
+        """Returns the nodes of odd degree in a quaternion, whose sign is arbitrary."""
         g, numbers, found = self.e.graph, self.e.quaternions, set()
         for n in order:
             odd = [a in found for a in g.args[n]]
@@ -239,7 +240,7 @@ class Shown:
 
 
 def _form(rotation: str, powers: tuple[int, ...]) -> sympy.Expr:
-    """Returns a product of two components of a unit quaternion by entries of its matrix."""
+    """Returns a product of two quaternion components, in entries of the rotation matrix."""
     import sympy as sp
 
     entry = {a + b: sp.Symbol(f"{rotation}.{a}{b}") for a in AXES for b in AXES}
@@ -261,11 +262,11 @@ def _form(rotation: str, powers: tuple[int, ...]) -> sympy.Expr:
 
 
 def _is_multiple(g: Graph, node: Node) -> bool:
-    """Returns whether the node is a number times another, which needs no name."""
+    """Whether the node is a number times another node; such a product needs no name."""
     return g.op[node] is Op.MULTIPLY and any(g.op[a] is Op.NUMBER for a in g.args[node])
 
 
 def _kind_of(quantity: Quantity) -> int:
-    """Returns a parameter's rank in a product: masses, then g, then all others."""
+    """Returns a parameter's rank in a product: masses first, then g, then all others."""
     letters = quantity.name.rstrip("0123456789_")
     return 0 if letters == "m" or quantity.unit == "kg" else 1 if letters == "g" else 2

@@ -1,8 +1,8 @@
-"""The styles of the HTML of `html.py`, and the font of its formulas.
+"""The CSS of the pages of `html.py`, and the font of their formulas.
 
-Formulas need a font with a table of mathematics, for brackets that grow, accents and roots. Windows
-has Cambria Math, macOS STIX Two Math; a plain Linux machine has none, so a part of STIX is in the
-page (`fonts/README.md`).
+Formulas need a font with an OpenType MATH table, for stretching brackets, accents and roots.
+Windows has Cambria Math, macOS STIX Two Math; plain Linux has none, so the page embeds a subset of
+STIX (`fonts/README.md`).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _RULES = """
 
 @cache
 def style() -> str:
-    """Returns CSS for the head of a page that contains a fragment. The font is in a data: URL."""
+    """Returns CSS for the head of a page that contains a fragment; a data: URL holds the font."""
     font = files(__package__).joinpath("fonts/math.woff2").read_bytes()
     data = b64encode(font).decode("ascii")
     face = f'@font-face {{ font-family: "pkgen math"; src: url(data:font/woff2;base64,{data}) }}'

@@ -1,4 +1,4 @@
-"""Pieces of an HTML page. Arguments that are cells or lines are HTML; other texts are escaped."""
+"""Elements of an HTML page. Cells and lines are given as HTML; other texts are escaped here."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def lead(text: str) -> str:
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = "") -> str:
-    """Returns a table without columns that have only empty cells."""
+    """Returns a table; columns whose cells are all empty are left out."""
     rows = [tuple(row) for row in rows]
     kept = [k for k, _ in enumerate(headings) if any(row[k] for row in rows)]
     head = "".join(f'<th scope="col">{escape(headings[k])}</th>' for k in kept)
@@ -30,14 +30,14 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = ""
 
 
 def _reached(rows: Sequence[Sequence[str]]) -> str:
-    """Returns an attribute that lets the keyboard scroll the table, if its rows may be too wide."""
+    """Returns an attribute that lets the keyboard scroll a table that may be too wide, else ""."""
     columns = zip(*rows, strict=True)
     wide = sum(max(mathml.width(cell) for cell in column) + 2 for column in columns)
     return ' tabindex="0"' if wide > mathml.NARROW else ""
 
 
 def facts_table(rows: Iterable[tuple[str, str]]) -> str:
-    """Returns a table whose first column holds row headings."""
+    """Returns a table whose first column has the row headings."""
     rows = list(rows)
     body = "\n".join(f'<tr><th scope="row">{name}</th><td>{text}</td></tr>' for name, text in rows)
     return f'<div class="wide"{_reached(rows)}><table class="facts">{body}</table></div>'

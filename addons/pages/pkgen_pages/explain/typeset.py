@@ -1,8 +1,8 @@
 """Typesets SymPy expressions as MathML, in the form of a textbook.
 
 A product has its numbers first, then parameters, variables and functions, each in the order of
-declaration; a sum begins with a term that is not negative, if it has one. SymPy's own MathML
-printer sorts alphabetically and uses elements (mfenced) that browsers no longer draw.
+declaration; the first term of a sum is not negative, if possible. SymPy's own MathML printer sorts
+alphabetically and uses elements (mfenced) that browsers no longer render.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 _WORDS = {"Heaviside": "step", "log": "ln", "Abs": "abs", "asin": "arcsin", "acos": "arccos"}
 _WORDS |= {"atan": "arctan", "Max": "max", "Min": "min"}
-_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))  # powers are written cos^2 x
+_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))
 _ODD = frozenset(("sin", "tan", "sinh", "tanh", "asin", "atan"))
 _EVEN = frozenset(("cos", "cosh", "Abs"))
 _BARE = frozenset((*_POWERS, "asin", "acos", "atan", "log"))
-FEW = (2, 4, 5, 8, 16, 32, 64)  # denominators shown as fractions, though their decimals end
+FEW = (2, 4, 5, 8, 16, 32, 64)  # denominators that are shown as fractions, not as decimals
 LARGE = 10**7
-SHORT = 14  # most letters of an exponent of e; a longer one is written exp(...)
+SHORT = 14  # most letters of an exponent of e; exp(...) is written for longer ones
 
 
 class Typesetter:
-    """`order` has the rank of each name, by which factors and terms are sorted; `constants` are
-    the names of parameters."""
+    """Typesets expressions. `order` has the rank of each name, by which factors and terms are
+    sorted; `constants` are the names of parameters."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class Typesetter:
         return row(*self.terms(expr))
 
     def terms(self, expr: sympy.Expr) -> list[str]:
-        """Returns the terms of a sum, each with its sign in front."""
+        """Returns the terms of a sum, each preceded by its sign."""
         found = []
         for negative, term in self._in_order(expr.replace(_turns, self._turned)):
             sign = "-" if negative else "+"
@@ -52,7 +52,8 @@ class Typesetter:
         return found
 
     def _in_order(self, expr: sympy.Expr) -> list[tuple[bool, sympy.Expr]]:
-        """Returns the sorted terms as pairs: whether the sign is a minus, the term without it."""
+        """Returns the sorted terms as pairs: whether a term is negative, the term without its
+        sign."""
         if not expr.is_Add:
             return [_signed(expr)]
         terms = [_signed(t) for t in sorted(expr.args, key=self._place)]
@@ -62,7 +63,7 @@ class Typesetter:
 
     def _turned(self, call: sympy.Expr) -> sympy.Expr:
         """Returns cos(phi - theta) as cos(theta - phi) if theta is declared first. The result is an
-        undefined function of that name, since SymPy would sort a cosine's argument again."""
+        undefined function named cos, since SymPy would restore its own order of the argument."""
         import sympy as sp
 
         (inside,) = call.args
@@ -72,7 +73,7 @@ class Typesetter:
         return -own if turned and call.func.__name__ in _ODD else own
 
     def _place(self, term: sympy.Expr) -> tuple:
-        """Returns a term's sort key in a sum: by variables, then by parameters; a number is
+        """Returns the sort key of a term in a sum: by variables, then by parameters; numbers are
         last."""
         powers, others, constants = [], [], []
         for factor in term.as_ordered_factors():
@@ -146,8 +147,7 @@ class Typesetter:
     # -- factors ------------------------------------------------------------------------------
 
     def _factor(self, expr: sympy.Expr) -> str:
-        """Returns an expression in a form that can be a factor of a product, in brackets if
-        needed."""
+        """Returns an expression as a factor of a product, in brackets if needed."""
         if expr.is_Add:
             return mathml.fenced(self(expr))
         if expr.is_Mul or (expr.is_Number and expr < 0):
@@ -206,8 +206,8 @@ class Typesetter:
 
 
 def function(name: str, arguments: list[str], bare: bool, power: str = "") -> str:
-    """Returns a function call; `bare` says that its argument needs no brackets. A power of sine and
-    the like follows the name; a power of another function follows the call."""
+    """Returns a function call; `bare` means that its argument needs no brackets. An exponent
+    follows the name of sine and similar functions, and the call of other functions."""
     if power and name not in _POWERS:
         made = function(name, arguments, bare)
         whole = name in ("abs", "Abs", "norm")
@@ -230,12 +230,12 @@ def function(name: str, arguments: list[str], bare: bool, power: str = "") -> st
 def _turns(x: sympy.Expr) -> bool:
     own = type(x).__name__
     known = own in _ODD or own in _EVEN
-    return known and x.args[0].is_Add and type(x).__module__ is not None  # None: made by _turned
+    return known and x.args[0].is_Add and type(x).__module__ is not None
 
 
 def _signed(term: sympy.Expr) -> tuple[bool, sympy.Expr]:
-    """Returns whether a term has a minus in front, and the term without it. Factors that are sums
-    of negative terms are negated."""
+    """Returns whether a term begins with a minus, and the term without it. A factor that is a sum
+    of negative terms only is negated."""
     negative, factors = False, []
     for factor in term.as_ordered_factors() if term.is_Mul else [term]:
         base, exponent = factor.as_base_exp()
@@ -258,8 +258,8 @@ def _is_below(factor: sympy.Expr) -> bool:
 
 
 def _decimal(value: sympy.Rational) -> str:
-    """Returns a number as a decimal like "9.81", or "" for integers and simple fractions like 1/2
-    and for numbers without a finite decimal."""
+    """Returns a number as a decimal like "9.81". Returns "" for integers, for simple fractions like
+    1/2, and for numbers without a finite decimal expansion."""
     p, q = abs(value.p), value.q
     few = q in FEW or (q == 1 and p < LARGE)
     if few or (q < LARGE and not _ends(q)):

@@ -1,5 +1,6 @@
-"""Typesets statements as their author wrote them: energies, forces, constraints, and their `let`s.
-Only this module sees vectors and rotations whole; after the checker there are components.
+"""Typesets statements of the source as written: energies, forces, constraints, `let` definitions.
+
+Only here vectors and rotations are single symbols; after the checker they are components.
 """
 
 from __future__ import annotations
@@ -46,11 +47,12 @@ _TURNS = frozenset(("rot", "inverse", "euler", "tait_bryan"))
 _VECTORS = frozenset(("omega", "cross"))
 NUMBER, VECTOR, TURN = "number", "vector", "turn"
 
-Line = tuple[list[str], str]  # the chunks of a formula, and its description
+# Chunks of a formula, between which a line may break, and its description.
+Line = tuple[list[str], str]
 
 
 class Written:
-    """The statements of one model, with the kind of each name: number, vector or rotation."""
+    """The statements of a model, and the kind of each name: number, vector or rotation."""
 
     def __init__(self, model: Model):
         self.statements = parse.parse_all(model.source).statements
@@ -74,8 +76,8 @@ class Written:
     # -- statements ---------------------------------------------------------------------------
 
     def energies(self) -> list[Line]:
-        """Returns T, V, L and D, each the sum of its statements. Bodies appear as in the source,
-        and T_bodies and V_bodies stand for their part of T and V."""
+        """Returns lines for T, V, L and D, each the sum of its statements. Body statements are
+        quoted; T_bodies and V_bodies denote their contributions to T and V."""
         found: dict[str, list[str]] = {}
         bodies = [s for s in self.statements if s.keyword in ("body", "joint", "gravity")]
         said: list[Line] = []
@@ -114,7 +116,8 @@ class Written:
         return found
 
     def lets_of(self, keywords: Iterable[str]) -> list[Line]:
-        """Returns the `let`s that statements of these kinds use, directly or through others."""
+        """Returns the `let` definitions that statements with these keywords use, even
+        indirectly."""
         waiting = [n for s in self.statements for n in _used(s) if s.keyword in keywords]
         used: set[str] = set()
         while waiting:
@@ -161,7 +164,7 @@ class Written:
         return mathml.name(name, self.lone, bold=self.kinds.get(name) == VECTOR)
 
     def _terms(self, expr: Expr, first: bool = True) -> list[str]:
-        """Returns the terms of a sum with their signs; if `first`, a leading plus is left out."""
+        """Returns the terms of a sum with signs; if `first`, the first term has no plus sign."""
         terms, signs = (expr.terms, expr.signs) if isinstance(expr, Add) else ((expr,), (1,))
         found = []
         for term, sign in zip(terms, signs, strict=True):
@@ -182,7 +185,7 @@ class Written:
         return self._factor(expr)
 
     def _product(self, expr: Multiply) -> str:
-        """Returns a product in the order of the source: m/2*v^2 is a fraction, then a square."""
+        """Returns a product in the order of the source: m/2*v^2 is the fraction m/2, then v²."""
         done: list[str] = []
         above: list[Expr] = []
         below: list[Expr] = []
@@ -205,11 +208,11 @@ class Written:
         return mathml.product(done)
 
     def _side_by_side(self, factors: list[Expr]) -> str:
-        """Returns the product above or below a fraction bar, where a lone sum needs no brackets."""
+        """Returns a numerator or denominator, in which a single sum needs no brackets."""
         return self(factors[0]) if len(factors) == 1 else self._beside(factors)
 
     def _beside(self, factors: list[Expr]) -> str:
-        """Returns the product, with a dot before numbers."""
+        """Returns the product of the factors, with a dot before numbers."""
         found = ""
         for k, factor in enumerate(factors):
             shown = self._factor(factor)
@@ -285,7 +288,7 @@ class Written:
         return mathml.sup(mathml.fenced(self(base)), above)
 
     def _exponent(self, expr: Expr) -> str:
-        """Returns an exponent; a fraction of numbers is written as 1/2 on one line."""
+        """Returns an exponent; a fraction of two numbers is written on one line, like 1/2."""
         match expr:
             case Multiply(factors=(Number(value=a), Number(value=b)), exponents=(1, -1)):
                 return f"<mn>{_decimal(a)}/{_decimal(b)}</mn>"
@@ -317,7 +320,7 @@ def _used(s: st.Statement) -> Iterator[str]:
 
 
 def _bare(arguments: tuple[Expr, ...]) -> bool:
-    """Returns whether the argument of a function needs no brackets."""
+    """Whether the argument of a function needs no brackets."""
     return len(arguments) == 1 and isinstance(arguments[0], Name | Number | Component)
 
 

@@ -1,5 +1,5 @@
 "use strict";
-/* The first method's motion once more, run ahead of the clock for the points of a section. */
+/* Repeats the first method's motion ahead of the clock, to collect points of a Poincaré section. */
 const Ahead = (() => {
   const ENOUGH = 3000;
 
@@ -10,7 +10,7 @@ const Ahead = (() => {
       this.start = null;
     }
 
-    /* Some milliseconds' worth; true while there is more to come. */
+    /* Integrates for `budget` milliseconds; returns whether the section still lacks points. */
     more(event, budget) {
       const { lab } = this;
       if (this.start !== lab.runs.start) {

@@ -1,13 +1,13 @@
 "use strict";
-/* Axes of a large picture: a line for each round number, which stands beside it. */
+/* Axes of a large picture: grid lines at round numbers, with the numbers as labels. */
 const Axes = (() => {
   function each([lo, hi], pieces, use) {
     const step = Ranges.nice((hi - lo) / pieces);
     for (let k = Math.ceil(lo / step); k * step <= hi; k++) use(Number((k * step).toPrecision(12)));
   }
 
-  /* frame: {left, right, top, bottom} in pixels, X and Y to them, ranges x and y, names below and
-   * beside */
+  /* left, right, top, bottom: the frame in pixels. X, Y map values to pixels. x, y: the ranges.
+   * below, beside: names of the axes. */
   function draw(g, { left, right, top, bottom, X, Y, x, y, below, beside }) {
     const theme = Theme.now();
     g.font = `12px ${theme.font}`;

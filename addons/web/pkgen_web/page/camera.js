@@ -1,6 +1,6 @@
 "use strict";
-/* From space to pixels of the stage. Both kinds of view have the same face: fit, pan or turn, zoom,
- * project(point) → [x, y, depth], and plane(): two directions of space for a drag. */
+/* Projects space to pixels of the canvas. Plane and Orbit have the same methods: fit, move (pan or
+ * rotate), zoom, project(point) → [x, y, depth], and plane(): the two directions of a drag. */
 const Camera = (() => {
   const AXIS = { x: 0, y: 1, z: 2 };
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -20,7 +20,7 @@ const Camera = (() => {
       this.i = AXIS[right];
       this.j = AXIS[up];
       this.names = [right, up];
-      this.given = null; /* the author's width: stage.js */
+      this.given = null; /* width of the view in `draw view`, if any */
       this.centre = [0, 0];
       this.scale = 100;
       this.resize(100, 100);
@@ -39,7 +39,7 @@ const Camera = (() => {
         Math.max(80, this.height - 2 * inset.y),
       ];
       const [x, y] = [hi[0] - lo[0], hi[1] - lo[1]];
-      /* A width that the author gives; the height is that of the motion, a square at the most. */
+      /* A width from the model is used as it is; the height fits the motion, at most a square. */
       const width = this.given || x / 0.86 || 1;
       const height = this.given ? Math.min(this.given, y * 1.25 || this.given) : y / 0.86 || 1e-300;
       this.scale = Math.min(room[0] / width, room[1] / height);
@@ -71,15 +71,15 @@ const Camera = (() => {
     }
   }
 
-  /* Looks at `target` from a sphere about it; z is up. */
+  /* A perspective camera on a sphere around `target`; z is up. */
   class Orbit {
     constructor(view) {
-      this.given = null; /* the author's width: stage.js */
+      this.given = null; /* width of the view in `draw view`, if any */
       this.yaw = -1.1;
       this.pitch = 0.32;
       this.target = [0, 0, 0];
       this.distance = 5;
-      this.angle = 0.6; /* of view, from top to bottom */
+      this.angle = 0.6; /* vertical angle of view */
       this.resize(100, 100);
     }
     resize(width, height) {
@@ -95,7 +95,7 @@ const Camera = (() => {
       this.distance = across / 2 / Math.tan(this.angle / 2) / Math.min(1, this.width / this.height);
       if (!this.given) for (let k = 0; k < 3; k++) this.close(lo, hi);
     }
-    /* Nearer or farther, and to the middle, until the corners fill four fifths of the stage. */
+    /* Centres the box, and sets the distance so that its corners fill four fifths of the canvas. */
     close(lo, hi) {
       let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
       for (let corner = 0; corner < 8; corner++) {
@@ -136,7 +136,7 @@ const Camera = (() => {
       const { right, up } = this.frame();
       return { right, up, perPixel: (depth) => depth / this.focal() };
     }
-    /* Column-major view and projection in one. */
+    /* Returns the product of projection and view, column-major. */
     matrix() {
       const { back, right, up, eye } = this.frame();
       const near = this.distance / 100;

@@ -1,9 +1,9 @@
 "use strict";
-/* uPlot in the page's colours: any number of lines or points, each with its own x. */
+/* Charts by uPlot, in the page's colours: any number of lines or points, each with its own x. */
 const Chart = (() => {
-  const FLOOR = 1e-17; /* below this a logarithmic axis has nothing to show */
+  const FLOOR = 1e-17; /* smaller values are clipped to this on a logarithmic axis */
 
-  /* Lines and points of series that share no x, drawn by hand within the frame. */
+  /* Draws a line or points with its own x, clipped to the frame: uPlot's series share one x. */
   function paths(style) {
     return (u, index) => {
       const [xs, ys] = u.data[index];
@@ -74,7 +74,7 @@ const Chart = (() => {
   };
 
   class Chart_ {
-    /* options: {x, y: axis labels, log, logX} */
+    /* options: labels x and y of the axes; whether y is logarithmic (log) */
     constructor(element, options) {
       this.element = element;
       this.options = options;
@@ -83,7 +83,7 @@ const Chart = (() => {
       this.range = { x: [0, 1], y: [0, 1] };
     }
 
-    /* lines: [{x, y, colour, dash, points, head}]; ranges where they are not to be found. */
+    /* lines: [{x, y, colour, dash, points, head}]. The ranges x and y are computed if not given. */
     set(given, { x, y } = {}) {
       const lines = given.length ? given : [{ x: [], y: [], colour: Theme.now().soft }];
       const { log } = this.options;

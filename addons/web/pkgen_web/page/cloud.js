@@ -1,6 +1,5 @@
 "use strict";
-/* The points of a swarm by WebGL, which reads them where the engine has them; without it by the
- * pen, one by one. */
+/* Draws the points of a swarm by WebGL, from the engine's memory; without WebGL on a 2D canvas. */
 const Cloud = (() => {
   const VERTEX = `attribute vec2 at; uniform vec4 scale; uniform float size;
     void main() { gl_Position = vec4(at * scale.xy + scale.zw, 0.0, 1.0); gl_PointSize = size; }`;
@@ -34,7 +33,7 @@ const Cloud = (() => {
       this.gl = gl;
     }
 
-    /* X(x) = a x + b in pixels from the left, Y(y) = c y + d from the top. */
+    /* Pixels are a x + b from the left and c y + d from the top. */
     draw(pen, points, first, { a, b, c, d, width, height, size, colour, alpha }) {
       Dom.fitCanvas(this.canvas, width, height);
       const { gl } = this;

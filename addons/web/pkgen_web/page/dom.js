@@ -1,9 +1,9 @@
 "use strict";
-/* Elements. Text of a model goes in as text nodes alone, never as HTML. */
+/* Creates DOM elements. Texts of a model become text nodes, never HTML. */
 const Dom = (() => {
   const $ = (id) => document.getElementById(id);
 
-  /* h("p", {class: "note", onclick: f}, "text", node, ...) */
+  /* Example: h("p", {class: "note", onclick: f}, "text", node, ...) */
   function h(tag, props, ...children) {
     const element = document.createElement(tag);
     for (const [key, value] of Object.entries(props || {})) {
@@ -22,7 +22,7 @@ const Dom = (() => {
     return element;
   }
 
-  /* A menu of [[value, text, why not], ...]; a row with a reason cannot be chosen. */
+  /* Returns a menu of [[value, text, reason], ...]; a row with a reason is disabled. */
   function select(rows, value, onchange, props) {
     const element = h("select", props);
     for (const [key, text, disabled] of rows)
@@ -32,12 +32,12 @@ const Dom = (() => {
     return element;
   }
 
-  /* Text set only where it changes, so that a page at rest costs nothing. */
+  /* Sets a text only if it changes, so that a static page causes no layout. */
   function say(element, text) {
     if (element.textContent !== text) element.textContent = text;
   }
 
-  /* The size of a canvas in device pixels; true where it changed. */
+  /* Sets the size of a canvas in device pixels; returns whether it changed. */
   function fitCanvas(canvas, width, height) {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const w = Math.max(1, Math.round(width * ratio));
@@ -48,11 +48,11 @@ const Dom = (() => {
     return true;
   }
 
-  /* A canvas that the processor draws: thousands of points are sooner drawn than sent away, and a
-   * machine without a graphics card shows them as smoothly. */
+  /* Returns a 2D context drawn by the CPU: thousands of points are drawn faster than they are sent
+   * to a GPU, and machines without one are as fast. */
   const pen = (canvas) => canvas.getContext("2d", { willReadFrequently: true });
 
-  /* The pen of an empty canvas of that size, which measures in CSS pixels. */
+  /* Clears the canvas; returns its context, scaled to CSS pixels. */
   function blank(canvas, width, height) {
     fitCanvas(canvas, width, height);
     const g = pen(canvas);

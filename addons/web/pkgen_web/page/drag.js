@@ -1,13 +1,13 @@
 "use strict";
-/* Hands on the stage. A body that is taken hold of goes where the pointer goes, as far as the model
- * lets it: the coordinates that bring its place there are found by damped least squares, from
- * differences of the outputs, which works for any model. Elsewhere a drag moves the view. */
+/* Dragging on the canvas. A dragged body follows the pointer as far as the model allows: damped
+ * least squares, with difference quotients of the outputs as Jacobian, find coordinates that bring
+ * it there. A drag of the background moves the view. */
 const Drag = (() => {
-  const REACH = 24; /* pixels from a handle */
-  const CLOSE = 0.05; /* pixels: near enough */
+  const REACH = 24; /* pixels: largest distance from pointer to handle */
+  const CLOSE = 0.05; /* pixels: tolerance of the least squares */
   const ROUNDS = 40;
 
-  /* What may vary: coordinates, and three turns for each rotation. */
+  /* Returns the unknowns: the coordinates, and three rotation angles per rotation. */
   function variables(model) {
     const list = model.description.coordinates
       .filter((c) => model.byKey.has("q" + c.index))
@@ -25,7 +25,7 @@ const Drag = (() => {
     a * h + b * g - c * f + d * e,
   ];
 
-  /* The state with its variables moved by dx. */
+  /* Returns the state with its unknowns changed by dx. */
   function moved(model, list, state, dx) {
     const q = state.q.slice();
     const v = state.v.slice();
@@ -48,7 +48,7 @@ const Drag = (() => {
     return { params: state.params, q, v };
   }
 
-  /* The state whose `read` place is nearest to the target, both as pixels of the stage. */
+  /* Returns the state whose point `read` is projected nearest to `target`, in pixels. */
   function solve(lab, list, state, read, camera, target) {
     const { engine, model } = lab;
     const { right, up, perPixel } = camera.plane();
@@ -74,7 +74,7 @@ const Drag = (() => {
         const d = a.map((y, i) => (y - b[i]) / (2 * h) / pixel);
         return [Camera.dot(d, right), -Camera.dot(d, up)].map((y) => (Number.isFinite(y) ? y : 0));
       });
-      /* Steps are measured in angles, or in what moves as far on the screen. */
+      /* Unknowns are scaled to one radian, or to a length of 100 pixels. */
       const scale = list.map((x) => (x.angle ? 1 : pixel * 100));
       const J = columns.map((c, k) => c.map((y) => y * scale[k]));
       let [a, b, d] = [0, 0, 0];
@@ -109,7 +109,7 @@ const Drag = (() => {
     return now;
   }
 
-  /* With constraints: the start that the model makes of it, by their projection. */
+  /* Returns the state projected to the constraints, or null if the projection fails. */
   function allowed(lab, state) {
     if (!(lab.model.description.constraints || []).length) return state;
     try {
@@ -145,7 +145,7 @@ const Drag = (() => {
       for (const handle of Shapes.handles(stage.resolve(run))) {
         const [px, py] = stage.camera.project(handle.point);
         const far = Math.hypot(px - x, py - y);
-        /* Of places at one spot, bodies before the ends of rods. */
+        /* If handles coincide, bodies take precedence over ends of rods. */
         const rank = far - (handle.of.kind === "bob" || handle.of.kind === "body" ? 4 : 0);
         if (far < REACH && (!best || rank < best.rank)) best = { ...handle, rank, run, px, py };
       }
@@ -162,7 +162,7 @@ const Drag = (() => {
       document.body.classList.add("dragging");
     }
 
-    /* In the midst of a motion the places are those of now, the rates those of the start. */
+    /* A drag during a motion takes the current coordinates and the initial rates. */
     function restState(run, start) {
       const v = start.v.slice();
       for (const rotation of model.description.rotations || [])
@@ -251,7 +251,7 @@ const Drag = (() => {
     });
 
     return {
-      /* Once a frame: the last wish of the pointer. */
+      /* Called once per frame: moves the body to the last position of the pointer. */
       frame() {
         if (!held || !held.wish) return;
         const { wish } = held;

@@ -1,6 +1,6 @@
 "use strict";
-/* Many members side by side. `table`: {columns: [{kind: "q"|"v"|"p", index}], values} row by row;
- * what it does not give is that of params, q and v. */
+/* Integrates many members together. `table` is {columns: [{kind: "q"|"v"|"p", index}], values},
+ * values row by row; quantities without a column are taken from params, q and v. */
 class EngineSwarm {
   constructor(engine, { method, step, rtol, params, q, v, table, members, inputs = null }) {
     const { c, n, nq } = engine;
@@ -31,7 +31,7 @@ class EngineSwarm {
     c.pk_swarm_to(this.at, 0);
   }
 
-  /* A struct of parameters for each member: all alike, or each its own. */
+  /* Returns the address of the structs of parameters, one per member. */
   made(params, { columns, values }) {
     const { engine, members } = this;
     const { c } = engine;
@@ -59,14 +59,14 @@ class EngineSwarm {
     return at;
   }
 
-  /* "" or what became of them. */
+  /* Integrates to time t. Returns "", or a message if all members have failed. */
   advance(t) {
     const going = this.engine.c.pk_swarm_to(this.at, t);
     return going ? "" : `no member goes on: ${this.engine.text(this.engine.c.pk_host_why())}`;
   }
 
-  /* Two columns of the state, as they stand in memory until the next call: {box: [least and most of
-   * x, of y], points: x, y of each}. */
+  /* Returns columns i and j of the states as {box: [xmin, xmax, ymin, ymax], points: [x, y, ...]},
+   * views of memory that the next call overwrites. */
   points(i, j) {
     const { c } = this.engine;
     const at = c.pk_swarm_points(this.at, i, j);
@@ -74,7 +74,7 @@ class EngineSwarm {
     return { box: all.subarray(0, 4), points: all.subarray(4) };
   }
 
-  /* Of each member, or of the first, q, then v. */
+  /* Returns q and v of the first `count` members, a row per member. */
   states(count = this.members) {
     const { c, n, nq } = this.engine;
     const { members, width } = this;

@@ -1,6 +1,6 @@
 "use strict";
-/* WebGL, as little as the scenes need: lit solids, and lines as ribbons of pixels. A library would
- * be five times the size of the rest of the page. */
+/* A minimal WebGL renderer: lit solids, and lines as ribbons with a width in pixels. A library
+ * would be five times as large as all other code of the page. */
 const Gl = (() => {
   const SOLID = {
     vertex: `#version 300 es
@@ -129,7 +129,7 @@ const Gl = (() => {
       this.count = 0;
     }
 
-    /* Directions of normals under a scaled turn: its columns by their squares. */
+    /* Draws a mesh. Normals need the inverse transpose: columns divided by their squared length. */
     put(name, place, colour, alpha = 1, striped = 0) {
       const { gl } = this;
       const mesh = this.meshes[name];
@@ -148,7 +148,7 @@ const Gl = (() => {
       gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
     }
 
-    /* A line of this many pixels; fade(k) is the opacity at its k-th point. */
+    /* Draws a line of `width` pixels; fade(k) is the opacity at its k-th point. */
     line(points, width, colour, fade = () => 1) {
       const { camera, matrix: m } = this;
       const clip = (p) =>

@@ -1,6 +1,6 @@
 "use strict";
-/* The picture of a model whose coordinates have no place: their curves over time; of a long family
- * the profile, coordinate over number, as it is now. */
+/* The picture of a model without a drawing: its coordinates over time, or for a long family their
+ * current values over the index (a profile). */
 const GraphView = (() => {
   const CURVES = 6;
 
@@ -23,7 +23,7 @@ const GraphView = (() => {
       this.frame(g, width, height, lines, all, profile);
     }
 
-    /* Those of the drawing; without any, what the state has. */
+    /* Returns the quantities of the drawing's graph, or else those of the state. */
     entries() {
       const { model } = this.lab;
       const graph = model.shapes.find((shape) => shape.kind === "graph");
@@ -82,7 +82,7 @@ const GraphView = (() => {
         }
       }
       if (profile) {
-        /* The scale of a profile only grows, so that it does not breathe. */
+        /* The scale of a profile shrinks only slowly, so that the axis does not pulsate. */
         this.reach = Math.max(this.reach * 0.999, Math.abs(y0), Math.abs(y1)) || 1;
         [y0, y1] = [-this.reach * 1.1, this.reach * 1.1];
       } else {

@@ -1,7 +1,7 @@
 "use strict";
-/* What a run leaves behind: the last samples of its state, drifts from start to now, trails. */
+/* The recorded data of a run: the last samples of its state, the drifts since the start, trails. */
 const History = (() => {
-  /* The last rows, oldest first; n numbers a row. */
+  /* A ring buffer of the last `most` rows, of `width` numbers each; row 0 is the oldest. */
   class Recent {
     constructor(width, most) {
       this.width = width;
@@ -30,8 +30,8 @@ const History = (() => {
     }
   }
 
-  /* All of it, from the start: each entry keeps the largest of its stretch of time, and where the
-   * entries run out two become one. */
+  /* Maxima since the start. Each entry is the maximum over an interval of time; when the entries
+   * are used up, neighbours are merged and the interval doubles. */
   class Whole {
     constructor(width, most = 1024) {
       this.width = width;
@@ -64,7 +64,7 @@ const History = (() => {
         ),
       );
     }
-    /* A column over time, up to the last that was pushed. */
+    /* Returns a column over time, with the latest value as last point. */
     line(column, size = 1) {
       const [t, values] = this.now;
       return {
@@ -81,7 +81,7 @@ const History = (() => {
     }
   }
 
-  /* Where a point has been in the last while: space coordinates, with the time of each. */
+  /* The positions of a point during the last `lasting` units of time, with their times. */
   class Trail extends Recent {
     constructor(lasting) {
       super(4, 2400);

@@ -1,9 +1,9 @@
 "use strict";
-/* The laboratory: time, settings and what shows them. */
+/* The main object of the page: it holds the clock, the settings, the runs and the views. */
 const Lab = (() => {
   const { $, say } = Dom;
-  const TICKS = 60; /* samples a second of the clock */
-  const BUDGET = 13; /* ms of a frame for the motions */
+  const TICKS = 60; /* samples per second of real time */
+  const BUDGET = 13; /* ms per frame for integration */
   const WORDS_EVERY = 90; /* ms */
   const HEADS = [1, 2, 5];
 
@@ -15,7 +15,7 @@ const Lab = (() => {
       this.nv = engine.defaults().v.length;
       this.settings = Settings.read(model, location.hash);
       this.natural = 1;
-      this.rtol = (model.description.run || {}).rtol || null; /* of pkgen run */
+      this.rtol = (model.description.run || {}).rtol || null; /* default of `pkgen run` */
       this.base = 1;
       this.playing = false;
       this.dirty = true;
@@ -43,13 +43,13 @@ const Lab = (() => {
       requestAnimationFrame((now) => this.frame(now));
     }
 
-    /* Simulated time a second: the natural speed, by the slider's 1-2-5. */
+    /* Returns the simulated time per second: the natural speed times 1, 2, 5, 10, ... */
     speed() {
       const n = this.settings.speed;
       return this.base * HEADS[((n % 3) + 3) % 3] * 10 ** Math.floor(n / 3);
     }
 
-    /* A method of fixed step that is given none takes a hundredth of a swing. */
+    /* Returns the step of a method; for a fixed step that is not set, a hundredth of a period. */
     stepOf({ method, step }) {
       if (step) return step;
       return (this.model.methodNamed.get(method) || {}).adaptive
@@ -76,7 +76,7 @@ const Lab = (() => {
       this.dirty = true;
     }
 
-    /* Ticks are counted from here, so that their times are exact multiples. */
+    /* Restarts the count of ticks, so that their times are exact multiples. */
     clock() {
       this.from = this.now = this.runs.t;
       this.count = 0;
@@ -97,7 +97,7 @@ const Lab = (() => {
 
     enter(scene) {
       const { speed, panels, reference } = this.settings;
-      /* What was looked at for the sake of the scene goes with it. */
+      /* A swarm view that the previous scene opened is closed with it. */
       const left = Settings.usual(this.model, this.settings.scene) === "swarm";
       const view = left ? "scene" : this.settings.view;
       this.settings = Settings.enter(
@@ -119,7 +119,7 @@ const Lab = (() => {
       this.changed();
     }
 
-    /* The address says what is shown. */
+    /* Writes the settings to the page's address. */
     changed() {
       const text = Settings.write(this.model, this.settings);
       history.replaceState(null, "", text ? "#" + text : location.pathname + location.search);
@@ -202,7 +202,7 @@ const Lab = (() => {
       this.dirty = true;
     }
 
-    /* As many ticks as the clock asks for and the budget allows; what is lost is said. */
+    /* Makes the ticks that are due, within BUDGET; drops the others and records the slowdown. */
     ticks(seconds) {
       this.behind += seconds * TICKS;
       const begun = performance.now();
@@ -244,8 +244,8 @@ const Lab = (() => {
           }, WORDS_EVERY);
     }
 
-    /* With each frame. While it plays they may have half of the time: where they take longer than a
-     * frame, they wait as long as they took. */
+    /* Updates the charts. During play they take at most half of the time: an update that took
+     * longer than a frame is followed by a pause of the same length. */
     charts() {
       const now = performance.now();
       if (this.playing && now - this.charted < this.cost) return;
@@ -282,7 +282,7 @@ const Lab = (() => {
     }
   }
 
-  /* With as many places as move visibly. */
+  /* Returns a time as text, with as many decimals as change visibly. */
   function time(t, natural, unit) {
     const places = Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(natural || 1))));
     return Text.minus(t.toFixed(places)) + (unit ? " " + unit : "");

@@ -1,20 +1,20 @@
 "use strict";
-/* Contours of an output over two coordinates, such as a potential: values on a lattice that covers
- * the view, by marching squares. Made anew where the parameters or the view have changed. */
+/* Contours of an output over two coordinates, such as a potential, by marching squares on a lattice
+ * that covers the view. They are recomputed if the parameters or the view change. */
 const Levels = (() => {
   const ACROSS = 72;
   const LEVELS = 14;
 
   class Contours {
     constructor(shape, unit) {
-      this.shape = shape; /* resolved: value, x, y */
+      this.shape = shape; /* `value` is the index of an output, `x` and `y` those of coordinates */
       this.unit = unit;
       this.key = "";
       this.lines = [];
-      this.marks = []; /* {at, text}: values, and where they stand */
+      this.marks = []; /* labels: {at: position, text: value} */
     }
 
-    /* The values of a view; q and v are those of the start. */
+    /* Evaluates the output on the lattice; all other coordinates and v are those of the start. */
     update(engine, start, camera) {
       const wide = 1.15;
       const half = [
@@ -50,7 +50,7 @@ const Levels = (() => {
         (_, k) => low + (high - low) * ((k + 0.5) / LEVELS) ** 1.6,
       );
       this.lines = values.map((value) => march(grid, value, at));
-      /* Down a slope from the middle, so that they stand in a row. */
+      /* The labels are at the angle -0.6 from the centre, so that they are in a row. */
       const off = ([x, y]) => Math.abs(Math.atan2(y - camera.centre[1], x - camera.centre[0]) + 0.6);
       const ends = this.lines.map((list) => list.map(([a]) => a).sort((a, b) => off(a) - off(b))[0]);
       this.marks = ends.flatMap((end, k) =>
@@ -82,7 +82,7 @@ const Levels = (() => {
     }
   }
 
-  /* Segments of one level, where it crosses the edges of each cell. */
+  /* Returns the segments of one contour: it crosses the edges of a cell at interpolated points. */
   function march(grid, level, at) {
     const segments = [];
     for (let j = 0; j + 1 < grid.length; j++)

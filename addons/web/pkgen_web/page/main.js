@@ -1,6 +1,5 @@
 "use strict";
-/* Opens the laboratory: the description and the engine are read, the controls are given their
- * hands. */
+/* Starts the page: reads the description, loads the engine, connects the controls. */
 const Main = (() => {
   const { $, h, say } = Dom;
   const KEYS = [
@@ -19,7 +18,7 @@ const Main = (() => {
     ["swarm", "Swarm"],
     ["model", "Model"],
   ];
-  const MAP = ["map", "Map"]; /* of a sweep */
+  const MAP = ["map", "Map"]; /* the tab of a sweep's map */
 
   async function bytes() {
     const text = $("wasm").textContent.trim();

@@ -1,8 +1,8 @@
 "use strict";
-/* Words over a scene, in the plane as in space: names of bodies and arrows, captions, values of
- * contours, the scale. They avoid each other, the bodies and the buttons. */
+/* Labels over a scene: names of bodies and arrows, captions, values of contours, the scale. They do
+ * not overlap each other, bodies or buttons. */
 const Marks = (() => {
-  const NAMED = 12; /* more names than these are none */
+  const NAMED = 12; /* if there are more names than this, none is drawn */
   const GAP = 5;
 
   class View {
@@ -12,13 +12,13 @@ const Marks = (() => {
       this.placed = [];
     }
 
-    /* The scene that the view draws; what was placed where stays in `placed`. */
+    /* Draws the labels of a scene; `placed` records their positions. */
     draw({ width, height, runs, levels, unit }) {
       const g = (this.g = Dom.blank(this.canvas, width, height));
       g.textAlign = "left";
       g.textBaseline = "middle";
       this.size = [width, height];
-      /* The buttons, and below them the methods' names. */
+      /* Areas of the buttons, then (below) of the methods' names, which labels avoid. */
       this.boxes = [[0, 0, 186, 52], [width - 70, 0, width, 52]];
       if (runs.length > 1) this.boxes.push([0, height - 40, 0.78 * width, height]);
       this.placed = [];
@@ -78,7 +78,7 @@ const Marks = (() => {
       }
     }
 
-    /* Above the lower edge; bars below the first have their numbers. */
+    /* Draws captions above the lower edge, and the indices of bars below their feet. */
     captions(made) {
       const { g } = this;
       const [width, height] = this.size;
@@ -120,7 +120,7 @@ const Marks = (() => {
       ], must);
     }
 
-    /* At the first place that is free; one that must be said at the first inside the stage. */
+    /* Draws a text at the first free position; if `must`, else at the first inside the canvas. */
     text(text, places, must = false) {
       this.font();
       const w = this.g.measureText(text).width;

@@ -1,7 +1,7 @@
 "use strict";
-/* Solids as triangles of unit size, and where a body's own stand in space. */
+/* Meshes of unit solids as triangles, and the matrices that place them for a body. */
 const Solids = (() => {
-  /* A surface of revolution about z through [radius, z] pairs, flat or smooth between them. */
+  /* Returns a surface of revolution about z from [radius, z] pairs, shaded flat or smooth. */
   function revolve(profile, sides, smooth) {
     const position = [];
     const normal = [];
@@ -62,7 +62,7 @@ const Solids = (() => {
     ]);
     return {
       ball: revolve(ball, 32, true),
-      /* radius 1, from z = −1/2 to 1/2, with its ends */
+      /* a cylinder of radius 1, from z = −1/2 to 1/2, with caps */
       drum: revolve(
         [
           [0, -0.5],
@@ -73,7 +73,7 @@ const Solids = (() => {
         48,
         false,
       ),
-      /* the rod's side alone, from z = 0 to 1 */
+      /* a cylinder of radius 1 from z = 0 to 1, without caps */
       tube: revolve(
         [
           [1, 0],
@@ -82,7 +82,7 @@ const Solids = (() => {
         20,
         false,
       ),
-      /* tip at the origin: a spinning top with its stem */
+      /* a spinning top with a stem; its tip is the origin */
       top: revolve(
         [
           [0, 0],
@@ -111,7 +111,7 @@ const Solids = (() => {
     };
   }
 
-  /* Column-major matrix with the columns x, y, z and the origin o. */
+  /* Returns a column-major matrix with the axes x, y, z and the origin o as columns. */
   const matrix = (x, y, z, o) => [...x, 0, ...y, 0, ...z, 0, ...o, 1];
   const times = (a, k) => a.map((x) => x * k);
 
@@ -124,7 +124,7 @@ const Solids = (() => {
     );
   }
 
-  /* From a to b, of this radius. */
+  /* Returns the matrix of a tube from a to b. */
   function along(a, b, radius) {
     const d = a.map((x, k) => b[k] - x);
     const z = Camera.unit(d);
@@ -132,7 +132,7 @@ const Solids = (() => {
     return matrix(times(x, radius), times(Camera.cross(z, x), radius), d, a);
   }
 
-  /* [mesh, matrix] of a body. */
+  /* Returns [mesh, matrix] of a body. */
   function place({ form, sizes, at, turn }) {
     const [a, b, c] = sizes;
     switch (form) {
@@ -147,7 +147,7 @@ const Solids = (() => {
     }
   }
 
-  /* The points that a plane view takes the outline of. */
+  /* Returns the vertices of a body, from which a plane view makes an outline. */
   let sample = null;
   function points(shape) {
     sample = sample || all();

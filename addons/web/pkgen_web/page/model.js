@@ -1,9 +1,8 @@
 "use strict";
-/* The description, with what the page asks of it: things by key.
- *
- * A key is a letter and an index: p3 is a parameter, u0 an input, q0 a coordinate, v1 a rate or,
- * behind the rates, a first-order variable. Names only stand in menus and in the address; they are looked up
- * in Maps, so that a parameter may be called __proto__. */
+/* The description of the model, indexed by keys. A key is a letter and an index: p3 is a
+ * parameter, u0 an input, q0 a coordinate, v1 a rate or a first-order variable (their indices
+ * follow the rates), o0 an output. Names are looked up in Maps, so that a parameter may be
+ * called __proto__. */
 const Model = (() => {
   function entries(description) {
     const list = [];
@@ -63,7 +62,7 @@ const Model = (() => {
         hi: null,
         state: s,
       });
-    /* The rates of a body are along its own axes: of no coordinate. */
+    /* The angular velocities of a body are about its own axes; no coordinate has them as rate. */
     for (const r of description.rotations || [])
       (r.rate_indices || []).forEach((index, k) => {
         if (index !== null)
@@ -84,7 +83,7 @@ const Model = (() => {
 
   function make(description) {
     const list = entries(description);
-    /* Outputs that the author asks for are looked at like the state: o0, o1, ... in this order. */
+    /* Outputs of the model are shown like the state; their keys o0, o1, ... follow this order. */
     const outputs = (description.outputs || []).filter((o) => !o.hidden).slice(0, 200);
     outputs.forEach((o, k) =>
       list.push({
@@ -105,7 +104,7 @@ const Model = (() => {
     const turned = new Set();
     for (const rotation of description.rotations || [])
       for (const name of rotation.quaternion) turned.add(name);
-    /* GSL's methods are not compiled for a browser. */
+    /* The methods of GSL are not compiled to WebAssembly. */
     const offered = description.methods.filter((method) => !method.gsl);
     const applying = offered.filter((method) => method.applies);
     const preferred = applying.find((method) => method.default) || applying[0];
@@ -128,8 +127,8 @@ const Model = (() => {
     };
   }
 
-  /* What stands beside the methods as the truth: the most exact adaptive one that applies; of many
-   * coordinates an explicit one, which asks for no matrices. */
+  /* Returns the reference method: the most accurate adaptive one that applies; for more than MANY
+   * coordinates an explicit one, since implicit ones factor matrices. */
   const MANY = 60;
   function best(applying, count) {
     const names = ["exponential", "gauss", "dop853", "radau"];
@@ -142,7 +141,7 @@ const Model = (() => {
     return (adaptive[0] || applying[0] || { name: null }).name;
   }
 
-  /* What a row of a run's history holds behind the time: q, v, outputs. */
+  /* Returns the quantities of a row of a run's history after the time: q, v, outputs. */
   const quantities = (model) =>
     model.list.filter((e) => "qvo".includes(e.kind) && !model.isQuaternion(e.name)).slice(0, 600);
 

@@ -1,7 +1,7 @@
 "use strict";
-/* What the panels compute: spectra, normal modes. */
+/* Numerical methods of the panels: FFT, eigenvalues, normal modes. */
 const Numerics = (() => {
-  /* Radix 2, in place; the length is a power of two. */
+  /* Transforms in place (radix 2); the length is a power of two. */
   function fft(re, im) {
     const n = re.length;
     for (let i = 1, j = 0; i < n; i++) {
@@ -29,8 +29,8 @@ const Numerics = (() => {
     }
   }
 
-  /* Amplitudes over frequency of the last 2^k samples, by a Hann window, the mean taken off.
-   * Samples are read at equal times, linearly between those there are. */
+  /* Returns amplitudes over frequency of the last 2^k samples, with a Hann window, without the
+   * mean. Samples are first interpolated linearly to equidistant times. */
   function spectrum(t, x) {
     const n = 2 ** Math.floor(Math.log2(Math.min(t.length, 4096)));
     if (n < 32) return null;
@@ -59,7 +59,7 @@ const Numerics = (() => {
     return { f, a };
   }
 
-  /* L with L Lᵀ = M, or null where M is not definite. */
+  /* Returns L with L Lᵀ = M, or null if M is not positive definite. */
   function cholesky(M) {
     const n = M.length;
     const L = M.map(() => new Float64Array(n));
@@ -75,7 +75,7 @@ const Numerics = (() => {
     return L;
   }
 
-  /* Eigenvalues and vectors (rows) of a symmetric matrix, ascending, by Jacobi's rotations. */
+  /* Returns ascending eigenvalues, and eigenvectors as rows, of a symmetric matrix (Jacobi). */
   function eigen(matrix) {
     const n = matrix.length;
     const A = matrix.map((row) => Float64Array.from(row));
@@ -115,8 +115,8 @@ const Numerics = (() => {
     return { values: order.map((i) => A[i][i]), vectors: order.map((i) => V[i]) };
   }
 
-  /* Normal modes about q0 where V is least there: [{frequency² , row}] with the energy of a mode
-   * ((row·M q')² + ω² (row·M dq)²)/2. M and K come from second differences of the energy. */
+  /* Returns the normal modes about the minimum q0 of V as [{w2: ω², row}]; the energy of a mode is
+   * ((row·q')² + ω² (row·dq)²)/2. M and K are second differences of the energy. */
   function modes(energy, q0, scale) {
     const n = q0.length;
     const zero = new Float64Array(n);
@@ -158,13 +158,13 @@ const Numerics = (() => {
     const K = fill(V, h);
     const L = cholesky(M);
     if (!L) return null;
-    /* Small frequencies are those of the symmetric L⁻¹ K L⁻ᵀ. */
+    /* L⁻¹ K L⁻ᵀ is symmetric, and its eigenvalues are ω². */
     const half = solveRows(L, K);
     const S = solveRows(L, transpose(half));
     const { values, vectors } = eigen(S);
     const most = Math.max(...values.map(Math.abs));
     if (values[0] < -1e-3 * most) return null;
-    /* y = Lᵀ dq is orthonormal: a mode's amplitude is vector · Lᵀ dq. */
+    /* In y = Lᵀ dq the mass matrix is the identity: a mode's amplitude is vector · Lᵀ dq. */
     return values.map((w2, k) => ({
       w2: Math.max(w2, 0),
       row: zero.map((_, j) => {
@@ -176,7 +176,7 @@ const Numerics = (() => {
   }
 
   const transpose = (A) => A.map((_, i) => Float64Array.from(A, (row) => row[i]));
-  /* X with L X = B */
+  /* Returns X with L X = B. */
   function solveRows(L, B) {
     const n = L.length;
     const X = B.map((row) => Float64Array.from(row));
@@ -189,7 +189,7 @@ const Numerics = (() => {
     return X;
   }
 
-  /* Twice the area is the sum of cross products round a loop. */
+  /* Returns the area of a polygon: half the sum of the cross products of successive vertices. */
   function area(xs, ys) {
     let sum = 0;
     for (let k = 0, n = xs.length; k < n; k++) {

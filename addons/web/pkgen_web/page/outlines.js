@@ -1,7 +1,7 @@
 "use strict";
-/* Outlines: of springs and bodies in the plane, of circles in space. */
+/* Outlines of springs and bodies in the plane, and of circles in space. */
 const Outlines = (() => {
-  /* A spring seen from the side. */
+  /* Returns the zigzag of a spring seen from the side. */
   function coil([a, b], turns) {
     const length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
     const [c, s] = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
@@ -28,7 +28,7 @@ const Outlines = (() => {
     });
   }
 
-  /* The convex hull, by Andrew's monotone chain. */
+  /* Returns the convex hull, by Andrew's monotone chain. */
   function hull(points) {
     const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
     const half = (list) => {

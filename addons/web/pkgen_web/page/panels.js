@@ -1,5 +1,5 @@
 "use strict";
-/* The row of panels below the stage: what each place shows is chosen in its head. */
+/* The row of panels below the canvas; a menu in the header of each panel selects its content. */
 const Panels = (() => {
   const PLACES = 3;
   const KINDS = new Map([
@@ -22,7 +22,7 @@ const Panels = (() => {
     ["distance", { title: "Error", make: PanelsTime.distance, suits: () => true }],
   ]);
 
-  /* What suits a model first: its drifts, then what it is looked at for. */
+  /* Returns the default panels of a model: drifts first, then those typical of its kind. */
   function usual(model) {
     const { coordinates, events } = model.description;
     const list = [];
@@ -81,7 +81,7 @@ const Panels = (() => {
       this.lab.dirty = true;
     }
 
-    /* The place that matters least shows this, unless one does already. */
+    /* Shows a panel in the last position, unless it is visible already. */
     bring(name) {
       if (this.places.some((place) => place.name === name)) return;
       const place = this.places[PLACES - 1];

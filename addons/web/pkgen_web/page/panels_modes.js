@@ -1,8 +1,8 @@
 "use strict";
-/* Energies of the normal modes of small motions, over time. Of a chain these are the modal energies
- * of Fermi, Pasta, Ulam and Tsingou. M and K come from differences of the energy about rest. */
+/* Energies of the normal modes of small oscillations, over time; for a chain the modal energies of
+ * Fermi, Pasta, Ulam and Tsingou. M and K are differences of the energy about the equilibrium. */
 const PanelsModes = (() => {
-  const MOST = 130; /* coordinates: the eigenproblem is solved here */
+  const MOST = 130; /* most coordinates, since the page solves the eigenproblem */
   const SHOWN = 5;
 
   function energyOf(lab) {
@@ -30,7 +30,7 @@ const PanelsModes = (() => {
     );
   }
 
-  /* The energies from the start on; where there are too many every second one goes. */
+  /* The energies since the start; if they are more than ROWS, every second row is deleted. */
   const ROWS = 1400;
   const fresh = (run, n) => ({
     run,

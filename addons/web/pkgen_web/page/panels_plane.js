@@ -1,5 +1,5 @@
 "use strict";
-/* Panels of a plane: phase, Poincaré's section; and the spectrum. */
+/* Panels of two quantities: phase plane and Poincaré section; and the spectrum. */
 const PanelsPlane = (() => {
   const { quantitiesOf, columnOf } = PanelsTime;
   const menu = (list, value, onchange, label) =>
@@ -10,12 +10,12 @@ const PanelsPlane = (() => {
       { "aria-label": label },
     );
 
-  /* Angles are shown within a turn. */
+  /* Angles are reduced to [−π, π]. */
   const TURN = 2 * Math.PI;
   const wrap = (x) => x - TURN * Math.round(x / TURN);
   const folded = (entry, list) => (entry.periodic ? list.map(wrap) : list);
 
-  /* A curve that leaves at π comes back at −π: a gap stands between. */
+  /* Interrupts a curve where its angle jumps from π to −π. */
   function gaps(entry, x, y) {
     if (!entry.periodic) return [x, y];
     for (let k = 1; k < x.length; k++) if (Math.abs(x[k] - x[k - 1]) > Math.PI) y[k - 1] = NaN;
@@ -82,8 +82,8 @@ const PanelsPlane = (() => {
     };
   }
 
-  /* The states at an event, drawn as points. "Fill" runs ahead of the motion for more of them, a
-   * little at each renewal of the panel. */
+  /* The states at an event, drawn as points. "Fill" integrates beyond the current time for
+   * additional points, a few milliseconds per update of the panel. */
   function section(lab, body, tools) {
     const { events } = lab.model.description;
     const list = quantitiesOf(lab.model).filter((e) => e.kind !== "o");
@@ -205,7 +205,7 @@ const PanelsPlane = (() => {
           const found = Numerics.spectrum(t, run.recent.column(columnOf(lab, which)));
           if (!found) continue;
           const top = Math.max(...found.a);
-          /* Up to where the last of it stands a thousandth high. */
+          /* The frequency axis ends after the last amplitude above 1/1000 of the highest. */
           let end = found.a.length - 1;
           while (end > 16 && found.a[end] < 1e-3 * top) end--;
           most = Math.max(most, found.f[Math.min(found.f.length - 1, Math.round(end * 1.25))]);

@@ -1,9 +1,9 @@
 "use strict";
-/* Panels over time: drifts, coordinates, distance from the reference. */
+/* Panels over time: drifts, coordinates, distance from the reference run. */
 const PanelsTime = (() => {
-  const WINDOW = 1200; /* samples of coordinates on show */
+  const WINDOW = 1200; /* shown samples of coordinates */
 
-  /* How far what is constant has come from its start; of several constants one is chosen. */
+  /* The deviation of constants of the motion from their start; a menu selects one of several. */
   function drift(lab, body, tools) {
     const { constants } = lab.model.description;
     let which = 0;
@@ -65,7 +65,7 @@ const PanelsTime = (() => {
 
   const whole = (runs, lab) => [0, Math.max(lab.natural, ...runs.map((run) => run.t || 0))];
 
-  /* One quantity of the state over the last while, in each run's colour. */
+  /* One quantity over the last samples, in each run's colour. */
   function time(lab, body, tools) {
     const quantities = quantitiesOf(lab.model);
     let which = lab.first || quantities[0];

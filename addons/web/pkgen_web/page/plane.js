@@ -1,9 +1,9 @@
 "use strict";
-/* A plane scene on a 2D canvas. What a run draws is in its colour where several are shown; alone,
- * the mechanism is dark and its bodies are coloured. */
+/* Draws a plane scene on a 2D canvas. Each of several runs has one colour; the mechanism of a
+ * single run is dark, with coloured bodies. */
 const PlaneView = (() => {
-  const BOB = 9; /* pixels, where no radius is given */
-  const TAIL = 28; /* pieces of a trail, each a little fainter */
+  const BOB = 9; /* pixels: default radius */
+  const TAIL = 28; /* number of pieces of a trail; older pieces are fainter */
 
   class View {
     constructor(canvas, camera) {
@@ -12,7 +12,7 @@ const PlaneView = (() => {
       this.drawn = [];
     }
 
-    /* scene: {width, height, runs: [{run, made, trails, style}], level, unit} */
+    /* scene: {width, height, runs: [{run, made, trails, style}], levels, unit} */
     draw(scene) {
       const { width, height } = scene;
       const g = (this.g = Dom.blank(this.canvas, width, height));
@@ -51,7 +51,7 @@ const PlaneView = (() => {
       });
     }
 
-    /* A quiet grid of round lengths. */
+    /* Draws a faint grid with a round spacing. */
     grid(width, height) {
       const { g, camera } = this;
       const step = Ranges.nice(90 / camera.scale);

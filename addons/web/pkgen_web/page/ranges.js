@@ -1,8 +1,8 @@
 "use strict";
-/* The ends of a slider. A model bounds few of its parameters on both sides, so a rule gives the
- * others: positive ones go from a tenth to ten times their value on a logarithmic scale, others
- * three times their value to either side, angles a turn, rates and zeros one unit or as much as
- * their kind shows elsewhere. The field beside takes any value within the bounds. */
+/* The range of a slider. If the model does not bound a quantity on both sides: a positive parameter
+ * with lower bound 0 ranges from a tenth to ten times its value, logarithmically; an angle over a
+ * turn; another quantity over three times its value, or the largest value of its unit, or 1. The
+ * number field next to the slider takes any value within the model's bounds. */
 const Ranges = (() => {
   const finite = (x) => typeof x === "number" && Number.isFinite(x);
 
@@ -13,7 +13,7 @@ const Ranges = (() => {
     return (head <= 1 ? 1 : head <= 2 ? 2 : head <= 5 ? 5 : 10) * power;
   }
 
-  /* {lo, hi, log}. `peers` is the largest size among values of the same unit. */
+  /* Returns {lo, hi, log}. `peers` is the largest magnitude among values of the same unit. */
   function of(entry, value, peers) {
     const lo = finite(entry.lo) ? entry.lo : null;
     const hi = finite(entry.hi) ? entry.hi : null;
@@ -31,7 +31,7 @@ const Ranges = (() => {
     return { lo: lo === null ? -reach : lo, hi: hi === null ? reach : hi, log: false };
   }
 
-  /* A slider has 1000 places; its value is rounded to what a place can tell apart. */
+  /* A slider has STEPS positions; its value is rounded to the resolution of one position. */
   const STEPS = 1000;
   function toPlace(range, value) {
     const [a, b, x] = range.log
@@ -51,7 +51,7 @@ const Ranges = (() => {
     return Number((Math.round(x / power) * power).toPrecision(12));
   }
 
-  /* null, or why a number is not allowed. */
+  /* Returns null, or the reason why a number is not allowed. */
   function refuse(entry, x) {
     if (!Number.isFinite(x)) return "not a number";
     if (finite(entry.lo) && (x < entry.lo || (entry.lo_open && x === entry.lo)))

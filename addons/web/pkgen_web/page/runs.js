@@ -1,10 +1,10 @@
 "use strict";
-/* The motions on show: up to four methods and, beside them, the reference. All start together and
- * are taken to the same times; one that fails stays where it was, with its status in words. */
+/* The runs shown: up to four methods, and the reference. All start together and are integrated to
+ * the same times; a run that fails keeps its last state, and its status says why. */
 const Runs = (() => {
   const SECTION_POINTS = 20000;
 
-  /* The start that the settings ask for: {params, q, v} or {error}. */
+  /* Returns the start according to the settings: {params, q, v} or {error}. */
   function given(engine, model, settings) {
     const params = engine.defaults().params.slice().fill(NaN);
     const scene = Settings.ofScene(model, settings.scene);
@@ -30,11 +30,11 @@ const Runs = (() => {
       (_, k) => values.get("u" + k) || 0,
     );
     turn(model, settings, all.v);
-    all.given = values; /* what follows nothing */
+    all.given = values; /* values set by the scene or the user, not computed by the model */
     return all;
   }
 
-  /* Rotations start turned further by a rotation vector in space: keys r0x, r0y, r0z. */
+  /* Rotates the initial attitudes by rotation vectors in space: keys r0x, r0y, r0z. */
   function turn(model, settings, v) {
     (model.description.rotations || []).forEach((rotation, k) => {
       const turned = ["x", "y", "z"].map((axis) => settings.values.get(`r${k}${axis}`) || 0);
@@ -61,7 +61,7 @@ const Runs = (() => {
       const { engine, model } = lab;
       this.lab = lab;
       this.spec = spec;
-      this.index = index; /* its colour; −1 is the reference */
+      this.index = index; /* index of its colour; −1 is the reference */
       this.status = "";
       this.motion = engine.motion({
         method: spec.method,
@@ -94,7 +94,7 @@ const Runs = (() => {
       this.sample(model, null);
     }
 
-    /* Reads the state after an advance. */
+    /* Records the state after an advance. */
     sample(model, reference) {
       const { motion } = this;
       this.t = motion.t;
@@ -116,13 +116,14 @@ const Runs = (() => {
       this.drifts.push(this.t, drifts);
       for (const { shape, trail } of this.trails)
         trail.add(this.t, Shapes.point(shape.at, this.out));
-      /* A step may have gone farther than what is shown: its crossings wait. */
+      /* A step may end later than the time shown: its events wait until then. */
       this.coming.push(...motion.events());
       while (this.coming.length && this.coming[0].t <= this.t) this.cross(this.coming.shift());
     }
 
-    /* What a drift is small beside: the constant itself or, as that may vanish, of an energy half
-     * of v.p, of a momentum or a claim the largest of its unit. */
+    /* Updates the scale of each drift. It is the constant at the start, or, since that may vanish,
+     * a larger one: |v.p|/2 for an energy, the largest momentum of the same unit for a momentum,
+     * the largest constant of the same unit for a claim. */
     size(model) {
       const { constants, coordinates } = model.description;
       const { engine } = this.lab;
@@ -154,12 +155,12 @@ const Runs = (() => {
       section.states.push(q ? [Array.from(q), Array.from(v)] : this.between(t));
     }
 
-    /* q at a time near the last: a method of fixed step stands where its steps end. */
+    /* Returns q at a time near the last sample: steps of a fixed size need not end there. */
     at(t) {
       return t === this.t ? this.q : this.between(t)[0];
     }
 
-    /* The state between the last two samples: a cubic, and the line for first-order variables. */
+    /* Interpolates between the last two samples: cubic for q, linear for first-order variables. */
     between(t) {
       const { recent } = this;
       const [a, b] = [Math.max(0, recent.size - 2), recent.size - 1];
@@ -206,7 +207,7 @@ const Runs = (() => {
     return Math.sqrt(sum / run.q.length) / Math.max(1, Math.sqrt(size / run.q.length));
   }
 
-  /* {list, reference, error, t}. A method that refuses to start is a run with words alone. */
+  /* All runs: list, reference, error, t. A method that refuses to start has only a message. */
   class Runs_ {
     constructor(lab) {
       this.lab = lab;
@@ -253,7 +254,7 @@ const Runs = (() => {
       return this.all().filter((run) => !run.refused && !run.status);
     }
 
-    /* All to time t, the reference first, since the others are measured from it. */
+    /* Integrates all runs to time t, the reference first, since distances are measured from it. */
     advance(t) {
       this.t = t;
       const { model } = this.lab;
@@ -266,7 +267,7 @@ const Runs = (() => {
         run.advance(t);
         run.sample(model, this.reference && !this.reference.status ? this.reference : null);
       }
-      /* Where all have ended, so has the time. */
+      /* If all runs have ended, the time is that of the longest. */
       if (!this.alive().length)
         this.t = Math.max(...this.all().map((run) => (run.refused ? 0 : run.t)));
     }

@@ -1,5 +1,5 @@
 "use strict";
-/* What the user has chosen, and its form in the address after #: a link shows the same thing.
+/* The user's settings, and their form in the address after #, so that a link shows the same state.
  *
  *     #scene=slow&p.l1=2&q.theta1=0.5&v.theta1=0&m=verlet:0.01&m=gauss&ref=1&speed=3
  */
@@ -8,11 +8,11 @@ const Settings = (() => {
 
   const fresh = () => ({
     scene: null,
-    values: new Map() /* key → number: what differs from the defaults */,
-    methods: [] /* {method, step, rtol}; null: the method's own */,
+    values: new Map() /* key → number, where it differs from the default */,
+    methods: [] /* {method, step, rtol}; null: the default of the method */,
     reference: false,
-    speed: 0 /* tenths of decades about the natural speed, by 1-2-5: see lab.js */,
-    panels: null /* names, null: those that suit the model */,
+    speed: 0 /* steps of 1, 2, 5, 10, ... from the natural speed: see lab.js */,
+    panels: null /* names of panels; null: the defaults of the model */,
     view: "scene",
   });
 
@@ -34,11 +34,11 @@ const Settings = (() => {
     return { method, step: row ? row.step : null, rtol: row ? row.rtol : null };
   }
 
-  /* Of a scene that is a swarm that is looked at. */
+  /* Returns the default view: "swarm" for a scene that is a swarm. */
   const usual = (model, scene) =>
     model.sceneNamed.get(scene)?.swarm?.columns ? "swarm" : "scene";
 
-  /* Takes a scene up: its values and starts, its method. */
+  /* Selects a scene: its values, starts and method. */
   function enter(model, settings, scene) {
     settings.scene = scene;
     settings.values = new Map();
@@ -47,7 +47,7 @@ const Settings = (() => {
     return settings;
   }
 
-  /* What a scene sets, key → number. */
+  /* Returns the values that a scene sets, key → number. */
   function ofScene(model, scene) {
     const values = new Map();
     const row = scene ? model.sceneNamed.get(scene) : null;
@@ -86,7 +86,7 @@ const Settings = (() => {
     return out.join("&");
   }
 
-  /* What is unknown or no number is left out: an address is anybody's text. */
+  /* Reads the settings from the address; ignores unknown names and invalid numbers in it. */
   function read(model, fragment) {
     const settings = fresh();
     const query = new URLSearchParams(fragment.replace(/^#/, ""));

@@ -1,5 +1,5 @@
 "use strict";
-/* The drawing of the description, read with the numbers of one state: each shape's points. */
+/* Evaluates the drawing of the description for one state: the points of each shape. */
 const Shapes = (() => {
   const value = (number, out) =>
     number !== null && typeof number === "object" ? out[number.output] : number;
@@ -7,7 +7,7 @@ const Shapes = (() => {
   const plus = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
   const seen = (p) => p.every((x) => Number.isFinite(x));
 
-  /* A shape with numbers in the place of outputs. */
+  /* Returns the shape with numbers in place of indices of outputs. */
   function resolve(shape, out) {
     const { kind, name, label } = shape;
     const made = { kind, name, label, shape };
@@ -59,7 +59,7 @@ const Shapes = (() => {
 
   const resolveAll = (shapes, out) => shapes.map((shape) => resolve(shape, out));
 
-  /* The points that a shape reaches to; a body's box stands for it. */
+  /* Returns points that bound a shape; for a body, corners of a box around it. */
   function reach(made) {
     switch (made.kind) {
       case "rod":
@@ -126,7 +126,7 @@ const Shapes = (() => {
     }
   }
 
-  /* What may be dragged: ends of rods, bobs, bodies, points of chains; each once. */
+  /* Returns the draggable points: ends of rods, bobs, bodies, points of chains; each once. */
   function handles(made) {
     const found = [];
     const add = (point, of, read) => {

@@ -1,5 +1,5 @@
 "use strict";
-/* The map of a sweep: a pixel is a member, whose motion starts where it is clicked. */
+/* The map of a sweep: each pixel is a member; a click on it starts that member's motion. */
 const SheetMap = (() => {
   const { h, $, say } = Dom;
 
@@ -15,7 +15,7 @@ const SheetMap = (() => {
     const members = numbers(map.members, Float64Array);
     const values = numbers(map.values, Float64Array);
     const drawn = map.drawn.map((one) => ({ key: one.key, of: numbers(one.of, Float64Array) }));
-    let at = null; /* of the pixel that is shown */
+    let at = null; /* the selected pixel */
 
     const cross = h("span", { class: "map-cross", hidden: true });
     const words = h("p", { class: "words", role: "status" }, "Choose a member: click, or use the arrow keys.");

@@ -1,5 +1,5 @@
 "use strict";
-/* Up to four methods against each other, the reference beside them, and those that do not apply. */
+/* The methods tab: up to four methods, the reference, and the methods that do not apply. */
 const SheetMethods = (() => {
   const { h, $ } = Dom;
 
@@ -166,7 +166,7 @@ const SheetMethods = (() => {
       counts();
     }
 
-    /* What each has done up to now. */
+    /* Shows the numbers of steps and evaluations of each run. */
     function counts() {
       [...cards.children].forEach((element_, k) => {
         const run = lab.runs.list[k];

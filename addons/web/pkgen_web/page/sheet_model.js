@@ -1,5 +1,5 @@
 "use strict";
-/* The model in words: its equations as explain typesets them, what is proved, what it declares. */
+/* The model tab: equations as typeset by `pkgen explain`, proved constants, declarations. */
 const SheetModel = (() => {
   const { h, $ } = Dom;
 
@@ -25,7 +25,7 @@ const SheetModel = (() => {
     const element = $("sheet-model");
     const { content } = $("explained");
     if (content.childElementCount) {
-      /* Formulas are wider than the sheet: they may have the whole window. */
+      /* Formulas may be wider than the tab: a button shows them in the whole window. */
       const wide = h(
         "dialog",
         { class: "reading", "aria-label": "The model" },

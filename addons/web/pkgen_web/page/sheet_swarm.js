@@ -1,5 +1,5 @@
 "use strict";
-/* Settings of the swarm, and its area. */
+/* The swarm tab: settings, and the area of the swarm's loop. */
 const SheetSwarm = (() => {
   const { h, $ } = Dom;
 

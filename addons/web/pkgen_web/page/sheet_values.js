@@ -1,9 +1,9 @@
 "use strict";
-/* Sliders and fields of parameters and starts. What the model makes of other values is read alone,
- * until it is set free. */
+/* The values tab: sliders and number fields of parameters and starts. A value that the model
+ * computes from others is read-only until the user unlocks it. */
 const SheetValues = (() => {
   const { h, $ } = Dom;
-  const LONG = 8; /* from so many members on a family is folded */
+  const LONG = 8; /* families with at least this many members are collapsed */
 
   function make(lab) {
     const { model } = lab;
@@ -149,7 +149,7 @@ const SheetValues = (() => {
       return details;
     }
 
-    /* Members of long families go into a fold each. */
+    /* Members of a long family are in a collapsible section. */
     function group(title, list) {
       if (!list.length) return null;
       const section = h("section", { class: "group" }, h("h2", null, title));
@@ -233,13 +233,13 @@ const SheetValues = (() => {
     return found;
   }
 
-  /* One caption of several, "precession, nutation, spin", a word for each; or null. */
+  /* Splits a description like "precession, nutation, spin" into a word per quantity, else null. */
   function apart(words, same) {
     const each = words.split(", ");
     return each.length === same.length && each.every((word) => /^\S+$/.test(word)) ? each : null;
   }
 
-  /* "q₁, q₂, q₃: displacements from rest" */
+  /* Returns a common caption, such as "q₁, q₂, q₃: displacements from rest". */
   function together(same) {
     const all = same.map((entry) => Text.plain(entry.name));
     const named = all.length > 4 ? `${all[0]} … ${all[all.length - 1]}` : all.join(", ");

@@ -1,5 +1,5 @@
 "use strict";
-/* A scene in space. The same shapes and the same record of what was drawn where as in the plane. */
+/* Draws a scene in space, with the same shapes as PlaneView, and records the same positions. */
 const SpaceView = (() => {
   class View {
     constructor(canvas, camera) {
@@ -38,7 +38,7 @@ const SpaceView = (() => {
       p.end();
     }
 
-    /* Lines of round lengths on the ground, or below everything, fading outwards. */
+    /* Draws a grid of round spacing on the ground, or below all shapes; it fades outwards. */
     floor(scene, ground, colour) {
       const { painter: p, camera } = this;
       const low = scene.box && scene.box.lo[2] <= scene.box.hi[2] ? scene.box.lo[2] : -1;

@@ -1,9 +1,9 @@
 "use strict";
-/* The large picture: which view shows, in which colours each run, where the camera stands. */
+/* The large picture: selects the view, the colours of the runs and the camera. */
 const Stage = (() => {
   const { $ } = Dom;
 
-  /* How a run is drawn: alone, one of several, or the reference. */
+  /* Returns the style of a run: the only one, one of several, or the reference. */
   function styleOf(run, several, { distinct, joints }) {
     const theme = Theme.now();
     const colour = Theme.ofRun(run);
@@ -50,7 +50,7 @@ const Stage = (() => {
     };
   }
 
-  /* Loose bodies, such as planets, have colours of their own; parts of a mechanism have one. */
+  /* Whether bobs are separate bodies, such as planets: each then has its own colour. */
   const loose = (shapes) =>
     shapes.filter((s) => s.kind === "bob").length > 1 &&
     !shapes.some((s) => ["rod", "spring", "curve", "body"].includes(s.kind));
@@ -66,7 +66,7 @@ const Stage = (() => {
       this.camera = Camera.make(model.view);
       const space = model.view.kind === "space";
       this.distinct = loose(model.shapes);
-      /* Pivots of a mechanism; bars are rods too. */
+      /* Pivots are drawn for few rods only: many rods are the bars of a chart. */
       this.joints = model.shapes.filter((s) => s.kind === "rod").length < 5;
       this.box = Shapes.box();
       const level = model.shapes.find((shape) => shape.kind === "level");
@@ -115,7 +115,7 @@ const Stage = (() => {
       this.lab.dirty = true;
     }
 
-    /* The box to fit in comes from the look ahead. */
+    /* Fits the camera to the box of the trial run. */
     frame(box, out) {
       this.box = box;
       const { width } = this.lab.model.view;
@@ -140,7 +140,7 @@ const Stage = (() => {
       }));
     }
 
-    /* A trail has the colour of the body that leaves it. */
+    /* Returns the colour of the body that a trail follows. */
     colourAt(at) {
       const bodies = this.lab.model.shapes.filter((s) => s.kind === "bob" || s.kind === "body");
       const k = bodies.findIndex((s) => JSON.stringify(s.at) === JSON.stringify(at));
@@ -174,7 +174,7 @@ const Stage = (() => {
       if (this.marks) this.marks.draw(scene);
     }
 
-    /* What a view in space is for the lattice of a level: the plane z = 0 about the target. */
+    /* Returns a camera of the plane z = 0 around the target, for contours in a view of space. */
     flat() {
       const { target, distance, angle } = this.camera;
       return {

@@ -1,6 +1,6 @@
 "use strict";
-/* A cloud in a phase plane: the scene's own starts; else a disc of neighbours of the start, and the
- * loop round it, whose area Hamiltonian motion keeps. The loop's points are the first members. */
+/* A swarm of motions in a phase plane. Its starts are those of the scene, or a disc around the
+ * start. The first members are the disc's boundary, whose area Hamiltonian motion preserves. */
 const Swarm = (() => {
   const LOOP = 600;
   const FIXED = ["blanes_moan4", "yoshida4", "verlet", "rk4"];
@@ -26,7 +26,7 @@ const Swarm = (() => {
       return Boolean(this.x && this.method && this.lab.engine.swarm);
     }
 
-    /* Radii of the disc: a share of the value at the start or of a unit. */
+    /* Returns the disc's radii in q and q', in proportion to |q|, or to a unit if q is 0. */
     radii(start) {
       const size = (x, angle) => (Math.abs(x) > 1e-12 ? Math.abs(x) : angle ? 1 : 0);
       const { index } = this.x;
@@ -68,7 +68,7 @@ const Swarm = (() => {
       }
     }
 
-    /* What the scene says of its swarm: method and starts. */
+    /* Returns the method and the starts of a scene that is a swarm; null for other scenes. */
     own() {
       const { model, settings } = this.lab;
       const scene = model.sceneNamed.get(settings.scene);
@@ -89,7 +89,7 @@ const Swarm = (() => {
       const [rx, ry] = this.radii(start);
       const values = new Float64Array(2 * this.asked);
       const loop = Math.min(LOOP, this.asked);
-      /* A sunflower fills the disc evenly. */
+      /* The golden angle distributes points evenly over the disc. */
       for (let k = 0; k < this.asked; k++) {
         const inside = k >= loop;
         const angle = inside ? k * 2.399963229728653 : (2 * Math.PI * k) / loop;
@@ -105,7 +105,7 @@ const Swarm = (() => {
       return this.stepAsked || this.lab.natural / 64;
     }
 
-    /* Once a frame: its steps lie where they lie, whenever it is looked at. */
+    /* Called once per frame; the steps do not depend on the times of frames. */
     advance(t) {
       if (!this.swarm || this.status || t === this.t) return;
       this.t = t;
@@ -117,8 +117,8 @@ const Swarm = (() => {
       }
     }
 
-    /* Sum over all coordinates of the areas in (q, p), or in one (q, q') where the page is told no
-     * momenta. */
+    /* Returns the sum over all coordinates of the areas in (q, p); without momenta, the area in one
+     * plane (q, q'). */
     measure() {
       const { engine, runs, nq } = this.lab;
       const { swarm, loop } = this;
@@ -146,7 +146,7 @@ const Swarm = (() => {
       return this.area;
     }
 
-    /* The window follows the cloud outwards, never inwards. */
+    /* The range of the axes grows with the swarm and does not shrink. */
     frame([x0, x1, y0, y1]) {
       const now = [Chart.padded([x0, x1], 0.12), Chart.padded([y0, y1], 0.12)];
       if (!this.box) this.box = now;

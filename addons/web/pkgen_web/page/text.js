@@ -1,5 +1,5 @@
 "use strict";
-/* Names, units and numbers as people read them. */
+/* Formats names, units and numbers for display. */
 const Text = (() => {
   const GREEK = new Map(
     Object.entries({
@@ -41,7 +41,7 @@ const Text = (() => {
   const subscript = (text) =>
     [...text].map((c) => (c >= "0" && c <= "9" ? SUB[c.charCodeAt(0) - 48] : c)).join("");
 
-  /* theta1' → {letter "θ", sub "1", tail "′"}; a word of more than one letter stays a word. */
+  /* Splits theta1' into {letter "θ", sub "1", tail "′"}; a word that is no Greek letter is kept. */
   function parts(name) {
     const rate = /^omega\((\w+)\)\.([xyz])$/.exec(name);
     if (rate)
@@ -65,7 +65,7 @@ const Text = (() => {
     };
   }
 
-  /* For menus and canvases, which have no markup: digits become small ones. */
+  /* Returns a name as plain text for menus and canvases, with digits as Unicode subscripts. */
   function plain(name) {
     const { letter, sub, tail } = parts(String(name));
     const small = /^[\d]*$/.test(sub) ? subscript(sub) : "_" + sub;
@@ -103,7 +103,7 @@ const Text = (() => {
     return minus(Math.abs(head) === 1 ? (head < 0 ? "-" : "") + power : `${head}×${power}`);
   }
 
-  /* Words with their long numbers rounded. */
+  /* Rounds the long numbers in a message. */
   const shorter = (words) => words.replace(/\d+\.\d{6,}(e[-+]?\d+)?/g, (x) => number(Number(x), 6));
 
   const powerOfTen = (x) => {
@@ -116,11 +116,11 @@ const Text = (() => {
     return number(x, digits) + (written ? (written === "°" ? "" : " ") + written : "");
   };
 
-  /* Radians in degrees: "74.5°", of a rate "°/s". Empty for other units. */
+  /* Returns radians as degrees, such as "74.5°", and rates as "°/s"; "" for other units. */
   const degrees = (x, u) =>
     /^rad\b/.test(u || "") ? number((x * 180) / Math.PI, 4) + "°" + unit(u.slice(3)) : "";
 
-  /* "θ₁ [rad]" for an axis. */
+  /* Returns the label of an axis, such as "θ₁ [rad]". */
   const axis = (name, u) => plain(name) + (unit(u) ? ` [${unit(u)}]` : "");
 
   return { plain, symbol, unit, number, quantity, degrees, axis, powerOfTen, minus, shorter };

@@ -1,7 +1,6 @@
 "use strict";
-/* Colours, for the canvases as for the style sheet: read from its variables, so that there is one
- * table. The four of the methods are told apart by the colour-blind (Okabe, Ito), each with its own
- * dashes as well. */
+/* Colours for the canvases, read from the variables of the style sheet. The four colours of the
+ * methods are distinguishable with any colour vision (Okabe, Ito); their dashes differ too. */
 const Theme = (() => {
   const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3]];
   let colours = null;
@@ -34,7 +33,7 @@ const Theme = (() => {
   const ofRun = (run) => (run.index < 0 ? now().reference : now().methods[run.index]);
   const dashOf = (run) => (run.index < 0 ? [4, 4] : DASHES[run.index]);
 
-  /* #rrggbb → [r, g, b] of 0..1 */
+  /* Converts #rrggbb to [r, g, b] in 0..1. */
   function rgb(hex) {
     const n = parseInt(hex.slice(1), 16);
     return [(n >> 16) / 255, ((n >> 8) & 255) / 255, (n & 255) / 255];

@@ -1,15 +1,15 @@
 "use strict";
-/* A look ahead: how fast the model moves and how far its places go, from a short run before the
- * first frame. It gives the natural speed, simulated time a second, and the box to fit in. */
+/* A short trial run before the first frame. It determines the natural speed (simulated time per
+ * second), and the box to which the camera is fitted. */
 const Trial = (() => {
   const POINTS = 240;
   const BUDGET = 1200; /* ms */
-  const SHAKING = 0.5; /* of real time */
-  const SWING = 2.4; /* s: how long a swing should last on the screen */
-  const SHOW = 45; /* s: and all that a scene is about, if swings are still seen, */
-  const SWINGS = 4; /* so many a second */
+  const SHAKING = 0.5; /* least playback speed of fast vibrations */
+  const SWING = 2.4; /* s: duration of one oscillation on the screen */
+  const SHOW = 45; /* s: duration of a whole scene on the screen */
+  const SWINGS = 4; /* most oscillations per second on the screen */
 
-  /* How often each of the first n columns turns round. */
+  /* Counts the turning points of each of the first n columns. */
   function counts(rows, n) {
     const found = [];
     for (let k = 0; k < n; k++) {
@@ -21,7 +21,7 @@ const Trial = (() => {
     return found;
   }
 
-  /* The mean of the three that do so most. */
+  /* Returns the mean of the three largest nonzero counts of turning points. */
   function turns(rows, n) {
     const top = counts(rows, n)
       .sort((a, b) => b - a)
@@ -62,8 +62,8 @@ const Trial = (() => {
     return (head < 1.5 ? 1 : head < 3.5 ? 2 : head < 7.5 ? 5 : 10) * power;
   }
 
-  /* The first coordinate that comes back, and moves as far as any, nearly: panels begin with it;
-   * where none does, one that goes on, or a rate. */
+  /* Returns the coordinate that panels show first: the first that has turning points and at least a
+   * fifth of the largest range; else any coordinate with that range, else a rate. */
   function moving(lab, rows) {
     const spans = rows[0].map((_, k) => {
       const column = rows.map((row) => row[k]).filter(Number.isFinite);
@@ -86,7 +86,7 @@ const Trial = (() => {
     );
   }
 
-  /* Whether a scene runs the model as it says. */
+  /* Whether a scene runs the model with its default values. */
   const plain = (scene) =>
     !scene.swarm && !Object.keys(scene.set).length && !Object.keys(scene.start).length;
 
@@ -119,7 +119,7 @@ const Trial = (() => {
     const real = lab.model.time === "s" && period > 0.3 && period < 8;
     if (period !== null && !(real && !asked)) {
       const all = Math.min(((scene && scene.until) || 0) / SHOW, SWINGS * period);
-      // Of what shakes fast the slow part is meant to be seen: a rattleback's spin.
+      /* Fast oscillations are not slowed below SHAKING, so that their slow effect is seen. */
       const shaking = lab.model.time === "s" && period > 0.02 && period <= 0.3;
       speed = round125(Math.max(real ? 1 : period / SWING, shaking ? SHAKING : 0, all));
     }
