@@ -1,6 +1,5 @@
 """Distances of a motion from its past, of two runs from nearly the same start, and of a run from
-the reference motion. Their unit, the box, is the width of the region that the motion covers.
-"""
+the reference motion. Their unit, the box, is the width of the region that the motion covers."""
 
 from __future__ import annotations
 

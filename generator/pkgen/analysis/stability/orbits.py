@@ -51,8 +51,7 @@ class Orbit:
         return self.growth < 1 + ROUNDED
 
     def beyond(self, trivial: int) -> complex:
-        """Returns the largest multiplier except the `trivial` ones nearest to 1; 0 if none is left.
-        """
+        """Returns the largest multiplier except the `trivial` ones nearest to 1, or 0."""
         others = sorted(self.multipliers, key=lambda z: abs(z - 1))[trivial:]
         return max(others, key=abs, default=0j)
 

@@ -121,9 +121,9 @@ class System:
         return [range(a, b) for a, b in pairwise(ends)]
 
     def cover(self) -> None:
-        """Computes `middle` and `box`, centre and width of the region of the motion, and `reach`. A
-        constant number gets its magnitude as width; a number that stays 0 gets the largest width of
-        its kind."""
+        """Sets `middle` and `box`, centre and width of the region of the motion, and `reach`. A
+        constant has its magnitude as width; a number that stays 0 has the largest width of its
+        kind."""
         if self.reach is not None:
             return
         low, high = self.start.copy(), self.start.copy()
