@@ -114,7 +114,7 @@ golden: $(TESTS)
 
 # These are not among Debian's packages: where pkgen was installed from those, lint needs a registry.
 PYTHON_CODE := generator tests tools bench
-C_CODE = $(shell find runtime generator/pkgen/back/wasm_kernels addons/fmu/pkgen_fmu/c tests/runtime tests/fuzz -name '*.[ch]')
+C_CODE = $(shell find runtime generator/pkgen/back/host addons/fmu/pkgen_fmu/c addons/web/pkgen_web tests/runtime tests/fuzz -name '*.[ch]')
 CLANG_FORMAT = $(VENV)/bin/clang-format
 lint: $(TESTS) runtime
 	@$(PYTHON) -m ruff --version || { echo 'lint: no ruff here; pip install ruff'; exit 1; }

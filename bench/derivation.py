@@ -63,7 +63,7 @@ def main() -> None:
     rows = []
     for n in sizes:
         runs = [compiled(n, kernels) for _ in range(5 if n <= 20 else 1)]
-        (program, _), files = runs[-1][1][-2:]
+        (program, *_), files = runs[-1][1][-2:]
         row = {
             "n": n,
             "derive_seconds": statistics.median(ends[derived] for ends, _ in runs),

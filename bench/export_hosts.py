@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from pkgen_hosts.bindings.names import tables
+from pkgen.back.host.data import tables
 
 from .builds import OUTPUT
 

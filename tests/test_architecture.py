@@ -36,7 +36,7 @@ middle/expand middle/analyze
 middle/particles
 middle/derive
 middle/reduce middle/loops
-back back/wasm_kernels
+back back/host
 back/c back/wasm
 plan
 compiler
@@ -154,8 +154,8 @@ READ = {
         cli.arguments cli.compilation compiler equations plot.names plot.style run.ensemble
         run.library run.named run.settings run.simulate run.values scenes.run
     """,
-    "fmu": "front.units own.in_c",
-    "hosts": "methods own.in_c",
+    "fmu": "front.units",
+    "hosts": "methods",
     "pages": """
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map
         analysis.stability.text compiler equations explain.contents explain.explain

@@ -36,6 +36,12 @@ class Method:
         """Whether a run needs a step size."""
         return not {"adaptive", "exact"} & self.traits
 
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Returns the kernels that a run by the method calls."""
+        words = (self.family, *self.traits, *self.requires)
+        return CALLED.union(*(CALLED_FOR.get(word, ()) for word in words))
+
 
 @record
 class Own(Method):
@@ -63,7 +69,18 @@ class Own(Method):
 
 
 HEADERS = Path(pkgen_runtime.__file__).parent / "include" / "pk"
-INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families with a flag -DPK_INLINE_
+CALLED = frozenset(("acceleration", "singularity", "event", "observe"))  # by every method
+CALLED_FOR = {  # besides, by family, trait or required fact
+    "GAUSS": ("lanes",),  # evaluates its stages in SIMD lanes
+    "SPLITTING": ("advance",),  # several steps in one call, for families kept as loops
+    "linear": ("mass", "linear"),
+    "exact": ("mass", "linear"),
+    "fast": ("fast",),
+    "jacobians": ("canonical", "mass", "jacobian"),
+    # The last two: with rotations or constraints.
+    "holonomic": ("canonical", "mass", "unconstrained", "inertia"),
+}
+INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families that -DPK_INLINE_ names
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
 _ROW = re.compile(r"X\(A, (\w+), \d+, \d+, \d+, ([\w |]+),\s*\\?\s*\w+,")
 _DEFINED = re.compile(r"#define (PK_\w+)\s+\\?\s*\(?((?:PK_\w+(?: \| )?)+|0)\)?\n")
@@ -118,26 +135,6 @@ def in_lanes(method: Method | None, structure: object) -> bool:
 
 
 NONE = Method("", frozenset(), ())  # a method outside the registry: GSL's without GSL
-
-
-def called(of: str | Method) -> frozenset[str]:
-    """Returns the kernels that a run by the method `of` calls."""
-    method = METHODS.get(of, NONE) if isinstance(of, str) else of
-    traits = method.traits
-    kernels = {"acceleration", "singularity", "event", "observe"}
-    if method.family == "GAUSS":
-        kernels |= {"lanes"}  # stages are evaluated in SIMD lanes
-    if method.inlined == "SPLITTING":
-        kernels |= {"advance"}  # makes several steps in one call, for families kept as loops
-    if traits & {"linear", "exact"}:
-        kernels |= {"mass", "linear"}
-    if "fast" in method.requires:
-        kernels |= {"fast"}
-    if "jacobians" in traits:
-        kernels |= {"canonical", "mass", "jacobian"}
-    if "holonomic" in traits:  # the last two: with rotations or constraints
-        kernels |= {"canonical", "mass", "unconstrained", "inertia"}
-    return frozenset(kernels)
 
 
 def inline_flags(methods: Iterable[str | None], own: Iterable[Own] = ()) -> list[str]:

@@ -7,8 +7,9 @@ model, where all code that runs or describes the model reads it.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 
-from .defaults import GAUSS_RTOL
+from .defaults import GAUSS_RTOL, RTOL, UNTIL
 from .equations import Equations, Facts
 from .middle.loops.loops import LoopEquations
 from .middle.reduce.reduction import Needs
@@ -23,7 +24,7 @@ OPTION, SCENE, DEFAULT = "option", "scene", "default"  # origins of a method
 
 @record
 class RunNumbers:
-    """Numbers of a run from options, in SI units; None if a scene or the default sets them."""
+    """Numbers of a run, in SI, of options or of a scene; None: not set there."""
 
     until: float | None = None
     every: float | None = None
@@ -31,6 +32,15 @@ class RunNumbers:
     max_step: float | None = None
     rtol: float | None = None
     atol: float | None = None
+
+    def else_of(self, other: RunNumbers) -> RunNumbers:
+        """Returns these numbers, and where one is not set that of `other`."""
+        names = (f.name for f in fields(RunNumbers))
+        pairs = ((name, getattr(self, name), getattr(other, name)) for name in names)
+        return RunNumbers(**{name: b if a is None else a for name, a, b in pairs})
+
+
+DEFAULTS = RunNumbers(until=UNTIL, rtol=RTOL)
 
 
 @record

@@ -14,7 +14,6 @@ import pytest
 
 from bench import models
 
-pytestmark = pytest.mark.long
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = "bead_on_hoop"
 

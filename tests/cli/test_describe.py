@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from conftest import ROOT, case, ran, run_pkgen, seeds
-from pkgen.api.model import DEFAULTS
+from pkgen.api.arguments import DEFAULTS
 from pkgen.compiler import compile_model
 from pkgen.describe.drawing import drawing, drawn
 from pkgen.front.read import read

@@ -291,6 +291,7 @@ OWN = {"__main__.py", "cli/chart.py", "cli/run.py", "cli/stability.py", "run/bui
 OWN |= {"run/simulate.py", "run/runtime.py", "system/cache.py", "system/files.py"}
 OWN |= {"plot/style.py"}  # of pictures
 OWN |= {"back/wasm/build.py", "back/library.py"}
+OWN |= {"analysis/chart/wide.py"}  # a program that tries a type, in a scratch folder
 ADDED = {"pkgen_film/film.py", "pkgen_film/write.py", "pkgen_sweep/store.py"}
 
 

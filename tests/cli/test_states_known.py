@@ -10,9 +10,6 @@ import pytest
 
 from conftest import case, ran, table, written
 
-pytestmark = pytest.mark.long
-
-
 DECAY = """\
 model decay
 state u [K]

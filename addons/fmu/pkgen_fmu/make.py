@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pkgen.back.archive import archive
 from pkgen.back.exported import TARGET_OPTION, Exported, Host
+from pkgen.back.host.data import VALUES, interface
 from pkgen.back.library import TARGETS, library, named, this_machine
 from pkgen.back.runtime import licence
 
@@ -54,7 +55,8 @@ def _token(model: Exported, version: str) -> str:
 
 def _sources(model: Exported, version: str, token: str) -> dict[str, str]:
     """Returns self-contained C: the model, the wrapper, their part of the runtime."""
-    wrapper = {
+    wrapper = interface(model.name, model.own, model.description, VALUES)
+    wrapper |= {
         path.name: path.read_text(encoding="utf-8")
         for path in sorted(HERE.iterdir())
         if path.suffix in (".c", ".h") and not path.stem.startswith("fmi")

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pkgen.back.exported import Exported
+from pkgen.back.host.data import states
 from pkgen.record import record
-from pkgen.system.exits import UsageError
 
 SHIFT = 20  # must equal UNIT_SHIFT of c/unit.h
 _KINDS = "time parameter input slope state rate output energy claim indicator setting"
@@ -38,43 +38,7 @@ def reference(kind: str, index: int) -> int:
     return KINDS[kind] << SHIFT | index
 
 
-@record
-class State:
-    """A state of a unit: a coordinate, a rate or a first-order variable."""
-
-    name: str
-    unit: str
-    description: str
-    start: float
-    follows: bool
-
-
 Described = Mapping[str, Any]
-
-
-def states(model: Described) -> list[State]:
-    """Returns the states: coordinates, then v in order. Raises UsageError."""
-    found: dict[int, State] = {}
-    coordinates = model["coordinates"]
-    n_q = len(coordinates)
-    for c in coordinates:
-        about = c["description"]
-        found[c["index"]] = State(c["name"], c["unit"], about, c["q"] or 0.0, c["q_follows"])
-        v = State(
-            c["rate"], c["rate_unit"], about and f"rate: {about}", c["v"] or 0.0, c["v_follows"]
-        )
-        found[n_q + c["index"]] = v
-    for r in model["rotations"]:
-        keys = ("rate_indices", "rates", "rate_values", "rates_follow")
-        for k, name, value, follows in zip(*(r[key] for key in keys), strict=True):
-            found[n_q + k] = State(name, r["rate_unit"], "body rate", value or 0.0, follows)
-    for s in model["states"]:
-        found[n_q + s["index"]] = State(
-            s["name"], s["unit"], s["description"], s["value"] or 0.0, s["follows"]
-        )
-    if sorted(found) != list(range(len(found))) or not model["whole"]:
-        raise UsageError("a family is too long to be variables of a unit: --size makes it shorter")
-    return [found[k] for k in range(len(found))]
 
 
 def variables(exported: Exported) -> list[Variable]:
@@ -102,10 +66,12 @@ def _variables(exported: Exported) -> Iterator[Variable]:
         )  # fmt: skip
     x = states(model)
     for k, s in enumerate(x):
-        yield Variable(s.name, reference("state", k), "output", s.start, s.unit, s.description)
+        yield Variable(
+            s["name"], reference("state", k), "output", s["value"] or 0.0, s["unit"], _about(s)
+        )  # fmt: skip
     for k, s in enumerate(x):
         yield Variable(
-            f"der({s.name})", reference("rate", k), "local", None, over(s.unit, time),
+            f"der({s['name']})", reference("rate", k), "local", None, over(s["unit"], time),
             derivative=reference("state", k),
         )  # fmt: skip
     for o in model["outputs"]:
@@ -135,6 +101,11 @@ def _variables(exported: Exported) -> Iterator[Variable]:
         description="of adaptive methods; of states bound in model exchange", lo=0.0, hi=1.0,
         fixed=True,
     )  # fmt: skip
+
+
+def _about(state: Described) -> str:
+    text = state["description"]
+    return {"rate": text and f"rate: {text}", "body rate": "body rate"}.get(state["kind"], text)
 
 
 def indicators(model: Described) -> list[str]:

@@ -52,6 +52,10 @@ def test_sources_compile_alone_and_run(tmp_path: Path) -> None:
     assert not [o for o in model["outputs"] if o["hidden"]]
 
 
+def of_fmu(words: tuple[str, ...], said: str):
+    return pytest.param(words, said, marks=pytest.mark.needs_addon("fmu"))
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -59,11 +63,11 @@ def test_sources_compile_alone_and_run(tmp_path: Path) -> None:
         (("--as", "sourse"), "did you mean 'source'?"),
         (("--as", "source", "-o", str(PENDULUM)), "this is a file; give a folder"),
         (("--as", "source", "--scene", "nosuch"), "no such scene"),
-        (("--as", "fmu", "--method", "verlet"), "method verlet: it is for systems that are"),
+        of_fmu(("--as", "fmu", "--method", "verlet"), "method verlet: it is for systems that are"),
         (("--as", "python", "--method", "gsl_rkf45"), "nothing that is exported has GSL"),
-        (("--as", "python", "--fmi", "2"), "--fmi: this is of --as fmu, not of --as python"),
-        (("--as", "fmu", "--fmi", "4"), "--fmi: 4: there are: 3, 2"),
-        (("--as", "fmu", "-o", "unit.zip"), "the file's name must end in .fmu"),
+        of_fmu(("--as", "python", "--fmi", "2"), "--fmi: this is of --as fmu, not of --as python"),
+        of_fmu(("--as", "fmu", "--fmi", "4"), "--fmi: 4: there are: 3, 2"),
+        of_fmu(("--as", "fmu", "-o", "unit.zip"), "the file's name must end in .fmu"),
         (
             ("--as", "source", "--metod", "rk4"),
             "there is no option --metod; did you mean '--method'",
@@ -110,15 +114,16 @@ def test_nothing_that_is_exported_names_gsl(tmp_path: Path, tools: bool) -> None
 
 
 def test_a_model_called_as_a_file_of_the_export(tmp_path: Path) -> None:
-    (tmp_path / "m.lag").write_text(PENDULUM.read_text().replace("double_pendulum", "motion", 1))
-    done = run_pkgen("export", tmp_path / "m.lag", "--as", "python", cwd=tmp_path)
-    assert done.returncode == 2 and "motion.c is a file of the export itself" in done.stderr
+    (tmp_path / "m.lag").write_text(PENDULUM.read_text().replace("double_pendulum", "called", 1))
+    done = run_pkgen("export", tmp_path / "m.lag", "--as", "source", cwd=tmp_path)
+    assert done.returncode == 2 and "called.h is a file of the export itself" in done.stderr
 
 
 def _lines(text: str) -> int:
     return sum(1 for line in text.splitlines() if line.strip())
 
 
+@pytest.mark.needs_addon("fmu")
 def test_lines_of_ones_own_are_those_of_the_pages() -> None:
     """The last number of a row that links a page: its first program's."""
     _, _, table = (ROOT / "addons/hosts/README.md").read_text().partition("## Lines of one's own")

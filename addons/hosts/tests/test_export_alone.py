@@ -69,13 +69,6 @@ def test_the_page_shows_what_is_printed(tmp_path: Path) -> None:
     assert [float(x) for x in first.split(",")] == pytest.approx(row, rel=1e-15)
 
 
-def test_values_and_starts_that_are_given_are_in_it(tmp_path: Path) -> None:
-    words = ("--method", "rk4", "--step", "1e-3", "--until", "1", "--every", "0.05")
-    words += ("--set", "l2=0.5", "--start", "theta1=20 [deg]", "--start", "theta2'=0.7")
-    said = rows_of(tmp_path, PENDULUM, *words, flags=["-march=native"])
-    assert compare(said, PENDULUM, *words) == 0
-
-
 def test_parameters_may_have_any_name(tmp_path: Path) -> None:
     """Those of the arguments of kernels, and of families whose first member stands beside them."""
     names = ("q", "v", "a", "u", "t_", "p", "sc")

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, run_pkgen
-from pkgen.back.wasm_kernels import LIVE
-from pkgen_hosts.bindings.c import CALLS, HERE
+from pkgen.back.host.data import HERE
 
 PAGE = (ROOT / "addons/hosts/export-julia.md").read_text()
 # How C says what ccall says by these.
@@ -21,7 +20,7 @@ SAME = {
     "Float64": r"double",
     "Cvoid": r"void",
     "Cstring": r"const char ?\*",
-    "Ptr{Cvoid}": r"(const )?(void|struct live) ?\*",
+    "Ptr{Cvoid}": r"(const )?(void|struct pk_host_motion) ?\*",
     "Ptr{Float64}": r"(const )?double ?\*",
 }
 
@@ -36,14 +35,13 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def prototypes() -> dict[str, tuple[str, list[str]]]:
-    texts = [(LIVE / name).read_text() for name in CALLS] + [(HERE / "model.c.j2").read_text()]
-    text = re.sub(r"/\*.*?\*/", "", "\n".join(texts), flags=re.S)
-    form = r"^([a-z][\w ]*?\*?)\s?(?:EXPORT\((live_\w+)\)|(live_\w+))\(([^)]*)\)\s*\{"
+    text = re.sub(r"/\*.*?\*/", "", (HERE / "pk_host.h").read_text(), flags=re.S)
+    form = r"^([a-z][\w ]*?\*?)\s?EXPORT\((pk_host_\w+)\)\(([^)]*)\);"
     found = {}
-    for result, a, b, arguments in re.findall(form, text, re.M):
+    for result, name, arguments in re.findall(form, text, re.M):
         names = [] if arguments == "void" else arguments.split(",")
         kinds = [re.sub(r"\w+$", "", " ".join(one.split())).strip() for one in names]
-        found[a or b] = (result.strip(), kinds)
+        found[name] = (result.strip(), kinds)
     return found
 
 

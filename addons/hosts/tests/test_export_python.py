@@ -13,14 +13,13 @@ from pathlib import Path
 
 import numpy
 import pytest
-from columns import MODELS, RIG, ran
+from columns import RIG, ran
 
-from conftest import ROOT, long_but, run_pkgen
+from conftest import ROOT, run_pkgen
 from pkgen.back.library import TARGETS
 from pkgen_hosts.python.make import platform_tag
 
 PENDULUM = ROOT / "models" / "double_pendulum.lag"
-TOP = ROOT / "models" / "bodies" / "heavy_top_rotation.lag"
 WATCHED = f"""{RIG}observe power = F*x'
 event low: x + (2 [m]) falling stop
 event middle: x falling
@@ -191,23 +190,6 @@ import json, MODEL as d
 rows = d.Model().run(UNTIL, every=EVERY)
 print(json.dumps({name: rows[name].tolist() for name in rows.columns}))
 """
-
-
-@pytest.mark.parametrize("model", long_but({TOP}, MODELS), ids=lambda m: m.stem)
-def test_rows_are_those_of_a_run(model: Path, tmp_path: Path) -> None:
-    given = ("--start", "omega(R).x=0.3") if model == TOP else ()  # a rate of a rotation
-    folder = unpacked(wheel(model, tmp_path, *given), tmp_path / "in")
-    (name,) = (p.name for p in folder.iterdir() if (p / "model.json").exists())
-    run = json.loads((folder / name / "model.json").read_text())["run"]
-    until = (run["step"] or 0.01) * 20
-    text = ROWS.replace("MODEL", name).replace("UNTIL", repr(until))
-    found = said(sys.executable, text.replace("EVERY", repr(until / 4)), [folder])
-    rows = ran(model, *given, "--until", until, "--every", until / 4)
-    common = found.keys() & rows.keys()
-    assert len(common) >= 3  # t among them
-    for column in common:
-        size = max(1.0, max(map(abs, rows[column])))
-        assert found[column] == pytest.approx(rows[column], abs=1e-9 * size)
 
 
 def test_the_tag_says_which_glibc_it_needs(tmp_path: Path) -> None:

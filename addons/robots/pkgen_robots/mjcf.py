@@ -102,20 +102,24 @@ class _Reader:
         at = element.numbers("pos", 3, ZERO) if given != "free" else ZERO
         name = self.name(element, "joint", other)
         joint = Joint(name, KINDS[given], parent, child, at, (), axis)
-        if axis:
-            joint.zero = scale * element.numbers("ref", 1, (0.0,), ANGLE)[0]
+        joint.zero = scale * element.numbers("ref", 1, (0.0,), ANGLE)[0] if axis else 0.0
+        self.passive(element, joint, scale)
+        joint.limits = self.limits(element, given, joint.name)
+        return joint
+
+    def passive(self, element: Element, joint: Joint, scale: float) -> None:
+        """Sets armature, damping and spring of a joint; an angle is in units of `scale`."""
         joint.armature = _positive(element, "armature")
         if self.settings.on("passive", "damper"):
             joint.damping = _positive(element, "damping")
         if self.settings.on("passive", "spring"):
             joint.stiffness = _positive(element, "stiffness")
             joint.rest = scale * element.numbers("springref", 1, (0.0,), ANGLE)[0]
-        if joint.stiffness and axis is None:
-            raise element.wrong(f"'stiffness' of a {given} joint is not read", "take it out")
+        if joint.stiffness and joint.axis is None:
+            message = f"'stiffness' of a {element.attributes['type']} joint is not read"
+            raise element.wrong(message, "take it out")
         if element.number("frictionloss", 0.0) and self.settings.on("frictionloss", "constraint"):
             self.robot.leave_out("frictionloss of a joint")
-        joint.limits = self.limits(element, given, joint.name)
-        return joint
 
     def limits(self, element: Element, given: str, name: str) -> tuple[float, float] | None:
         """Returns the limits, or None if `limited` excludes them. "auto", the default, means that

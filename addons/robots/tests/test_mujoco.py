@@ -24,6 +24,12 @@ WHEELS = ("mujoco", "dm_control", "gymnasium")
 LEAST = 1e-3  # accelerations are compared beside this if they are smaller: the rest is rounding
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """MuJoCo writes its warnings to a file in the working folder."""
+    monkeypatch.chdir(tmp_path)
+
+
 def models() -> list[str]:
     """The files of the wheels that are here, by their paths in the folder of packages."""
     found = []

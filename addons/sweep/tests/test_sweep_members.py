@@ -139,7 +139,7 @@ class Cut:
         kept = Kept(((b"f", 0),), columns[2:], columns[:2])
         starts = Starts("random", (axis,), n, seed)
         counts = Quantity("member", "", "")
-        self.job = Job("m", "d", {}, {}, None, starts, kept, "s", counts, None, self.before)
+        self.job = Job("m", "d", {}, (), {}, None, starts, kept, "s", counts, None, self.before)
         shard, part = pick.randint(1, n), pick.randint(1, n)
         self.folder = shards.Folder(folder, "d", n, shard, part, True, int(self.before > 0))
         self.folder.made()

@@ -18,6 +18,8 @@ from pkgen.system.files import STANDARD, replace
 
 from .page import packed
 
+SWARM = Path(__file__).parent / "swarm.c"
+
 EXAMPLES = """
 pkgen show models/double_pendulum.lag -o pendulum.html
 pkgen show flips --map theta1,theta2 -o flips.html
@@ -49,7 +51,8 @@ def run(options: argparse.Namespace) -> int:
     if shown is not None:
         found.description["map"] = folder.described(shown, found.compilation)
     compilation = found.compilation
-    code = wasm(compilation.files, compilation.model.name, compilation.model.methods)
+    model = compilation.model
+    code = wasm(compilation.files, model.name, model.methods, (SWARM,))
     text = packed(found.description, code, *explained(options))
     replace({path: text})
     if options.json:

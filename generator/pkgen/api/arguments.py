@@ -25,7 +25,7 @@ Names = str | Sequence[str]
 Weights = str | Sequence[str] | Sequence[float]
 NUMBERS = ("until", "every", "step", "max_step", "rtol", "atol")
 # Options that a call may leave out.
-DEFAULTS = {**OPTIONS, "tableau": (), "composition": (), "json": True}
+DEFAULTS = {**OPTIONS, "tableau": (), "composition": (), "output": None, "json": True}
 Check = Callable[[object], bool]
 
 

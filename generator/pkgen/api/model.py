@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,31 +16,25 @@ from ..front.read import allowing, read
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
-from ..run.library import Run
 from ..run.library import load as load_library
-from ..run.settings import Settings
-from ..run.simulate import build, followed
+from ..run.simulate import followed
 from ..scenes import lengths
-from ..scenes import run_settings as parsing
 from ..scenes.scene import chosen
 from ..system.exits import INTERRUPTED, USAGE
 from ..system.near import near
 from . import arguments
-from .arguments import DEFAULTS, Files, Names, Value, Weights, in_words
-from .errors import ArrayError, RunError, UsageError
+from .arguments import Files, Names, Value, Weights, in_words
+from .errors import RunError, UsageError
 from .inputs import Computed, Function, Table
 from .integrator import Integrator
+from .kernels import Kernels
 from .page import Page, shown
 from .parameters import Parameters
 from .prepare import prepare
 from .result import Result
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
     from .symbols import Symbolic, Typeset
-
-    U = ArrayLike | Mapping[str, ArrayLike] | None
 
 
 def load(
@@ -57,7 +49,7 @@ def load(
     return Model(path, scene, {} if sizes is None else sizes, allow_path)
 
 
-class Model:
+class Model(Kernels):
     """A model, and one scene of it or none. `params` are its parameters.
 
     Kernels (`M`, `f`, `acceleration`, ...) are those of the whole model, without the scene's
@@ -235,114 +227,6 @@ class Model:
             assert prepared.library is not None
             library = load_library(prepared.library)
             return Integrator(prepared, library.run(prepared.settings, idle=True, watch=-1))
-
-    # -- kernels ------------------------------------------------------------------------------
-
-    @cached_property
-    def _handle(self) -> Run:
-        """An idle run with the current parameters, through which kernels are called."""
-        compilation = self.compilation
-        values = [f"{name}={value!r}" for name, value in self.params._set.items()]
-        options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=values)
-        options.until, options.method, options.step = "1.0", "rk4", "1.0"
-        settings: Settings = parsing.settings(options, compilation)
-        library = load_library(build(compilation, settings, None))
-        return library.run(replace(settings, every=None, show=()), bare=True, idle=True)
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        return tuple(named.inputs(self.compilation).names())
-
-    def _inputs(self, u: U) -> NDArray[Any]:
-        """Returns the inputs, of shape (..., inputs); inputs that are not named are 0."""
-        import numpy
-
-        names = self.inputs
-        if not isinstance(u, Mapping):
-            (given,) = arguments.arrays(u=u)
-            if given.shape[-1:] != (len(names),):
-                raise ArrayError(f"u must be of shape (..., {len(names)}): {', '.join(names)}")
-            return given
-        for name in u.keys() - {*names}:
-            raise UsageError(f"u: {near(name, [*names], 'input')}")
-        columns = arguments.arrays(**{name: u.get(name, 0.0) for name in names})
-        return numpy.stack(numpy.broadcast_arrays(*columns), -1)
-
-    def _kernel(self, what: str, q: ArrayLike, v: ArrayLike, t: ArrayLike, u: U) -> NDArray[Any]:
-        import numpy
-
-        n, m = len(self.coordinates), len(self.rates)
-        places, rates, times = arguments.arrays(q=q, v=v, t=t)
-        if places.shape[-1:] != (n,) or rates.shape[-1:] != (m,):
-            raise ArrayError(f"q must be of shape (..., {n}), v of shape (..., {m})")
-        inputs = None if u is None else self._inputs(u)
-        others = [places.shape[:-1], rates.shape[:-1], times.shape]
-        others += [] if inputs is None else [inputs.shape[:-1]]
-        try:
-            shape = numpy.broadcast_shapes(*others)
-        except ValueError as error:
-            raise ArrayError(f"q, v, t and u: {error}") from None
-        count = math.prod(shape)  # reshape(-1, n) fails for n = 0: rotations alone
-        found = self._handle.evaluate(
-            what,
-            numpy.broadcast_to(times, shape).reshape(-1),
-            numpy.broadcast_to(places, (*shape, n)).reshape(count, n),
-            numpy.broadcast_to(rates, (*shape, m)).reshape(count, m),
-            None
-            if inputs is None
-            else numpy.broadcast_to(inputs, (*shape, inputs.shape[-1])).reshape(count, -1),
-        )
-        return found.reshape(*shape, found.shape[1])
-
-    def acceleration(
-        self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None
-    ) -> NDArray[Any]:
-        """q'' (and x' of first-order variables), of shape (..., n); NaN where M is singular."""
-        return self._kernel("acceleration", q, v, t, u)
-
-    def f(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
-        """The force f of M a = f, of shape (..., n)."""
-        return self._kernel("force", q, v, t, u)
-
-    def M(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
-        """The mass matrix, of shape (..., n, n)."""
-        found = self._kernel("mass", q, v, t, u)
-        n = len(self.rates)
-        return found.reshape(*found.shape[:-1], n, found.shape[-1] // n)
-
-    def momenta(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
-        """dL/dv, of shape (..., n)."""
-        return self._kernel("momenta", q, v, t, u)
-
-    def energy(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
-        """v.dL/dv - L, of shape (...)."""
-        return self._kernel("energy", q, v, t, u)[..., 0]
-
-    def jacobian(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
-        """da/dq and da/dv, of shape (..., 2, n, n)."""
-        found = self._kernel("jacobian", q, v, t, u)
-        n = len(self.rates)
-        return found.reshape(*found.shape[:-1], 2, n, found.shape[-1] // (2 * n))
-
-    @property
-    def start(self) -> NDArray[Any]:
-        """The model's start, coordinates then rates: the initial y of `rhs`."""
-        import numpy
-
-        given = self._handle.given()
-        return numpy.array([*given["q"], *given["v"]])
-
-    def rhs(self, t: float, y: ArrayLike) -> NDArray[Any]:
-        """y' of y = (q, v), for solvers of first-order equations: `solve_ivp(m.rhs, ...)`. y has
-        the shape (n,), or (n, count) for `vectorized=True`."""
-        import numpy
-
-        state, times = arguments.arrays(y=y, t=t)
-        n, m = len(self.coordinates), len(self.rates)
-        if state.shape[:1] != (n + m,) or state.ndim > 2 or times.ndim:
-            raise ArrayError(f"y must be of shape ({n + m},) or ({n + m}, count), t a number")
-        q, v = state[:n].T, state[n:].T
-        return numpy.concatenate([state[n : 2 * n], self.acceleration(q, v, t).T])
 
     # -- equations ----------------------------------------------------------------------------
 

@@ -13,9 +13,8 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
-import pkgen_runtime
+from ..system.toolchain import RUNTIME
 
-RUNTIME = Path(pkgen_runtime.__file__).parent
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 _PUBLIC = re.compile(r"^([ \t]*#[ \t]*include[ \t]*)<(pk/[^>]+)>", re.MULTILINE)

@@ -15,7 +15,7 @@ from ..plot.view import View
 from ..run.rows import interval
 from ..system import addons
 from ..system.exits import DONE, UsageError
-from ..system.files import PARTIAL, STANDARD, scratch
+from ..system.files import PARTIAL, ROWS, STANDARD, scratch
 from . import arguments as shared
 from . import pictures
 from .messages import needs, refuse_both
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 CLOSEST = 20_000  # most rows of a motion that is run for a picture
 A_STEP = 4  # rows per step
-ROWS = (".csv", ".npy", ".csv" + PARTIAL)
+READ = (*ROWS, ".csv" + PARTIAL)
 
 EXAMPLES = """
 pkgen plot models/double_pendulum.lag
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         return DONE
     tables, codes = [], []
     for name, label in zip(options.files, _labels(options.files), strict=True):
-        if name.endswith(ROWS):
+        if name.endswith(READ):
             table, code = _read(name, label), DONE
         else:
             options.model = name
@@ -102,7 +102,7 @@ def _refuse(options: argparse.Namespace, swept: list[str]) -> None:
     """Raises UsageError for an option without effect."""
     if options.map is not None and not swept:
         raise UsageError("--map is of a sweep: give its folder")
-    models = (f for f in options.files if not f.endswith(ROWS) and f not in swept)
+    models = (f for f in options.files if not f.endswith(READ) and f not in swept)
     options.model = next(models, "")
     if options.model:
         return

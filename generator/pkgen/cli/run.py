@@ -46,7 +46,7 @@ pkgen run models/heavy_top.lag --scene nutation --method gauss4 --step 0.01
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_run(parser)
     checkpoints.arguments(parser)
-    parser.set_defaults(instead=None)
+    parser.set_defaults(instead=None)  # set by add-ons
 
 
 def run(options: argparse.Namespace) -> int:

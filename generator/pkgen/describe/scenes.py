@@ -29,12 +29,13 @@ def members_of(model: Model, item: Start) -> list[int | None]:
 def described_scene(compilation: Compilation, scene: Scene) -> dict[str, object]:
     model = compilation.declared
     found: dict[str, object] = {"name": scene.name, "description": scene.description}
-    found |= dict.fromkeys(("until", "method", "step", "rtol", "accuracy", "every"))
+    keys = ("until", "step", "rtol", "accuracy", "every")
+    found |= dict.fromkeys((*keys, "method"))
     found |= {"set": {}, "start": {}, "swarm": None}
     with suppress(UsageError, ModelError, WrongValue, NotAnInteger):
         numbers = scenes.numbers(model, scene, {})
-        for key in ("until", "method", "step", "rtol", "accuracy", "every"):
-            found[key] = getattr(numbers, key) or None
+        found |= {key: getattr(numbers, key) for key in keys}
+        found["method"] = scene.method or None
         found["set"] = {_member(key): x for key, x in numbers.parameters.items()}
         found["set"] |= numbers.inputs
         found["start"] = _starts(model, scene)

@@ -27,7 +27,6 @@ COARSE = 0.77  # RMS change between rows over standard deviation, at eight rows 
 CONSTANT = 1e-7  # largest relative variation of a constant
 NOISE = 1e-12  # rounding noise relative to the largest number of the table
 FEWEST = 8  # fewest rows from which a period is estimated
-ENDS = (".csv", ".npy", ".csv" + PARTIAL)
 _HEAD = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 _INDEX = re.compile(r"\d+")
 

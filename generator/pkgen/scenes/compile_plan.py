@@ -7,17 +7,26 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from ..compiler import Compilation
-from ..defaults import RTOL
 from ..equations import Equations, Structure
 from ..graph.solve import looped
-from ..methods import Method, called, in_lanes, known
+from ..methods import METHODS, Method, in_lanes, known
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
 from ..middle.report import ReportLine
 from ..middle.specialise import folded, held
 from ..model import Model, Scene
-from ..plan import DEFAULT, OPTION, SCENE, CompilePlan, Made, RunNumbers, Use, default_method
+from ..plan import (
+    DEFAULT,
+    DEFAULTS,
+    OPTION,
+    SCENE,
+    CompilePlan,
+    Made,
+    RunNumbers,
+    Use,
+    default_method,
+)
 from ..record import record
 from ..run import diagnostics
 from ..run.values import Numbers
@@ -93,16 +102,15 @@ def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePla
     declared = compilation.declared
     scene = scenes.of(options, declared) or Scene(name=OPTIONS, span=declared.span)
     made = compilation.equations, compilation.structure
-    return _plan(compilation.model, scene, _asked(options, record_columns(options)), made)
+    return _plan(compilation.model, scene, _asked(options, None, frozenset()), made)
 
 
 def _asked(
-    options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str] | None = None
+    options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str]
 ) -> Overrides:
-    """Returns what options ask for; `off`: the reductions switched off besides those of options."""
+    """Returns what options ask for; `off`: the reductions that are switched off. Only options and
+    diagnostics switch the exact flow off."""
     exact = EXACT in switched_off(options.no_reduce) or options.diagnose
-    if off is None:
-        off = switched_off(options.no_reduce)
     return Overrides(
         columns=columns,
         event=options.at,
@@ -124,7 +132,7 @@ def _plan(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> Co
         several = asked.several or scene.swarm is not None
         exact = EXACT not in asked.off and not several and (given.rtol or given.step) is None
         # A scene with a tolerance has a method.
-        method, source = default_method(made, given.rtol or RTOL, exact), DEFAULT
+        method, source = default_method(made, given.else_of(DEFAULTS).rtol, exact), DEFAULT
     return CompilePlan(None, method, source, given)
 
 
@@ -147,7 +155,7 @@ def _of_method(
 ) -> frozenset[str]:
     """Returns the kernels of the run's method, or of all that it may be."""
     of = known(model.methods).get(plan.method)
-    found = called(of) if of else called("gauss") | {"mass", LINEAR_OF_FEW}
+    found = of.kernels if of else METHODS["gauss"].kernels | {"mass", LINEAR_OF_FEW}
     several = asked.several or scene.swarm is not None
     if (
         asked.event_of(scene)

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 
 from ..compiler import Compilation
-from ..defaults import RTOL, THREADS_MOST, UNTIL
+from ..defaults import THREADS_MOST
 from ..indices import hidden
 from ..middle.quantities import indexed
 from ..model import Scene
-from ..plan import DEFAULT
+from ..plan import DEFAULT, DEFAULTS
 from ..run import diagnostics, named, rows
 from ..run.settings import PartSettings, Settings, Shown
 from ..run.values import Values, assignment
 from ..system.exits import UsageError
+from ..system.files import ROWS
 from ..system.near import unknown
 from . import compile_plan as scene_use
 from . import model as scene_model
@@ -45,7 +47,7 @@ def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
 def output(path: str | None) -> Path | None:
     if path is None or path == "-":
         return None
-    if not path.endswith((".csv", ".npy")):
+    if not path.endswith(ROWS):
         raise UsageError(f"-o {path}: the file's name must end in .csv or .npy")
     return Path(path)
 
@@ -65,7 +67,6 @@ def settings(
     """Returns the settings of `pkgen run` in SI units: from options, else from the scene, else
     defaults. `members`: the size of an ensemble or swarm; None: one trajectory."""
     values, plan = Values(compilation), scene_use.planned(options, compilation)
-    given = plan.numbers
     starts, start_parameters = values.starts(options.start)
     sets = [assignment("--set", text) for text in scene_options.numbers(options)]
     _once("--set", (values.flat_name("--set", name) for name, _ in sets))
@@ -75,7 +76,7 @@ def settings(
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
-    said = scene.Numbers({}, {})
+    said = scene.Numbers()
     if chosen is not None:
         at_run = values.by_key(parameters, parameters_set)
         said = scene.numbers(compilation.declared, chosen, at_run)
@@ -89,9 +90,8 @@ def settings(
         inputs_set = {**of_scene, **inputs_set}
     parameters_set |= start_parameters
     single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
-    step = given.step or said.step
-    until = given.until or said.until or UNTIL
-    every = given.every or said.every
+    of = plan.numbers.else_of(said).else_of(DEFAULTS)
+    every = of.every
     show, at = _recorded(options, values, chosen)
     numbers = len(show) + 1
     if not show:
@@ -99,20 +99,14 @@ def settings(
         observed = sum(x.count for x in outputs if not hidden(x.quantity.name))
         numbers = values.coordinates.count + values.rates.count + observed + 2
     if every is None and members is None and at is None:
-        every = rows.interval(until, step, numbers)
-    count = until / every + 1 if every else 1
+        every = rows.interval(of.until, of.step, numbers)
+    count = of.until / every + 1 if every else 1
     rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
-    rtol = given.rtol or said.rtol or RTOL
     return Settings(
         method=plan.method,
-        until=until,
-        every=every,
-        step=step,
-        rtol=rtol,
-        atol=given.atol,
+        **{**asdict(of), "every": every},
         iteration=options.iteration,
         max_steps=_count("--max-steps", options.max_steps),
-        max_step=given.max_step,
         parameters=single,
         members=of_families,
         inputs=tuple(inputs_set.items()),
@@ -125,7 +119,7 @@ def settings(
         diagnose=diagnostics.asked(options.diagnose),
         accuracy=said.accuracy if chosen and scene_use.promised(plan, chosen) else None,
         parts=tuple(
-            PartSettings(part.plan.method, step, rtol)
+            PartSettings(part.plan.method, of.step, of.rtol)
             for part in compilation.parts
             if plan.source == DEFAULT
         ),

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from dataclasses import field
 
 from ..front.check.scene_numbers import Key, Values, WrongValue
 from ..model import Model, Scene
+from ..plan import RunNumbers
 from ..record import record
 from ..source import ModelError, Span
 from ..system.exits import UsageError
@@ -38,16 +40,11 @@ def wrong(model: Model, scene: Scene, span: Span, why: object) -> UsageError:
 
 
 @record
-class Numbers:
-    """The numbers that a scene sets, in SI units; None, "" or empty for what it does not set."""
+class Numbers(RunNumbers):
+    """All numbers that a scene sets; None or empty for what it does not set."""
 
-    parameters: dict[Key, float]
-    inputs: dict[str, float]
-    until: float | None = None
-    method: str = ""
-    step: float | None = None
-    rtol: float | None = None
-    every: float | None = None
+    parameters: dict[Key, float] = field(default_factory=dict)
+    inputs: dict[str, float] = field(default_factory=dict)
     accuracy: float | None = None
 
 
@@ -86,10 +83,9 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
                 parameters[item.name, index] = value
         found.set(parameters)
     return Numbers(
-        parameters,
-        inputs,
+        parameters=parameters,
+        inputs=inputs,
         until=found.positive("until", scene.until),
-        method=scene.method,
         step=found.positive("step", scene.step),
         rtol=found.rtol(scene.rtol),
         every=found.positive("every", scene.record.every) if scene.record else None,

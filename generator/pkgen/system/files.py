@@ -29,6 +29,7 @@ from .progress import trace
 
 STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
+ROWS = (".csv", ".npy")  # ends of the names of files of rows
 SCRATCH = "pkgen."
 MARK = ".pkgen-scratch"  # a file that identifies a scratch folder of pkgen
 

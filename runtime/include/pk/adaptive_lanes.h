@@ -1,5 +1,5 @@
-/* Makes the next steps of several integrators at once, in SIMD lanes. They
- * share system and method; each has its own state, parameters, time and step size.
+/* Makes the next steps of several integrators at once, in SIMD lanes. They share system and method;
+ * each has its own state, parameters, time and step size.
  *
  *     size_t size = pk_lanes_size(&problem, method);      (bytes; 0: there are no lanes for it)
  *     pk_lanes_init(&steps, &problem, method, block, size);

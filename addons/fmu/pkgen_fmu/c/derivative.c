@@ -21,7 +21,7 @@ static double *moved(struct unit *unit, unsigned known)
     if (kind == UNIT_INPUT && i < unit->n_inputs)
         return unit->inputs + i;
     if (kind == UNIT_STATE && i < unit->n_x)
-        return unit_x(unit, i);
+        return unit->y + i;
     return NULL;
 }
 
@@ -117,7 +117,7 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
         return UNIT_DISCARD;
     double *const a_q = a + n, *const a_v = a_q + n * n, *const a_t = a_v + n * n;
     const enum pk_status found =
-        pk_system_linear(&problem, *unit->time, unit->q, unit->v, a, a_q, a_v, a_t, a_t + n);
+        pk_system_linear(&problem, *unit->time, unit->y, unit_v(unit), a, a_q, a_v, a_t, a_t + n);
     memset(out, 0, n * sizeof *out);
     for (size_t k = 0; k < n_knowns && found == PK_DONE; k++) {
         const size_t j = unit_index_of(knowns[k]);

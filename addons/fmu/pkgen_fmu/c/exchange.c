@@ -105,24 +105,16 @@ enum unit_status unit_set_states(struct unit *unit, const double *x, size_t n)
         if (!isfinite(x[i]))
             return unit_say(unit, UNIT_DISCARD, "logStatusDiscard",
                             "state %zu is not finite at t = %g", i, *unit->time);
-    memcpy(unit->q, x, unit->n_q * sizeof *x);
-    memcpy(unit->v, x + unit->n_q, unit->n * sizeof *x);
+    memcpy(unit->y, x, n * sizeof *x);
     unit_forget(unit);
     return UNIT_OK;
-}
-
-/* Copies values of coordinates, then those of rates and first-order variables. */
-static void give(const struct unit *unit, double *x, const double *first, const double *rest)
-{
-    memcpy(x, first, unit->n_q * sizeof *x);
-    memcpy(x + unit->n_q, rest, unit->n * sizeof *x);
 }
 
 enum unit_status unit_get_states(struct unit *unit, double *x, size_t n)
 {
     const enum unit_status status = right(unit, x, n, unit->n_x);
     if (status == UNIT_OK)
-        give(unit, x, unit->q, unit->v);
+        memcpy(x, unit->y, n * sizeof *x);
     return status;
 }
 
@@ -131,9 +123,11 @@ enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n)
     enum unit_status status = right(unit, rates, n, unit->n_x);
     if (status == UNIT_OK)
         status = unit_rates(unit);
-    if (status == UNIT_OK)
-        give(unit, rates, unit->v, unit->rates);
-    return status;
+    if (status != UNIT_OK)
+        return status;
+    memcpy(rates, unit_v(unit), unit->n_q * sizeof *rates);
+    memcpy(rates + unit->n_q, unit->values[PK_HOST_ACCELERATIONS], unit->n * sizeof *rates);
+    return UNIT_OK;
 }
 
 enum unit_status unit_indicators(struct unit *unit, double *values, size_t n)

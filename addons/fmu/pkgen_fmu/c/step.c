@@ -26,8 +26,7 @@ enum unit_status unit_said(struct unit *unit, enum unit_status status)
                     "%s", text);
 }
 
-enum unit_status unit_integrator(struct unit *unit, double h, double t, const double *q,
-                                 const double *v)
+enum unit_status unit_integrator(struct unit *unit, double h, double t, const double *y)
 {
     const struct pk_problem problem = unit_problem(unit);
     const struct pk_method *const method =
@@ -47,7 +46,7 @@ enum unit_status unit_integrator(struct unit *unit, double h, double t, const do
     }
     if (!unit->block || !unit->events_block)
         return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no memory");
-    if (pk_integrator_init(&unit->it, &problem, method, &options, t, q, v, unit->block,
+    if (pk_integrator_init(&unit->it, &problem, method, &options, t, y, y + unit->n_q, unit->block,
                            pk_integrator_size(&problem, method)) < 0)
         return unit_said(unit, UNIT_ERROR);
     return UNIT_OK;
@@ -56,7 +55,7 @@ enum unit_status unit_integrator(struct unit *unit, double h, double t, const do
 /* Initialises the integrator and the events at the unit's state. */
 static enum unit_status make_ready(struct unit *unit, double h)
 {
-    const enum unit_status status = unit_integrator(unit, h, *unit->time, unit->q, unit->v);
+    const enum unit_status status = unit_integrator(unit, h, *unit->time, unit->y);
     if (status != UNIT_OK)
         return status;
     if (pk_events_init(&unit->events, &unit->it, unit->events_block,
@@ -98,8 +97,8 @@ enum unit_status unit_exit_initialization(struct unit *unit)
 static void take(struct unit *unit)
 {
     *unit->time = unit->it.t;
-    memcpy(unit->q, unit->it.q, unit->n_q * sizeof *unit->q);
-    memcpy(unit->v, unit->it.v, unit->n * sizeof *unit->v);
+    memcpy(unit->y, unit->it.q, unit->n_q * sizeof *unit->y);
+    memcpy(unit_v(unit), unit->it.v, unit->n * sizeof *unit->y);
     unit_move_inputs(unit, unit->it.t);
     unit_forget(unit);
 }

@@ -47,7 +47,7 @@ enum unit_status unit_allowed(const struct unit *unit, const char *call, int mod
 /* Sets the pointers to parts of `all`, unless it is NULL. Returns its number of entries. */
 static size_t lay_out(struct unit *unit, double *all)
 {
-    const size_t n_p = unit->model->n_parameters, n_u = unit->n_inputs;
+    const size_t n_p = pk_host_model.n_parameters, n_u = unit->n_inputs;
     const struct {
         double **part;
         size_t count;
@@ -60,8 +60,7 @@ static size_t lay_out(struct unit *unit, double *all)
                  {&unit->is_set, n_p},
                  {&unit->start, unit->n_x},
                  {&unit->start_is_set, unit->n_x},
-                 {&unit->q, unit->n},
-                 {&unit->v, unit->n},
+                 {&unit->y, unit->n_x},
                  {&unit->inputs, n_u},
                  {&unit->slopes, UNIT_ORDERS * n_u},
                  {&unit->sides, unit->n_switches},
@@ -76,39 +75,6 @@ static size_t lay_out(struct unit *unit, double *all)
     return at;
 }
 
-/* Allocates params and their families. Returns 0 if there is no memory. */
-static int make_params(struct unit *unit)
-{
-    const struct pk_system *s = unit->system;
-    unit->params = calloc(1, s->params_size);
-    unit->held = calloc(1, s->params_size);
-    unit->places = (double **)calloc(unit->model->n_parameters + 1, sizeof *unit->places);
-    if (!unit->params || !unit->held || !unit->places)
-        return 0;
-    if (s->families.block_size) {
-        s->families.set_sizes(unit->params);
-        const size_t size = s->families.block_size(unit->params);
-        unit->room = calloc(1, size + 1);
-        if (!unit->room)
-            return 0;
-        if (size)
-            s->families.attach(unit->params, unit->room);
-    }
-    s->defaults(unit->params);
-    for (size_t k = 0, flat = 0; k < s->n_parameters; k++) {
-        struct pk_range range = {0, 1, 0};
-        if (s->families.range)
-            s->families.range(unit->params, PK_OF_PARAMETER, k, &range);
-        char *const place = (char *)unit->params + s->parameters[k].offset;
-        double *first = (double *)(void *)place;
-        if (range.is_family)
-            memcpy(&first, place, sizeof first);
-        for (size_t i = 0; i < range.count && flat < unit->model->n_parameters; i++)
-            unit->places[flat++] = first + i;
-    }
-    return 1;
-}
-
 struct unit *unit_new(const char *name, const char *token, int co_simulation)
 {
     const struct unit_model *model = &unit_model;
@@ -117,15 +83,16 @@ struct unit *unit_new(const char *name, const char *token, int co_simulation)
     struct unit *unit = (struct unit *)calloc(1, sizeof *unit);
     if (!unit)
         return NULL;
-    const struct pk_system *s = model->system;
+    const struct pk_system *s = pk_host_model.system;
     unit->model = model;
     unit->system = s;
     unit->co_simulation = co_simulation;
     unit->n_inputs = s->n_inputs;
-    unit->n_outputs = s->n_observed;
     unit->n_events = s->events.n;
     unit->name = (char *)malloc(strlen(name) + 1);
-    if (!unit->name || !make_params(unit)) {
+    unit->params = pk_host_params(1, 1);
+    unit->held = calloc(1, s->params_size);
+    if (!unit->name || !unit->params || !unit->held) {
         unit_free(unit);
         return NULL;
     }
@@ -133,20 +100,25 @@ struct unit *unit_new(const char *name, const char *token, int co_simulation)
     unit->n = pk_system_count(s, unit->params);
     unit->n_switches = pk_system_switch_count(s, unit->params);
     unit->n_q = pk_system_coordinates(s, unit->params);
+    unit->n_outputs = pk_system_outputs(s, unit->params);
     unit->n_x = unit->n_q + unit->n;
     unit->n_all = lay_out(unit, NULL);
     unit->all = (double *)calloc(unit->n_all, sizeof *unit->all);
-    const size_t values = unit->n + unit->n_outputs + s->n_conserved + unit->n_events +
-                          unit->n_switches + 2 * unit->n + 1;
-    unit->rates = (double *)calloc(values, sizeof *unit->rates);
-    if (!unit->all || !unit->rates) {
+    const size_t counts[] = {unit->n, 1, unit->n_outputs, s->n_conserved};
+    const size_t indicators = unit->n_events + unit->n_switches;
+    size_t computed = 0;
+    for (size_t k = 0; k < PK_HOST_MOMENTA; k++)
+        computed += counts[k];
+    double *at = (double *)calloc(computed + indicators + 2 * unit->n + 1, sizeof *at);
+    unit->values[0] = at;
+    if (!unit->all || !at) {
         unit_free(unit);
         return NULL;
     }
-    unit->outputs = unit->rates + unit->n;
-    unit->claims = unit->outputs + unit->n_outputs;
-    unit->indicators = unit->claims + s->n_conserved;
-    unit->near = unit->indicators + unit->n_events + unit->n_switches;
+    for (size_t k = 0; k < PK_HOST_MOMENTA; at += counts[k++])
+        unit->values[k] = at;
+    unit->indicators = at;
+    unit->near = at + indicators;
     lay_out(unit, unit->all);
     unit_reset(unit);
     return unit;
@@ -166,12 +138,10 @@ void unit_free(struct unit *unit)
         return;
     drop_integrator(unit);
     free(unit->name);
-    free(unit->params);
+    pk_host_params_free(unit->params);
     free(unit->held);
-    free(unit->room);
-    free(unit->places);
     free(unit->all);
-    free(unit->rates);
+    free(unit->values[0]);
     free(unit);
 }
 
@@ -179,12 +149,12 @@ void unit_forget(struct unit *unit) { unit->known = 0; }
 
 enum unit_status unit_reset(struct unit *unit)
 {
-    const struct unit_model *m = unit->model;
+    const struct pk_host_model *m = &pk_host_model;
     memset(unit->all, 0, unit->n_all * sizeof *unit->all);
     *unit->mode = UNIT_INSTANTIATED;
-    unit->settings[UNIT_METHOD] = (double)m->method;
-    unit->settings[UNIT_STEP] = m->step;
-    unit->settings[UNIT_RTOL] = m->rtol;
+    unit->settings[UNIT_METHOD] = (double)unit->model->method;
+    unit->settings[UNIT_STEP] = unit->model->step;
+    unit->settings[UNIT_RTOL] = unit->model->rtol;
     for (size_t k = 0; k < m->n_parameters; k++) {
         unit->parameters[k] = m->parameters[k];
         unit->is_set[k] = !m->follows[k];
@@ -192,7 +162,7 @@ enum unit_status unit_reset(struct unit *unit)
     for (size_t i = 0; i < unit->n_inputs; i++)
         unit->inputs[i] = m->inputs[i];
     for (size_t i = 0; i < unit->n_x; i++) {
-        unit->start[i] = m->start[i];
+        unit->start[i] = isnan(m->start[i]) ? 0 : m->start[i];
         unit->start_is_set[i] = !m->start_follows[i];
     }
     unit->stale = 1;
@@ -201,46 +171,15 @@ enum unit_status unit_reset(struct unit *unit)
     return UNIT_OK;
 }
 
-/* Reports a failure of prepare() by the name of the parameter. */
-static enum unit_status refuse(struct unit *unit, int failure)
-{
-    const struct pk_system *s = unit->system;
-    const char *name = "";
-    if (PK_FAILURE(failure) == PK_FAILURE_PARAMETER)
-        name = s->parameters[PK_FAILURE_AT(failure)].what.name;
-    return unit_say(unit, UNIT_ERROR, "logStatusError",
-                    *name ? "%s is outside its bounds"
-                          : "what is computed from the parameters is not finite%s",
-                    name);
-}
-
-/* Computes params from the set values; copies the derived ones back to `parameters`. */
+/* Computes params from the set values; `parameters` gets those that follow from them. */
 static enum unit_status apply(struct unit *unit)
 {
-    const struct pk_system *s = unit->system;
-    unsigned char *given = (unsigned char *)calloc(s->n_parameters + 1, 1);
-    if (!given)
-        return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no memory");
-    s->defaults(unit->params);
-    for (size_t k = 0, flat = 0; k < s->n_parameters; k++) {
-        struct pk_range range = {0, 1, 0};
-        if (s->families.range)
-            s->families.range(unit->params, PK_OF_PARAMETER, k, &range);
-        for (size_t i = 0; i < range.count && flat < unit->model->n_parameters; i++, flat++)
-            if (unit->is_set[flat]) {
-                *unit->places[flat] = unit->parameters[flat];
-                given[k] = 1;
-            }
-    }
-    if (s->derive)
-        s->derive(unit->params, given);
-    free(given);
-    const int failure = s->prepare(unit->params);
-    if (failure)
-        return refuse(unit, failure);
-    for (size_t k = 0; k < unit->model->n_parameters; k++)
-        unit->parameters[k] = *unit->places[k];
-    memcpy(unit->held, unit->params, s->params_size);
+    for (size_t k = 0; k < pk_host_model.n_parameters; k++)
+        if (!unit->is_set[k])
+            unit->parameters[k] = (double)NAN;
+    if (!pk_host_set(unit->params, unit->parameters))
+        return unit_say(unit, UNIT_ERROR, "logStatusError", "%s", pk_host_why());
+    memcpy(unit->held, unit->params, unit->system->params_size);
     if (!unit->co_simulation)
         unit_hold_sides(unit);
     return UNIT_OK;
@@ -265,10 +204,9 @@ enum unit_status unit_refresh(struct unit *unit)
     unit->stale = 0;
     if (!((int)*unit->mode & UNIT_BEFORE))
         return UNIT_OK;
-    unit->system->start(unit->params, unit->q, unit->v);
+    pk_host_start(unit->params, unit->near);
     for (size_t i = 0; i < unit->n_x; i++)
-        if (unit->start_is_set[i])
-            *unit_x(unit, i) = unit->start[i];
+        unit->y[i] = unit->start_is_set[i] ? unit->start[i] : unit->near[i];
     return UNIT_OK;
 }
 

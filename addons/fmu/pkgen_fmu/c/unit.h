@@ -1,4 +1,4 @@
-/* A model as a functional mock-up unit: common code of FMI 2 and FMI 3, over struct pk_system.
+/* A model as a functional mock-up unit: common code of FMI 2 and FMI 3, over pk_host.h.
  *
  * All variable data of a unit is one array of numbers, `all`, so that its state is a copy of it.
  * Data derived from it (params, the integrator, values) is computed on demand. A call returns
@@ -11,6 +11,8 @@
 
 #include <pk/events.h>
 #include <pk/integrator.h>
+
+#include "pk_host.h"
 
 enum unit_status { UNIT_OK, UNIT_WARNING, UNIT_DISCARD, UNIT_ERROR, UNIT_FATAL };
 
@@ -32,15 +34,9 @@ enum unit_kind {
 };
 enum unit_setting { UNIT_METHOD, UNIT_STEP, UNIT_RTOL, UNIT_SETTINGS };
 
-/* Generated with the model. Parameters and starts that follow others do so until they are set to
- * values other than these, since importers set all starts that they find. */
+/* Generated with the model. */
 struct unit_model {
-    const struct pk_system *system;
     const char *token;
-    const double *parameters, *lo, *hi, *inputs, *start;
-    const unsigned char *follows, *start_follows;
-    const char *const *names; /* names of parameters */
-    size_t n_parameters;
     const struct pk_method *const *methods;
     size_t n_methods, method;
     double step, rtol;
@@ -82,14 +78,13 @@ struct unit {
     size_t n, n_q, n_x, n_inputs, n_outputs, n_events, n_switches, n_all;
     double *all;
     double *mode, *time, *input_time, *settings, *length; /* parts of `all` */
-    double *parameters, *is_set, *start, *start_is_set, *q, *v, *inputs, *slopes, *sides, *before,
+    double *parameters, *is_set, *start, *start_is_set, *y, *inputs, *slopes, *sides, *before,
         *anchor; /* unit_bound.c */
 
-    void *params, *held, *room;                    /* held: params with `sides` */
-    double **places;                               /* addresses of parameters in params */
-    double *rates, *outputs, *claims, *indicators; /* values, valid by the bits of `known` */
-    double *near;                                  /* room for a state: q, v */
-    const double *given;                           /* inputs that replace `inputs`, or NULL */
+    void *params, *held;                          /* held: params with `sides` */
+    double *values[PK_HOST_MOMENTA], *indicators; /* valid by the bits of `known` */
+    double *near;                                 /* room for a state */
+    const double *given;                          /* inputs that replace `inputs`, or NULL */
     unsigned known;
     int stale; /* params must be recomputed from `all` */
     int ready; /* the integrator is at time, q, v; in model exchange at the anchor */
@@ -165,10 +160,7 @@ static inline size_t unit_index_of(unsigned reference)
 {
     return reference & ((1u << UNIT_SHIFT) - 1);
 }
-static inline double *unit_x(const struct unit *unit, size_t i) /* address of state i */
-{
-    return i < unit->n_q ? unit->q + i : unit->v + (i - unit->n_q);
-}
+static inline double *unit_v(const struct unit *unit) { return unit->y + unit->n_q; }
 enum unit_status unit_refresh(struct unit *unit); /* params; the start, before the run */
 void unit_hold_sides(struct unit *unit);          /* sets the sides of switches in `held` */
 const void *unit_params(const struct unit *unit);
@@ -179,8 +171,7 @@ enum unit_status unit_rates(struct unit *unit);
 enum unit_status unit_functions(struct unit *unit);
 struct pk_problem unit_problem(struct unit *unit);
 /* Initialises the integrator at a state, with the unit's method; h is the step if none is set. */
-enum unit_status unit_integrator(struct unit *unit, double h, double t, const double *q,
-                                 const double *v);
+enum unit_status unit_integrator(struct unit *unit, double h, double t, const double *y);
 enum unit_status unit_said(struct unit *unit, enum unit_status status); /* reports its failure */
 
 /* States bound by constraints and as quaternions, in model exchange: unit_bound.c. */

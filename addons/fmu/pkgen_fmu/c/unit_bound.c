@@ -11,7 +11,7 @@
 
 #include <pk/constraint.h>
 
-enum { MOVED, TIME, PLACE }; /* parts of unit->anchor; at PLACE: q, v and inputs */
+enum { MOVED, TIME, PLACE }; /* parts of unit->anchor; at PLACE: the state and inputs */
 
 int unit_bound(const struct unit *unit)
 {
@@ -21,7 +21,7 @@ int unit_bound(const struct unit *unit)
 
 size_t unit_anchor_size(const struct unit *unit)
 {
-    return unit_bound(unit) ? PLACE + 2 * unit->n + unit->n_inputs : 0;
+    return unit_bound(unit) ? PLACE + unit->n_x + unit->n_inputs : 0;
 }
 
 /* Starts the integrator at the anchor. Fails if the anchor is off, as after a change of
@@ -32,26 +32,25 @@ static enum unit_status begin(struct unit *unit)
     enum unit_status status;
     if (unit->ready)
         return UNIT_OK;
-    unit->given = at + 2 * unit->n;
-    status = unit_integrator(unit, 1, unit->anchor[TIME], at, at + unit->n);
+    unit->given = at + unit->n_x;
+    status = unit_integrator(unit, 1, unit->anchor[TIME], at);
     unit->given = NULL;
     unit->ready = status == UNIT_OK;
     return status;
 }
 
-static void anchor(struct unit *unit, const double *q, const double *v)
+static void anchor(struct unit *unit, const double *y)
 {
     unit->anchor[TIME] = *unit->time;
-    memcpy(unit->anchor + PLACE, q, unit->n * sizeof *q);
-    memcpy(unit->anchor + PLACE + unit->n, v, unit->n * sizeof *v);
-    memcpy(unit->anchor + PLACE + 2 * unit->n, unit->inputs, unit->n_inputs * sizeof *v);
+    memcpy(unit->anchor + PLACE, y, unit->n_x * sizeof *y);
+    memcpy(unit->anchor + PLACE + unit->n_x, unit->inputs, unit->n_inputs * sizeof *y);
 }
 
 enum unit_status unit_bound_start(struct unit *unit)
 {
     if (!unit_bound(unit))
         return UNIT_OK;
-    anchor(unit, unit->q, unit->v);
+    anchor(unit, unit->y);
     return begin(unit);
 }
 
@@ -61,10 +60,10 @@ enum unit_status unit_bound_start(struct unit *unit)
 static const double MOST_OFF = 100;
 
 /* Whether two states differ by more than MOST_OFF tolerances; nominals are 1. */
-static int apart(const struct unit *unit, const double *a, const double *b, size_t n)
+static int apart(const struct unit *unit, const double *a, const double *b)
 {
     double most = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < unit->n_x; i++)
         most = fmax(most, fabs(a[i] - b[i]) / (1 + fabs(b[i])));
     return most > MOST_OFF * unit->settings[UNIT_RTOL];
 }
@@ -72,21 +71,20 @@ static int apart(const struct unit *unit, const double *a, const double *b, size
 /* Projects the state into unit->near; *off is set if it moves by more than MOST_OFF tolerances. */
 static enum unit_status look(struct unit *unit, int *off)
 {
-    double *const q = unit->near, *const v = unit->near + unit->n;
     *off = 0;
     const enum unit_status status = begin(unit);
     if (status != UNIT_OK)
         return status;
-    memcpy(q, unit->q, unit->n * sizeof *q);
-    memcpy(v, unit->v, unit->n * sizeof *v);
-    const enum pk_status found = pk_constraint_project(&unit->it, *unit->time, q, v);
+    memcpy(unit->near, unit->y, unit->n_x * sizeof *unit->y);
+    const enum pk_status found =
+        pk_constraint_project(&unit->it, *unit->time, unit->near, unit->near + unit->n_q);
     if (found < 0) {
         unit->ready = 0;
         unit->it.status = found;
         unit->it.t = *unit->time;
         return unit_said(unit, UNIT_ERROR);
     }
-    *off = apart(unit, unit->q, q, unit->n_q) || apart(unit, unit->v, v, unit->n);
+    *off = apart(unit, unit->y, unit->near);
     return UNIT_OK;
 }
 
@@ -104,10 +102,9 @@ enum unit_status unit_bound_return(struct unit *unit)
     const enum unit_status status = look(unit, &off);
     if (status != UNIT_OK)
         return status;
-    anchor(unit, unit->near, unit->near + unit->n);
+    anchor(unit, unit->near);
     if (off) {
-        memcpy(unit->q, unit->near, unit->n * sizeof *unit->q);
-        memcpy(unit->v, unit->near + unit->n, unit->n * sizeof *unit->v);
+        memcpy(unit->y, unit->near, unit->n_x * sizeof *unit->y);
         unit->anchor[MOVED] = 1;
         unit_forget(unit);
     }

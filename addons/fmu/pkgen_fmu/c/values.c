@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { RATES = 1, OUTPUTS = 2, CLAIMS = 4, FUNCTIONS = 8 }; /* bits of `known` */
+enum { FUNCTIONS = 1 << PK_HOST_MOMENTA }; /* a bit of `known`, beside those of values */
 
 static size_t count(const struct unit *unit, enum unit_kind kind)
 {
@@ -13,7 +13,7 @@ static size_t count(const struct unit *unit, enum unit_kind kind)
     case UNIT_TIME:
         return 1;
     case UNIT_PARAMETER:
-        return unit->model->n_parameters;
+        return pk_host_model.n_parameters;
     case UNIT_INPUT:
     case UNIT_SLOPE:
         return unit->n_inputs;
@@ -41,20 +41,26 @@ static enum unit_status none(const struct unit *unit, unsigned reference)
     return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no variable %u", reference);
 }
 
+/* Returns the values of a kind; computes them unless they are known. NULL: there are none here. */
+static const double *computed(struct unit *unit, enum pk_host_kind kind)
+{
+    double *const out = unit->values[kind];
+    if (!(unit->known >> kind & 1) &&
+        !pk_host_values(unit_params(unit), (int)kind, 1, unit->time, unit->y, unit->inputs, out))
+        return NULL;
+    unit->known |= 1u << kind;
+    return out;
+}
+
 enum unit_status unit_rates(struct unit *unit)
 {
-    if (unit->known & RATES)
-        return UNIT_OK;
-    const int failed = unit->system->acceleration(unit_params(unit), *unit->time, unit->q, unit->v,
-                                                  unit->inputs, unit->rates);
-    int finite = !failed;
-    for (size_t i = 0; i < unit->n && finite; i++)
-        finite = isfinite(unit->rates[i]);
-    if (!finite)
-        return unit_say(unit, UNIT_DISCARD, "logStatusDiscard",
-                        "there is no acceleration at t = %g: %s", *unit->time,
-                        failed ? "the mass matrix is singular or indefinite" : "it is not finite");
-    unit->known |= RATES;
+    const double *const rates = computed(unit, PK_HOST_ACCELERATIONS);
+    for (size_t i = 0; i < unit->n; i++)
+        if (!rates || !isfinite(rates[i]))
+            return unit_say(unit, UNIT_DISCARD, "logStatusDiscard",
+                            "there is no acceleration at t = %g: %s", *unit->time,
+                            rates ? "it is not finite"
+                                  : "the mass matrix is singular or indefinite");
     return UNIT_OK;
 }
 
@@ -64,27 +70,17 @@ enum unit_status unit_functions(struct unit *unit)
     if (unit->known & FUNCTIONS)
         return UNIT_OK;
     if (s->events.values)
-        s->events.values(unit_params(unit), *unit->time, unit->q, unit->v, unit->inputs,
+        s->events.values(unit_params(unit), *unit->time, unit->y, unit_v(unit), unit->inputs,
                          unit->indicators);
     if (s->switches.values)
-        s->switches.values(unit_params(unit), *unit->time, unit->q, unit->v, unit->inputs,
+        s->switches.values(unit_params(unit), *unit->time, unit->y, unit_v(unit), unit->inputs,
                            unit->indicators + unit->n_events);
     unit->known |= FUNCTIONS;
     return UNIT_OK;
 }
 
-/* Returns output or claim i; computes all of them at once. */
-static double computed(struct unit *unit, unsigned bit, pk_kernel *kernel, double *values, size_t i)
-{
-    if (!(unit->known & bit))
-        kernel(unit_params(unit), *unit->time, unit->q, unit->v, unit->inputs, values);
-    unit->known |= bit;
-    return values[i];
-}
-
 enum unit_status unit_get(struct unit *unit, unsigned reference, double *value)
 {
-    const struct pk_system *s = unit->system;
     const enum unit_kind kind = unit_kind_of(reference);
     const size_t i = unit_index_of(reference);
     if (i >= count(unit, kind))
@@ -108,21 +104,22 @@ enum unit_status unit_get(struct unit *unit, unsigned reference, double *value)
         *value = unit->slopes[UNIT_ORDERS * i];
         break;
     case UNIT_STATE:
-        *value = *unit_x(unit, i);
+        *value = unit->y[i];
         break;
     case UNIT_RATE:
         if (i >= unit->n_q)
             status = unit_rates(unit);
-        *value = i < unit->n_q ? unit->v[i] : unit->rates[i - unit->n_q];
+        *value = i < unit->n_q ? unit_v(unit)[i]
+                               : unit->values[PK_HOST_ACCELERATIONS][i - unit->n_q];
         break;
     case UNIT_OUTPUT:
-        *value = computed(unit, OUTPUTS, s->observe, unit->outputs, i);
+        *value = computed(unit, PK_HOST_OUTPUTS)[i];
         break;
     case UNIT_ENERGY:
-        *value = s->energy(unit_params(unit), *unit->time, unit->q, unit->v, unit->inputs);
+        *value = computed(unit, PK_HOST_ENERGY)[i];
         break;
     case UNIT_CLAIM:
-        *value = computed(unit, CLAIMS, s->conserve, unit->claims, i);
+        *value = computed(unit, PK_HOST_CLAIMS)[i];
         break;
     case UNIT_INDICATOR:
         status = unit_functions(unit);
@@ -139,7 +136,7 @@ enum unit_status unit_get(struct unit *unit, unsigned reference, double *value)
 
 static enum unit_status set_parameter(struct unit *unit, size_t k, double value)
 {
-    const struct unit_model *m = unit->model;
+    const struct pk_host_model *m = &pk_host_model;
     if (!(value >= m->lo[k] && value <= m->hi[k]))
         return unit_say(unit, UNIT_ERROR, "logStatusError",
                         "%s = %.17g is outside its bounds, from %.17g to %.17g", m->names[k], value,
@@ -156,7 +153,7 @@ static enum unit_status set_parameter(struct unit *unit, size_t k, double value)
 
 static enum unit_status set_start(struct unit *unit, size_t i, double value)
 {
-    const struct unit_model *m = unit->model;
+    const struct pk_host_model *m = &pk_host_model;
     unit->start_is_set[i] = !(m->start_follows[i] && value == m->start[i]);
     unit->start[i] = value;
     unit->stale = 1;

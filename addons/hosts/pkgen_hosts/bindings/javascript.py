@@ -1,5 +1,4 @@
-"""Makes an ES module of WebAssembly with types, for npm: the engine of live pages without the page.
-"""
+"""Makes an ES module of WebAssembly with types, for npm: the engine of live pages."""
 
 from __future__ import annotations
 
@@ -8,18 +7,18 @@ import json
 import re
 
 from pkgen.back.exported import Exported, Host
+from pkgen.back.host.data import tables
 from pkgen.back.runtime import licence
 from pkgen.back.templates import filled
 from pkgen.back.wasm import HERE as WASM
 from pkgen.back.wasm.build import wasm
 
 from .c import HERE
-from .names import step, tables, whole
+from .names import step
 
 
 def make(model: Exported) -> dict[str, bytes]:
     of = model.description
-    whole(of)
     engine = (WASM / "engine.js").read_text(encoding="utf-8").replace('"use strict";\n', "", 1)
     engine = re.sub(r"\n    swarm\(asked\) \{\n.*?\n    \}\n", "", engine, flags=re.DOTALL)
     named = tables(of)

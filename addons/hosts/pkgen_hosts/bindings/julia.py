@@ -6,17 +6,17 @@ import json
 import uuid
 
 from pkgen.back.exported import TARGET_OPTION, Exported, Host
+from pkgen.back.host.data import tables
 from pkgen.back.library import TARGETS, named, this_machine
 from pkgen.back.runtime import licence
 from pkgen.back.templates import filled
 
 from .c import HERE, shared
-from .names import step, tables, whole
+from .names import step
 
 
 def make(model: Exported) -> dict[str, bytes]:
     of = model.description
-    whole(of)
     package = "".join(word.capitalize() for word in model.name.split("_"))
     rows = tables(of)
     context = {

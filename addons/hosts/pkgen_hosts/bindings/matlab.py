@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pkgen.back.exported import Exported, Host
+from pkgen.back.host.data import tables
 from pkgen.back.templates import filled
 
 from .c import HERE, sources
-from .names import step, tables, whole
+from .names import step
 from .rust import place
 
 
 def make(model: Exported) -> dict[str, bytes]:
     of, name = model.description, model.name
-    whole(of)
     c = {place("c", path): text for path, text in sources(model).items()}
     c["c/gateway.c"] = '#include "names.h"\n' + filled(HERE, "gateway.c.j2", name=name)
     named = tables(of)

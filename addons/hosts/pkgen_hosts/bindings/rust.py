@@ -10,10 +10,11 @@ from typing import Any
 
 from pkgen.back.c.ctext import visible
 from pkgen.back.exported import Exported, Host
+from pkgen.back.host.data import tables
 from pkgen.back.templates import filled
 
 from .c import HERE, sources
-from .names import step, tables, whole
+from .names import step
 
 _WORDS = """
     abstract as async await become box break const continue crate do dyn else enum extern false
@@ -26,7 +27,6 @@ WORDS = frozenset(_WORDS.split())
 
 def make(model: Exported) -> dict[str, bytes]:
     of = model.description
-    whole(of)
     name = model.name
     context = {
         "name": name,

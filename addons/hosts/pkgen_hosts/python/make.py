@@ -12,9 +12,9 @@ from pathlib import Path
 
 from pkgen.back.archive import archive
 from pkgen.back.exported import TARGET_OPTION, Exported, Host
+from pkgen.back.host.data import interface
 from pkgen.back.library import TARGETS, Target, library, named, this_machine
 from pkgen.back.runtime import licence
-from pkgen.back.wasm_kernels import LIVE, WHICH, which_model
 from pkgen.system.exits import UsageError
 
 HERE = Path(__file__).parent
@@ -43,18 +43,13 @@ def make(model: Exported) -> dict[str, bytes]:
     name = model.name
     if keyword.iskeyword(name) or name in sys.stdlib_module_names or name == "numpy":
         raise UsageError(f"'{name}' is a module of Python's: call the model otherwise")
-    if not model.description["whole"]:
-        raise UsageError(
-            "a family is too long for names of all its members: --size makes it shorter"
-        )
     targets = named(model.options.target) if model.options.target else []
     if len(targets) > 1:
         raise UsageError("--target: a wheel is of one machine")
     target = targets[0] if targets else None
-    wrapper = {path.name: path.read_text("utf-8") for path in sorted(LIVE.glob("*.[ch]"))}
-    wrapper[WHICH] = which_model(name, model.own)
+    called = interface(name, model.own, model.description)
     model.method()  # refuses an unusable method now, not after installation
-    code = library(model.with_runtime(wrapper), "live_", target)
+    code = library(model.with_runtime(called), "pk_host_", target)
     place = target or TARGETS[this_machine()]
     tag = f"py3-none-{platform_tag(code, place)}"
     found = model.description
@@ -76,8 +71,7 @@ def make(model: Exported) -> dict[str, bytes]:
 
 
 def platform_tag(code: bytes, target: Target) -> str:
-    """Returns the platform tag; for Linux, with the newest glibc that the library's symbols need.
-    """
+    """Returns the platform tag; for Linux, with the newest glibc that the library needs."""
     if target.name in _TAGS:
         return _TAGS[target.name]
     newest = max((int(v) for v in _GLIBC.findall(_doubled(code))), default=0)

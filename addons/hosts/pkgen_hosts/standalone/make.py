@@ -12,7 +12,7 @@ from pkgen.back.exported import Exported, Host
 from pkgen.back.templates import filled
 from pkgen.system.exits import UsageError
 
-from .step import HERE, KERNELS, Step
+from .step import HERE, KERNELS, Step, places
 
 OPTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
     (
@@ -64,15 +64,13 @@ def single(model: Exported) -> dict[str, bytes]:
 def arduino(model: Exported) -> dict[str, bytes]:
     step = Step(model, "float")
     name = step.name
-    of = model.description
-    seen = [(c["name"], f"q[{c['index']}]") for c in of["coordinates"]]
-    seen += [(s["name"], f"v[{s['index']}]") for s in of["states"]]
+    place, first = places(model.description)[0]
     context = {
         "name": name,
         "says": model.description["description"] or model.description["title"],
         "step": step.number(model.description["run"]["step"]),
-        "first": seen[0][0],
-        "place": seen[0][1],
+        "first": first["name"],
+        "place": place,
     }
     files = {f"src/{path}": text for path, text in _sources(step).items()}
     for path in ("library.properties", "library.json"):
@@ -99,9 +97,7 @@ def _main(step: Step) -> str:
     count = max(1, math.ceil(until / every * (1 - 1e-12)))
     rest = until - (count - 1) * every
     last = _intervals(rest, h, f"a duration of {until:g} s by steps of {h:g} s")
-    shown = [(f"m->q[{c['index']}]", c["name"]) for c in of["coordinates"]]
-    shown += [(f"m->v[{c['index']}]", c["rate"]) for c in of["coordinates"]]
-    shown += [(f"m->v[{s['index']}]", s["name"]) for s in of["states"]]
+    shown = [(f"m->{place}", y["name"]) for place, y in places(of)]
     outputs = [(f"y[{y['index']}]", y["name"]) for y in of["outputs"] if not y["hidden"]]
     u = "m->u" if of["inputs"] else "NULL"
     if f"{name}_energy(" in step.source:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from pkgen.back.c.render import pasted
 from pkgen.back.exported import Exported
+from pkgen.back.host.data import states
 from pkgen.back.templates import filled
 from pkgen.methods import known
 from pkgen.system.exits import UsageError
@@ -212,13 +213,15 @@ class Step:
     def _starts(self) -> Iterator[str]:
         if not self._chosen:
             return
-        for item in self.of["coordinates"]:
-            for what in ("q", "v"):
-                if not item[f"{what}_follows"] and item[what] is not None:
-                    yield f"m->{what}[{item['index']}] = {self.number(item[what])};"
-        for item in self.of["states"]:
+        for place, item in places(self.of):
             if not item["follows"] and item["value"] is not None:
-                yield f"m->v[{item['index']}] = {self.number(item['value'])};"
+                yield f"m->{place} = {self.number(item['value'])};"
+
+
+def places(of: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    """Returns the states with their places in `struct NAME_motion`."""
+    n_q = len(of["coordinates"])
+    return [(f"q[{k}]" if k < n_q else f"v[{k - n_q}]", y) for k, y in enumerate(states(of))]
 
 
 def _pasted(header: str, conditions: dict[str, bool]) -> str:

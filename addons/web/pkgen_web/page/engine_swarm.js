@@ -9,15 +9,15 @@ class EngineSwarm {
     this.width = nq + n;
     this.params = this.made(params, table);
     const [name, held] = [engine.word(method), engine.write(inputs ?? new Float64Array(engine.inputs))];
-    this.at = c.live_swarm_new(this.params, name, step ?? 0.01, rtol ?? 0, held, members);
+    this.at = c.pk_swarm_new(this.params, name, step ?? 0.01, rtol ?? 0, held, members);
     c.free(name);
     c.free(held);
     if (!this.at) {
       c.free(this.params);
-      throw new Error(engine.text(c.live_why()));
+      throw new Error(engine.text(c.pk_host_why()));
     }
     const start = q && v ? { q, v } : { ...engine.given(params), ...(q && { q }), ...(v && { v }) };
-    const states = engine.reals(c.live_swarm_start(this.at), 2 * n * members);
+    const states = engine.reals(c.pk_swarm_start(this.at), 2 * n * members);
     const width = table.columns.length;
     for (let i = 0; i < members; i++) {
       states.set(start.q, i * n);
@@ -28,7 +28,7 @@ class EngineSwarm {
         if (kind === "v") states[n * members + i * n + index] = x;
       });
     }
-    c.live_swarm_to(this.at, 0);
+    c.pk_swarm_to(this.at, 0);
   }
 
   /* A struct of parameters for each member: all alike, or each its own. */
@@ -36,8 +36,8 @@ class EngineSwarm {
     const { engine, members } = this;
     const { c } = engine;
     const own = columns.some((x) => x.kind === "p");
-    const at = c.live_params(members, own ? 1 : 0);
-    const size = c.live_params_size();
+    const at = c.pk_host_params(members, own ? 1 : 0);
+    const size = c.pk_host_params_size();
     const room = c.malloc(8 * Math.max(engine.count, 1));
     if (!at || !room) throw new Error("there is no memory");
     let why = "";
@@ -47,7 +47,7 @@ class EngineSwarm {
       columns.forEach(({ kind, index }, k) => {
         if (kind === "p") all[index] = values[i * columns.length + k];
       });
-      if (!c.live_set(at + i * size, room)) why = engine.text(c.live_why());
+      if (!c.pk_host_set(at + i * size, room)) why = engine.text(c.pk_host_why());
     }
     c.free(room);
     if (why) {
@@ -61,15 +61,15 @@ class EngineSwarm {
 
   /* "" or what became of them. */
   advance(t) {
-    const going = this.engine.c.live_swarm_to(this.at, t);
-    return going ? "" : `no member goes on: ${this.engine.text(this.engine.c.live_why())}`;
+    const going = this.engine.c.pk_swarm_to(this.at, t);
+    return going ? "" : `no member goes on: ${this.engine.text(this.engine.c.pk_host_why())}`;
   }
 
   /* Two columns of the state, as they stand in memory until the next call: {box: [least and most of
    * x, of y], points: x, y of each}. */
   points(i, j) {
     const { c } = this.engine;
-    const at = c.live_swarm_points(this.at, i, j);
+    const at = c.pk_swarm_points(this.at, i, j);
     const all = new Float32Array(c.memory.buffer, at, 4 + 2 * this.members);
     return { box: all.subarray(0, 4), points: all.subarray(4) };
   }
@@ -78,7 +78,7 @@ class EngineSwarm {
   states(count = this.members) {
     const { c, n, nq } = this.engine;
     const { members, width } = this;
-    const all = this.engine.reals(c.live_swarm_states(this.at), 2 * n * members);
+    const all = this.engine.reals(c.pk_swarm_states(this.at), 2 * n * members);
     const found = new Float64Array(count * width);
     for (let i = 0; i < count; i++) {
       for (let k = 0; k < nq; k++) found[i * width + k] = all[i * n + k];
@@ -89,7 +89,7 @@ class EngineSwarm {
 
   free() {
     if (this.at) {
-      this.engine.c.live_swarm_free(this.at);
+      this.engine.c.pk_swarm_free(this.at);
       this.engine.c.free(this.params);
     }
     this.at = 0;

@@ -48,12 +48,7 @@ class Program:
     @cached_property
     def start(self) -> dict[str, list[float]]:
         """Returns the parameters and the start, as read from memory."""
-        done = self.library.run(
-            replace(self.settings, method="rk4", step=self.settings.until), bare=1
-        )
-        if done.code == USAGE and not done.report:
-            raise UsageError(done.messages.strip())
-        return done.given()
+        return self.run("rk4", self.settings.until, bare=1).given()
 
     def given(self) -> Settings:
         """Returns the settings with every parameter and start written out, as doubles."""

@@ -3,16 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import Any
 
 ROUNDING = 1e-12  # tolerance on a quotient that is meant to be an integer
-
-
-class Tried(Protocol):
-    """A run at a setting, with its error."""
-
-    setting: float
-    error: float | None
 
 
 def pieces(interval: float, step: float) -> int:
@@ -25,8 +18,8 @@ def divided(interval: float, step: float) -> float:
     return interval / pieces(interval, step)
 
 
-def slope(one: Tried, other: Tried) -> float:
-    """Returns the power of the setting with which the error falls between two runs."""
+def slope(one: Any, other: Any) -> float:
+    """Returns the power of `setting` with which `error` falls between two runs."""
     return math.log(one.error / other.error) / math.log(one.setting / other.setting)
 
 

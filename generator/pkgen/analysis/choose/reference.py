@@ -162,25 +162,30 @@ class _Finder:
         """Returns a check against two runs in more digits. Two tight runs in double differ by their
         own round-off, which that of another method may be far below. Returns the same check without
         such runs, or if they agree no better."""
-        precise, asked = self.asked.precise(), self.asked
+        name, asked = "gauss" if check.method == EXACT else check.method, self.asked
+        how = {"cap": SLOWEST, "every": self.interval}
+        precise = precise_rows(asked, name, self.span, max_step=asked.max_step, **how)
         if precise is None:
             return check
-        name = "gauss" if check.method == EXACT else check.method
-        precise.between, precise.ignored = self.trials.between, self.trials.ignored
-
-        def attempt(tolerance: float, max_step: float | None) -> Trial:
-            how = {"cap": SLOWEST, "every": self.interval, "max_step": max_step}
-            return precise.attempt(name, FINER * tolerance, LAND, self.span, **how)
-
-        exact = attempt(tight(name, 0.0), asked.max_step)
-        if not exact.arrived:
-            return check
-        precise.keep_as_exact()
-        again = attempt(loose(name, 0.0), other_steps(asked))
+        tolerance, steps = FINER * loose(name, 0.0), other_steps(asked)
+        again = precise.attempt(name, tolerance, LAND, self.span, max_step=steps, **how)
         if not again.error < check.floor:
             return check
         self.trials.exact = precise.exact
         return replace(check, floor=again.error, against=f"{name}{DIGITS}")
+
+
+def precise_rows(asked: Task, name: str, span: float, **how: float | None) -> Trials | None:
+    """Returns trials in more digits, with the rows of a tight run as exact; None: there are none,
+    or the run does not arrive."""
+    precise = asked.precise()
+    if precise is None:
+        return None
+    precise.between, precise.ignored = asked.trials.between, asked.trials.ignored
+    if not precise.attempt(name, FINER * tight(name, 0.0), LAND, span, **how).arrived:
+        return None
+    precise.keep_as_exact()
+    return precise
 
 
 def find(asked: Task, cap: float) -> Check:

@@ -12,7 +12,7 @@ from .choice import GivenUp
 from .race import MARGIN
 from .reference import FLOOR, Check, Task, growth
 from .search import Found
-from .trials import LAND, Trial
+from .trials import Trial
 
 SECONDS = 5.0  # seconds of a trial of the whole scene; beyond, the choice is unverified
 TIGHTER = 0.03  # of the accuracy: the error of the run it is compared with
@@ -98,15 +98,12 @@ class Whole:
     def _in_more_digits(self, candidate: Candidate) -> bool:
         """Tries to replace the exact rows by those of a run in more digits; returns whether it did.
         """
-        precise = self.asked.precise() if candidate.name != reference.EXACT else None
+        if candidate.name == reference.EXACT:
+            return False
+        how = {"cap": self.seconds, "max_step": reference.other_steps(self.asked)}
+        precise = reference.precise_rows(self.asked, candidate.name, self.asked.until, **how)
         if precise is None:
             return False
-        setting = reference.FINER * reference.tight(candidate.name, 0.0)
-        how = {"cap": self.seconds, "max_step": reference.other_steps(self.asked)}
-        if not precise.attempt(candidate.name, setting, LAND, self.asked.until, **how).arrived:
-            return False
-        precise.between = self.asked.trials.between
-        precise.keep_as_exact()
         self.asked.trials.exact = precise.exact
         self.check = replace(self.check, against=f"{candidate.name}{reference.DIGITS}")
         return True

@@ -17,7 +17,7 @@ from ...system.cache import cached
 from ...system.exits import BuildError
 from ...system.progress import say
 from ...system.toolchain import DECLARED, RUNTIME, STANDARD, run
-from ..wasm_kernels import LIVE, WHICH, which_model
+from ..host.data import DATA, HERE, data
 
 CLANG = ("clang", "clang-19", "clang-18", "clang-17", "clang-16", "clang-15", "clang-14")
 LINKERS = (
@@ -95,12 +95,12 @@ def _has_builtins(clang: str) -> bool:
     return any(folder.glob("clang/*/lib/**/libclang_rt.builtins*wasm32*"))
 
 
-def _runtime(compiles: list[str], linker: str) -> Path:
+def _runtime(compiles: list[str], linker: str, more: Sequence[Path]) -> Path:
     """Returns the cached object file of the code that all models share; compiles it if missing."""
-    folders = (RUNTIME / "src", LIVE)
-    sources = sorted(path for folder in folders for path in folder.rglob("*.c"))
+    folders = (RUNTIME / "src", HERE)
+    sources = [*sorted(path for folder in folders for path in folder.rglob("*.c")), *more]
     digest = hashlib.sha256(repr((compiles, CORE)).encode())
-    for path in sorted([*RUNTIME.rglob("*.[ch]"), *LIVE.glob("*.[ch]")]):
+    for path in [*sorted([*RUNTIME.rglob("*.[ch]"), *HERE.glob("*.[ch]")]), *more]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
 
     def make(new: Path) -> None:
@@ -108,7 +108,7 @@ def _runtime(compiles: list[str], linker: str) -> Path:
 
         def one(source: Path) -> str:
             name = f"{source.parent.name}_{source.stem}.o"
-            run([*compiles, "-c", str(source), "-o", name], new)
+            run([*compiles, f"-I{HERE}", "-c", str(source), "-o", name], new)
             return name
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -120,20 +120,23 @@ def _runtime(compiles: list[str], linker: str) -> Path:
     return cached("runtime-wasm", digest.hexdigest()[:24], make) / CORE
 
 
-def wasm(files: Mapping[str, str], name: str, own: Sequence[Own] = ()) -> bytes:
-    """Returns the gzipped WebAssembly module of the model NAME, from its generated files and its
-    `own` methods; the same files give the same bytes. Raises BuildError with the missing packages
-    or the compiler's output."""
+def wasm(
+    files: Mapping[str, str], name: str, own: Sequence[Own] = (), more: Sequence[Path] = ()
+) -> bytes:
+    """Returns the gzipped WebAssembly module of the model NAME, from its generated files, its `own`
+    methods and `more` C files; the same files give the same bytes. JavaScript has the model's
+    values from the description. Raises BuildError with the missing packages or the compiler's
+    output."""
     compiles, links = _tools()
-    core = _runtime(compiles, links[-1].partition("=")[2])
-    every = {**files, WHICH: which_model(name, own), in_c.FILE: in_c.tables(own)}
+    core = _runtime(compiles, links[-1].partition("=")[2], more)
+    every = {**files, DATA: data(name, own), in_c.FILE: in_c.tables(own)}
     digest = hashlib.sha256(repr((core.parent.name, LINK, sorted(every.items()))).encode())
 
     def make(new: Path) -> None:
         for file_name, text in every.items():
             (new / file_name).write_text(text, encoding="utf-8")
-        run([*compiles, *in_c.flags(own), "-c", f"{name}.c", WHICH], new)
-        objects = [f"{name}.o", "which-model.o", str(core)]
+        run([*compiles, f"-I{HERE}", *in_c.flags(own), "-c", f"{name}.c", DATA], new)
+        objects = [f"{name}.o", DATA.replace(".c", ".o"), str(core)]
         run([*links, *LINK, *objects, "-o", "model.wasm"], new)
         packed = gzip.compress((new / "model.wasm").read_bytes(), 9, mtime=0)
         (new / "model.wasm.gz").write_bytes(packed)

@@ -1,7 +1,7 @@
 "use strict";
-/* The model and the runtime in WebAssembly (live/), as the page calls them. Parameters are a flat
- * Float64Array in the order of the description; q has the coordinates, v the rates and behind them
- * the first-order variables. All numbers are in SI. */
+/* The model and the runtime in WebAssembly, called by pk_host.h. Parameters are a flat Float64Array
+ * in the order of the description; q has the coordinates, v the rates and behind them the
+ * first-order variables; y is both. All numbers are in SI. */
 const Engine = (() => {
   /* What wasi-libc imports: nothing is written anywhere, and nothing is read. */
   const WASI = { fd_close: () => 0, fd_seek: () => 70, fd_write: () => 0, fd_fdstat_get: () => 0,
@@ -9,6 +9,7 @@ const Engine = (() => {
   const BUDGET = 20000;    /* steps between two looks at the clock */
   const PATIENCE = 1500;   /* milliseconds that one advance may take */
   const KEPT = 16;         /* sets of parameters that nobody uses */
+  const [ACCELERATIONS, ENERGY, OUTPUTS, CLAIMS, MOMENTA] = [0, 1, 2, 3, 4]; /* enum pk_host_kind */
 
   async function load(bytes, description) {
     const imports = new Proxy(WASI, { get: (known, name) => known[name] || (() => 0) });
@@ -21,22 +22,27 @@ const Engine = (() => {
     constructor(c, description) {
       this.c = c;
       this.description = description;
-      this.base = c.live_params(1, 1);
+      this.base = c.pk_host_params(1, 1);
       if (!this.base) throw new Error("there is no memory");
-      this.n = c.live_n(this.base);
-      this.nq = c.live_n_q(this.base);
-      this.count = c.live_parameters(this.base);
+      this.n = c.pk_host_n(this.base);
+      this.nq = c.pk_host_coordinates(this.base);
+      this.count = c.pk_host_parameters(this.base);
       this.inputs = description.inputs.length;
       this.nOut = description.outputs.length;
       this.constants = description.constants;
       this.claims = this.constants.filter((x) => x.kind === "claim").length;
       this.sets = new Map();                            /* prepared parameters by their values, */
-      this.room = c.malloc(8 * (4 * this.n + this.inputs + Math.max(this.nOut, this.claims, 1)));
+      this.room = c.malloc(8 * (1 + this.nq + this.n + this.inputs + Math.max(this.nOut, this.claims, this.n, 1)));
     }
 
     /* Views die when memory grows, so each is made anew. */
     reals(at, length) {
       return new Float64Array(this.c.memory.buffer, at, length);
+    }
+
+    /* q and v of the state at an address. */
+    split(at) {
+      return [this.reals(at, this.nq).slice(), this.reals(at + 8 * this.nq, this.n).slice()];
     }
 
     text(at) {
@@ -68,13 +74,13 @@ const Engine = (() => {
     given(params) {
       const { c } = this;
       const at = this.write(params);
-      const good = c.live_set(this.base, at);
+      const good = c.pk_host_set(this.base, at);
       const all = this.reals(at, this.count).slice();
       c.free(at);
-      if (!good) throw new Error(this.text(c.live_why()));
+      if (!good) throw new Error(this.text(c.pk_host_why()));
       const start = c.malloc(16 * this.n);
-      c.live_start(this.base, start, start + 8 * this.n);
-      const [q, v] = [this.reals(start, this.nq).slice(), this.reals(start + 8 * this.n, this.n).slice()];
+      c.pk_host_start(this.base, start);
+      const [q, v] = this.split(start);
       c.free(start);
       this.asDescribed(all, q, v);
       return { params: all, q, v };
@@ -124,12 +130,12 @@ const Engine = (() => {
 
     made(params) {
       const { c } = this;
-      const [made, at] = [c.live_params(1, 1), this.write(params)];
-      const good = made && c.live_set(made, at);
+      const [made, at] = [c.pk_host_params(1, 1), this.write(params)];
+      const good = made && c.pk_host_set(made, at);
       c.free(at);
       if (good) return made;
       c.free(made);
-      throw new Error(made ? this.text(c.live_why()) : "there is no memory");
+      throw new Error(made ? this.text(c.pk_host_why()) : "there is no memory");
     }
 
     forget() {
@@ -144,42 +150,43 @@ const Engine = (() => {
       }
     }
 
-    /* Puts a state into the room of all calls: addresses of q, v, u, and of the answer. */
-    state(q, v, u) {
-      const [at, n] = [this.room, this.n];
-      this.reals(at, n).fill(0);
-      this.reals(at, n).set(q);
-      this.reals(at + 8 * n, n).set(v);
-      const inputs = this.reals(at + 16 * n, this.inputs);
-      inputs.fill(0);
-      if (u) inputs.set(u);
-      return [at, at + 8 * n, at + 16 * n, at + 16 * n + 8 * this.inputs];
+    /* Values of a kind at a state, `count` numbers; null where there are none. */
+    values(kind, count, params, t, q, v, u) {
+      const at = this.room;
+      const out = at + 8 * (1 + this.nq + this.n + this.inputs);
+      this.state(at, t, q, v, u);
+      const of = this.prepared(params);
+      const found = this.c.pk_host_values(of, kind, 1, at, at + 8, at + 8 * (1 + this.nq + this.n), out);
+      return found ? this.reals(out, count).slice() : null;
     }
 
-    outputs(params, t, q, v, u) {
-      const [a, b, c, out] = this.state(q, v, u);
-      const found = this.c.live_outputs(this.prepared(params), t, a, b, c, out);
-      return found ? this.reals(out, this.nOut).slice() : new Float64Array(0);
+    /* Writes t, y and u at an address. */
+    state(at, t, q, v, u) {
+      const room = this.reals(at, 1 + this.nq + this.n + this.inputs).fill(0);
+      room[0] = t;
+      room.set(q, 1);
+      room.set(v, 1 + this.nq);
+      if (u) room.set(u, 1 + this.nq + this.n);
     }
 
-    energy(params, t, q, v, u) {
-      const [a, b, c] = this.state(q, v, u);
-      return this.c.live_energy(this.prepared(params), t, a, b, c);
+    acceleration(...at) {
+      return this.values(ACCELERATIONS, this.n, ...at);
     }
 
-    momenta(params, t, q, v, u) {
-      const [a, b, c, out] = this.state(q, v, u);
-      const rest = this.c.malloc(16 * this.n);
-      const good = this.c.live_momenta(this.prepared(params), t, a, b, c, rest, rest + 8 * this.n);
-      const found = this.reals(rest, this.n).slice();
-      this.c.free(rest);
-      return good && out ? found : found.fill(NaN);
+    outputs(...at) {
+      return this.values(OUTPUTS, this.nOut, ...at) ?? new Float64Array(0);
     }
 
-    claimed(params, t, q, v, u) {
-      const [a, b, c, out] = this.state(q, v, u);
-      const good = this.c.live_claims(this.prepared(params), t, a, b, c, out);
-      return good ? this.reals(out, this.claims).slice() : new Float64Array(this.claims).fill(NaN);
+    energy(...at) {
+      return this.values(ENERGY, 1, ...at)?.[0] ?? NaN;
+    }
+
+    momenta(...at) {
+      return this.values(MOMENTA, this.n, ...at) ?? new Float64Array(this.n).fill(NaN);
+    }
+
+    claimed(...at) {
+      return this.values(CLAIMS, this.claims, ...at) ?? new Float64Array(this.claims).fill(NaN);
     }
 
     /* What the description proves constant, in its order. */
@@ -209,18 +216,15 @@ const Engine = (() => {
       this.params = params;
       this.inputs = inputs;
       const own = engine.set(params);
-      const [name, start] = [engine.word(method), c.malloc(8 * (2 * n + engine.inputs))];
-      const room = engine.reals(start, 2 * n + engine.inputs);
-      room.fill(0);
-      room.set(q, 0);
-      room.set(v, n);
-      if (inputs) room.set(inputs, 2 * n);
+      const width = 1 + engine.nq + n;
+      const [name, start] = [engine.word(method), c.malloc(8 * (width + engine.inputs))];
+      engine.state(start, t, q, v, inputs);
       const h = step ?? this.usual(engine, method);
       const tolerance = rtol ?? engine.description.run.rtol;
-      this.at = c.live_new(own.at, name, h, tolerance, t, start, start + 8 * n, start + 16 * n);
+      this.at = c.pk_host_motion_new(own.at, name, h, tolerance, t, start + 8, start + 8 * width);
       c.free(name);
       c.free(start);
-      if (!this.at) throw new Error(engine.text(c.live_why()));
+      if (!this.at) throw new Error(engine.text(c.pk_host_why()));
       this.own = own;
       own.users++;
       this.step = step ?? h;
@@ -235,12 +239,11 @@ const Engine = (() => {
     }
 
     read() {
-      const { c, n, nq } = this.engine;
-      this.t = c.live_t(this.at);
-      this.q = this.engine.reals(c.live_q(this.at), nq).slice();
-      this.v = this.engine.reals(c.live_v(this.at), n).slice();
-      this.steps = c.live_steps(this.at);
-      this.evaluations = c.live_evaluations(this.at);
+      const { c } = this.engine;
+      this.t = c.pk_host_t(this.at);
+      [this.q, this.v] = this.engine.split(c.pk_host_y(this.at));
+      this.steps = c.pk_host_steps(this.at);
+      this.evaluations = c.pk_host_evaluations(this.at);
     }
 
     /* To t: "" or the status in words. One that takes too long for a page is given up. */
@@ -249,14 +252,14 @@ const Engine = (() => {
       const until = performance.now() + PATIENCE;
       let code = 1;
       while (code === 1) {
-        code = c.live_to(this.at, t, BUDGET);
+        code = c.pk_host_to(this.at, t, BUDGET);
         if (code === 1 && performance.now() > until) {
           this.read();
           return "its steps are too many for a live page: choose a longer one, or a looser tolerance";
         }
       }
       this.read();
-      return code ? this.engine.text(c.live_reason(this.at)) : "";
+      return code ? this.engine.text(c.pk_host_why()) : "";
     }
 
     energy() {
@@ -274,18 +277,18 @@ const Engine = (() => {
     /* Crossings since the last call. */
     events() {
       const { c, n, nq } = this.engine;
-      const count = c.live_take_crossings(this.at);
-      const width = 2 + 2 * n;
-      const all = this.engine.reals(count ? c.live_crossings(this.at) : 0, count * width).slice();
+      const count = c.pk_host_crossed(this.at);
+      const width = 2 + nq + n;
+      const all = this.engine.reals(count ? c.pk_host_crossings(this.at) : 0, count * width).slice();
       return Array.from({ length: count }, (_, k) => {
         const one = all.subarray(k * width, (k + 1) * width);
-        return { event: one[0], t: one[1], q: one.slice(2, 2 + nq), v: one.slice(2 + n) };
+        return { event: one[0], t: one[1], q: one.slice(2, 2 + nq), v: one.slice(2 + nq) };
       });
     }
 
     free() {
       if (!this.at) return;
-      this.engine.c.live_free(this.at);
+      this.engine.c.pk_host_free(this.at);
       this.own.users--;
       this.at = 0;
     }

@@ -24,16 +24,17 @@ _HERE = Path(__file__).parent
 description = json.loads((_HERE / "model.json").read_text(encoding="utf-8"))
 _C = ctypes.CDLL(str(next(p for p in _HERE.iterdir() if p.name.startswith("library."))))
 _ANSWERS = {
-    ctypes.c_void_p: "params new t q v crossings",
-    ctypes.c_size_t: "parameters rows accelerations_size take_crossings n",
-    ctypes.c_char_p: "why reason",
-    ctypes.c_int: "set values",
-    None: "free params_free start accelerations",
+    ctypes.c_void_p: "params motion_new y crossings",
+    ctypes.c_size_t: "rows crossed values",
+    ctypes.c_char_p: "why",
+    ctypes.c_int: "set",
+    ctypes.c_double: "t",
+    None: "given start free params_free",
 }
 for _kind, _names in _ANSWERS.items():
     for _name in _names.split():
-        getattr(_C, f"live_{_name}").restype = _kind
-_C.live_t.restype = ctypes.c_double
+        getattr(_C, f"pk_host_{_name}").restype = _kind
+_ACCELERATIONS, _ENERGY, _OUTPUTS = range(3)  # of enum pk_host_kind
 
 _COORDINATES = tuple(c["name"] for c in description["coordinates"])
 _BUDGET = 100_000.0  # steps between checks for Ctrl-C
@@ -60,6 +61,7 @@ def _rates():
 
 
 _RATES = tuple(name for name, _ in _rates())
+_N_Q, _N = len(_COORDINATES), len(_RATES)
 
 
 def _known(name, names, kind):
@@ -89,13 +91,8 @@ class Parameters(MutableMapping):
     def __init__(self, model):
         self._model = model
         self._index = {p["name"]: k for k, p in enumerate(description["parameters"])}
-        self._given = np.array(
-            [
-                math.nan if p["follows"] or p["value"] is None else p["value"]
-                for p in description["parameters"]
-            ],
-            float,  # even if all are integers
-        )
+        self._given = np.zeros(len(self._index))
+        _C.pk_host_given(_pointer(self._given))
         self._default = self._given.copy()
 
     def __getitem__(self, name):
@@ -155,15 +152,14 @@ class Rows:
 
 
 class Model:
-    """The model, with its own parameter values. `inputs` has the constant values of inputs by name.
-    """
+    """The model, with its own parameter values. `inputs` has the constant inputs by name."""
 
     coordinates, rates = _COORDINATES, _RATES
     outputs = tuple(o["name"] for o in description["outputs"])
     methods = tuple(m["name"] for m in description["methods"] if m["applies"] and not m["gsl"])
 
     def __init__(self, **parameters):
-        self._params = _C.live_params(ctypes.c_size_t(1), ctypes.c_int(1))
+        self._params = _C.pk_host_params(ctypes.c_size_t(1), ctypes.c_int(1))
         if not self._params:
             raise MemoryError
         self._params = ctypes.c_void_p(self._params)
@@ -176,30 +172,20 @@ class Model:
     def __del__(self):
         params, self._params = getattr(self, "_params", None), None
         if params:
-            _C.live_params_free(params)
+            _C.pk_host_params_free(params)
 
     def _prepare(self):
         values = np.append(self.params._given, 0.0)
-        if not _C.live_set(self._params, _pointer(values)):
-            raise ValueError(_C.live_why().decode())
+        if not _C.pk_host_set(self._params, _pointer(values)):
+            raise ValueError(_C.pk_host_why().decode())
         self._values = values
 
     @property
     def start(self):
         """Returns y at t = 0: coordinates, then rates and first-order variables."""
-        n, n_q = len(_RATES), len(_COORDINATES)
-        q, v = np.zeros(n + 1), np.zeros(n + 1)
-        _C.live_start(self._params, _pointer(q), _pointer(v))
-        for c in description["coordinates"]:
-            for array, key in ((q, "q"), (v, "v")):
-                if not c[f"{key}_follows"]:
-                    array[c["index"]] = c[key] or 0.0
-        for r in description["rotations"]:
-            for at, k in enumerate(r["rate_indices"]):
-                v[k] = v[k] if r["rates_follow"][at] else r["rate_values"][at] or 0.0
-        for s in description["states"]:
-            v[s["index"]] = v[s["index"]] if s["follows"] else s["value"] or 0.0
-        return np.concatenate([q[:n_q], v[:n]])
+        y = np.zeros(2 * _N)
+        _C.pk_host_start(self._params, _pointer(y))
+        return y[: _N_Q + _N]
 
     def _u(self, count):
         for name in self.inputs:
@@ -207,54 +193,38 @@ class Model:
         one = [float(self.inputs[u["name"]]) for u in description["inputs"]]
         return np.ascontiguousarray(np.broadcast_to(one or [0.0], (count, max(1, len(one)))))
 
-    def _states(self, q, v, t):
-        """Returns the shape, and flat arrays of all states. In C the integrals of first-order
-        variables follow the coordinates; nothing depends on them."""
-        n, n_q = len(_RATES), len(_COORDINATES)
+    def _values_of(self, kind, width, q, v, t):
         q, v, t = np.asarray(q, float), np.asarray(v, float), np.asarray(t, float)
-        if q.shape[-1:] != (n_q,) or v.shape[-1:] != (n,):
-            raise ValueError(f"q must be of shape (..., {n_q}), v of shape (..., {n})")
+        if q.shape[-1:] != (_N_Q,) or v.shape[-1:] != (_N,):
+            raise ValueError(f"q must be of shape (..., {_N_Q}), v of shape (..., {_N})")
         shape = np.broadcast_shapes(q.shape[:-1], v.shape[:-1], t.shape)
         count = math.prod(shape)
-        places = np.zeros((count, n))
-        places[:, :n_q] = np.broadcast_to(q, (*shape, n_q)).reshape(count, n_q)
-        rates = np.ascontiguousarray(np.broadcast_to(v, (*shape, n)).reshape(count, n))
-        times = np.ascontiguousarray(np.broadcast_to(t, shape).reshape(count))
-        return shape, count, times, places, rates, self._u(count)
+        y = np.empty((*shape, _N_Q + _N))
+        y[..., :_N_Q], y[..., _N_Q:] = q, v
+        times = np.ascontiguousarray(np.broadcast_to(t, shape))
+        out = np.empty((*shape, width))
+        arrays = map(_pointer, (times, y, self._u(count), out))
+        _C.pk_host_values(self._params, ctypes.c_int(kind), ctypes.c_size_t(count), *arrays)
+        return out
 
     def acceleration(self, q, v, t=0.0):
         """Returns q'' (and x' of first-order variables), of shape (..., n); NaN where M is
         singular."""
-        shape, count, times, places, rates, u = self._states(q, v, t)
-        out, failed = np.empty_like(rates), np.zeros(count + 1, np.uint8)
-        work = np.empty(_C.live_accelerations_size(self._params) + 1)
-        arrays = map(_pointer, (times, places, rates, u, out, failed, work))
-        _C.live_accelerations(self._params, ctypes.c_size_t(count), *arrays)
-        out[failed[:count] != 0] = np.nan
-        return out.reshape(*shape, len(_RATES))
-
-    def _values_of(self, which, width, q, v, t):
-        shape, count, times, places, rates, u = self._states(q, v, t)
-        out = np.full((count, width), np.nan)
-        sizes = (ctypes.c_int(which), ctypes.c_size_t(width), ctypes.c_size_t(count))
-        arrays = map(_pointer, (times, places, rates, u, out))
-        _C.live_values(self._params, *sizes, *arrays)
-        return out.reshape(*shape, width)
+        return self._values_of(_ACCELERATIONS, _N, q, v, t)
 
     def energy(self, q, v, t=0.0):
         """Returns v.dL/dv - L, of shape (...)."""
-        return self._values_of(2, 1, q, v, t)[..., 0]
+        return self._values_of(_ENERGY, 1, q, v, t)[..., 0]
 
     def observe(self, q, v, t=0.0):
         """Returns the model's outputs, of shape (..., number of outputs)."""
-        return self._values_of(0, len(self.outputs), q, v, t)
+        return self._values_of(_OUTPUTS, len(self.outputs), q, v, t)
 
     def rhs(self, t, y):
         """Returns y' of y = (q, v), of shape (n,) or (n, count), for SciPy's solve_ivp."""
         y = np.asarray(y, float)
-        n = len(_COORDINATES)
-        a = self.acceleration(y[:n].T, y[n:].T, t)
-        return np.concatenate([y[n : 2 * n], a.T])
+        a = self.acceleration(y[:_N_Q].T, y[_N_Q:].T, t)
+        return np.concatenate([y[_N_Q : 2 * _N_Q], a.T])
 
     def run(self, until, every=None, method=None, step=None, rtol=None, start=None):
         """Returns rows from t = 0 to `until`, `every` apart; `start` is y, or values by name.
@@ -283,20 +253,20 @@ class Model:
             step = every  # an exact method takes steps of any length
         if step is None and not about["adaptive"]:
             raise ValueError(f"method {method} has fixed steps: give step")
-        q, v = self._begin(start)
-        u = self._u(1)
+        y, u = self._begin(start), self._u(1)
         sizes = [ctypes.c_double(x) for x in (step or 0.0, rtol, 0.0)]
-        motion = _C.live_new(self._params, method.encode(), *sizes, *map(_pointer, (q, v, u)))
+        motion = _C.pk_host_motion_new(
+            self._params, method.encode(), *sizes, _pointer(y), _pointer(u)
+        )
         if not motion:
-            raise ValueError(_C.live_why().decode())
+            raise ValueError(_C.pk_host_why().decode())
         motion = ctypes.c_void_p(motion)
         try:
-            return self._rows(motion, times, q, v)
+            return self._rows(motion, times)
         finally:
-            _C.live_free(motion)
+            _C.pk_host_free(motion)
 
     def _begin(self, start):
-        n, n_q = len(_RATES), len(_COORDINATES)
         y = self.start
         if isinstance(start, dict):
             names = {name: k for k, name in enumerate((*_COORDINATES, *_RATES))}
@@ -304,42 +274,32 @@ class Model:
                 y[_known(name, names, "coordinate or rate")] = value
         elif start is not None:
             y = np.array(start, float)
-            if y.shape != (n_q + n,):
-                raise ValueError(f"start must be of shape ({n_q + n},)")
-        q = np.zeros(n + 1)
-        q[:n_q] = y[:n_q]
-        return q, np.append(y[n_q:], 0.0)
+            if y.shape != (_N_Q + _N,):
+                raise ValueError(f"start must be of shape ({_N_Q + _N},)")
+        return y
 
-    def _rows(self, motion, times, q, v):
-        n, n_q = len(_RATES), len(_COORDINATES)
-        places, rates = np.empty((len(times), n)), np.empty((len(times), n))
+    def _rows(self, motion, times):
+        y = np.empty((len(times), _N_Q + _N))
         made, status = 0, ctypes.c_int(0)
         while made < len(times) and status.value in (0, _MORE):
             some = slice(made, min(made + 10_000, len(times)))
-            made += _C.live_rows(
-                motion, ctypes.c_size_t(n), ctypes.c_size_t(some.stop - made),
-                _pointer(times[some]), ctypes.c_double(_BUDGET), _pointer(places[some]),
-                _pointer(rates[some]), ctypes.byref(status),
+            made += _C.pk_host_rows(
+                motion, ctypes.c_size_t(some.stop - made), _pointer(times[some]),
+                ctypes.c_double(_BUDGET), _pointer(y[some]), ctypes.byref(status),
             )  # fmt: skip
-        ended = status.value not in (0, _MORE)
-        if ended and status.value == _MOTION_ENDED:  # adds a row at the event
-            times = np.append(times[:made], _C.live_t(motion))
-            last = [_array(state(motion), (n,)) for state in (_C.live_q, _C.live_v)]
-            places = np.vstack([places[:made], last[0]])
-            rates = np.vstack([rates[:made], last[1]])
-        else:
-            times, places, rates = times[:made], places[:made], rates[:made]
-        rows = self._table(times, places[:, :n_q], rates, self._events(motion, n))
-        if ended and status.value != _MOTION_ENDED:
-            raise RunError(_C.live_reason(motion).decode(), rows)
+        why = _C.pk_host_why().decode()
+        times, y = times[:made], y[:made]
+        if status.value == _MOTION_ENDED:  # adds a row at the event
+            times = np.append(times, _C.pk_host_t(motion))
+            y = np.vstack([y, _array(_C.pk_host_y(motion), (_N_Q + _N,))])
+        rows = self._table(times, y[:, :_N_Q], y[:, _N_Q:], self._events(motion))
+        if status.value not in (0, _MORE, _MOTION_ENDED):
+            raise RunError(why, rows)
         return rows
 
-    def _events(self, motion, n):
-        width = 2 + 2 * n
-        count = _C.live_take_crossings(motion)
-        if not count:
-            return []
-        table = _array(_C.live_crossings(motion), (count, width))
+    def _events(self, motion):
+        count = _C.pk_host_crossed(motion)
+        table = _array(_C.pk_host_crossings(motion), (count, 2 + _N_Q + _N))
         names = [e["name"] for e in description["events"]]
         return [(names[int(row[0])], float(row[1])) for row in table]
 

@@ -1,11 +1,11 @@
-/* Swarms: ensembles of many states, each member with its own params. */
+/* Swarms of live pages: ensembles of many states, each member with its own params. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <pk/ensemble.h>
 
-#include "live.h"
+#include "pk_host.h"
 
 /* Steps of fixed size lie on the grid of multiples of h, whatever times are shown: `state` is at
  * the last grid point, `shown` a shorter step further. */
@@ -22,7 +22,7 @@ struct swarm {
     unsigned char *ended; /* flags of members that failed: they keep their last state */
 };
 
-void EXPORT(live_swarm_free)(struct swarm *s)
+void EXPORT(pk_swarm_free)(struct swarm *s)
 {
     if (!s)
         return;
@@ -37,24 +37,24 @@ void EXPORT(live_swarm_free)(struct swarm *s)
 }
 
 /* `params`: the structs of all members in a row, params_size bytes each. The caller writes the
- * initial states to live_swarm_start(): q of all, then v of all. Inputs u are the same for all. */
-struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, double h, double rtol,
-                                     const double *u, size_t count)
+ * initial states to pk_swarm_start(): q of all, then v of all. Inputs u are the same for all. */
+struct swarm *EXPORT(pk_swarm_new)(const void *params, const char *method, double h, double rtol,
+                                   const double *u, size_t count)
 {
     struct swarm *s = (struct swarm *)calloc(1, sizeof *s);
-    const struct pk_method *const found = live_method(method);
-    const size_t n_inputs = live_system->n_inputs;
+    const struct pk_method *const found = pk_host_method(method);
+    const size_t n_inputs = pk_host_model.system->n_inputs;
     if (!s || !found) {
         free(s);
-        refuse(found ? "there is no memory" : "there is no such method");
+        pk_host_refuse(found ? "there is no memory" : "there is no such method");
         return NULL;
     }
-    if (live_system->switches.impulses) {
+    if (pk_host_model.system->switches.impulses) {
         free(s);
-        refuse("a swarm is not made of a model with impacts");
+        pk_host_refuse("a swarm is not made of a model with impacts");
         return NULL;
     }
-    s->n = pk_system_count(live_system, params);
+    s->n = pk_system_count(pk_host_model.system, params);
     const size_t half = 2 * s->n * count;
     s->state = (pk_real *)calloc(3 * half + n_inputs * count + 1, sizeof *s->state);
     s->done = (size_t *)calloc(count, sizeof *s->done);
@@ -63,8 +63,8 @@ struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, dou
     s->status = (enum pk_status *)calloc(count, sizeof *s->status);
     s->ended = (unsigned char *)calloc(count, 1);
     if (!s->state || !s->done || !s->last || !s->points || !s->status || !s->ended) {
-        live_swarm_free(s);
-        refuse("there is no memory");
+        pk_swarm_free(s);
+        pk_host_refuse("there is no memory");
         return NULL;
     }
     s->shown = s->state + half;
@@ -72,7 +72,7 @@ struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, dou
     s->u = s->ends + half;
     for (size_t i = 0; i < count && n_inputs; i++)
         memcpy(s->u + i * n_inputs, u, n_inputs * sizeof *u);
-    s->e.system = live_system;
+    s->e.system = pk_host_model.system;
     s->e.method = found;
     s->e.options = pk_options_default();
     s->e.options.h = h;
@@ -93,20 +93,20 @@ struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, dou
     s->block_size = pk_ensemble_size(&s->e);
     s->block = malloc(s->block_size);
     if (!s->block) {
-        live_swarm_free(s);
-        refuse("there is no memory");
+        pk_swarm_free(s);
+        pk_host_refuse("there is no memory");
         return NULL;
     }
     return s;
 }
 
-pk_real *EXPORT(live_swarm_start)(struct swarm *s) { return s->state; }
+pk_real *EXPORT(pk_swarm_start)(struct swarm *s) { return s->state; }
 
-/* The states at the time of the last live_swarm_to(): q of all, then v of all. */
-const pk_real *EXPORT(live_swarm_states)(const struct swarm *s) { return s->shown; }
+/* The states at the time of the last pk_swarm_to(): q of all, then v of all. */
+const pk_real *EXPORT(pk_swarm_states)(const struct swarm *s) { return s->shown; }
 
 /* Columns i and j of (q, v) as floats for WebGL, after the bounds of each; see `points`. */
-const float *EXPORT(live_swarm_points)(struct swarm *s, size_t i, size_t j)
+const float *EXPORT(pk_swarm_points)(struct swarm *s, size_t i, size_t j)
 {
     const size_t n = s->n, members = s->e.members;
     const pk_real *const x = s->shown + (i < n ? i : n * members + i - n);
@@ -149,8 +149,8 @@ static void run(struct swarm *s, pk_real t, pk_real *to)
 }
 
 /* Integrates all members to t and returns how many have not failed. A failed member keeps its last
- * state. If all have failed, live_why() returns the first member's reason. */
-size_t EXPORT(live_swarm_to)(struct swarm *s, double t)
+ * state. If all have failed, pk_host_why() returns the first member's reason. */
+size_t EXPORT(pk_swarm_to)(struct swarm *s, double t)
 {
     const pk_real h = s->e.options.h;
     const pk_real grid = pk_ensemble_fixed(&s->e) ? h * floor(t / h * (1 + 4 * PK_EPSILON)) : t;
@@ -167,6 +167,6 @@ size_t EXPORT(live_swarm_to)(struct swarm *s, double t)
     for (size_t i = 0; i < s->e.members; i++)
         going += !s->ended[i];
     if (!going)
-        pk_ensemble_reason(&s->e, 0, s->block, s->block_size, live_reason_text, LONGEST_TEXT);
+        pk_ensemble_reason(&s->e, 0, s->block, s->block_size, pk_host_text, PK_HOST_TEXT);
     return going;
 }
