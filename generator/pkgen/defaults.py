@@ -12,7 +12,7 @@ ITERATIONS = ("newton", "fixed")  # iterations of implicit methods; the first is
 SMALLEST_RTOL = 2.0**-52  # a smaller rtol would reject steps forever
 THREADS_MOST = 1024  # with more threads a system may abort the program
 
-# The options of an integration that a caller may leave out, by their names in Python.
+# Defaults of the options of an integration, by their names in Python.
 OPTIONS = {
     **dict.fromkeys(("until", "every", "step", "max_step", "rtol", "atol", "method", "record")),
     **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "unroll")),

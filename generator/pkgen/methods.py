@@ -69,18 +69,18 @@ class Own(Method):
 
 
 HEADERS = Path(pkgen_runtime.__file__).parent / "include" / "pk"
-CALLED = frozenset(("acceleration", "singularity", "event", "observe"))  # by every method
-CALLED_FOR = {  # besides, by family, trait or required fact
-    "GAUSS": ("lanes",),  # evaluates its stages in SIMD lanes
-    "SPLITTING": ("advance",),  # several steps in one call, for families kept as loops
+CALLED = frozenset(("acceleration", "singularity", "event", "observe"))  # kernels of every method
+CALLED_FOR = {  # further kernels, by family, trait or required fact
+    "GAUSS": ("lanes",),  # evaluates stages in SIMD lanes
+    "SPLITTING": ("advance",),  # makes several steps in one call, for families kept as loops
     "linear": ("mass", "linear"),
     "exact": ("mass", "linear"),
     "fast": ("fast",),
     "jacobians": ("canonical", "mass", "jacobian"),
-    # The last two: with rotations or constraints.
+    # The last two kernels are for rotations or constraints.
     "holonomic": ("canonical", "mass", "unconstrained", "inertia"),
 }
-INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families that -DPK_INLINE_ names
+INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families with a flag -DPK_INLINE_
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
 _ROW = re.compile(r"X\(A, (\w+), \d+, \d+, \d+, ([\w |]+),\s*\\?\s*\w+,")
 _DEFINED = re.compile(r"#define (PK_\w+)\s+\\?\s*\(?((?:PK_\w+(?: \| )?)+|0)\)?\n")

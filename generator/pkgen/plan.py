@@ -24,7 +24,7 @@ OPTION, SCENE, DEFAULT = "option", "scene", "default"  # origins of a method
 
 @record
 class RunNumbers:
-    """Numbers of a run, in SI, of options or of a scene; None: not set there."""
+    """Numbers of a run in SI units, from options or from a scene; None: not set there."""
 
     until: float | None = None
     every: float | None = None
@@ -34,7 +34,7 @@ class RunNumbers:
     atol: float | None = None
 
     def else_of(self, other: RunNumbers) -> RunNumbers:
-        """Returns these numbers, and where one is not set that of `other`."""
+        """Returns these numbers; a number that is not set is replaced by that of `other`."""
         names = (f.name for f in fields(RunNumbers))
         pairs = ((name, getattr(self, name), getattr(other, name)) for name in names)
         return RunNumbers(**{name: b if a is None else a for name, a, b in pairs})
