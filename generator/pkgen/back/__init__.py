@@ -1,3 +1,4 @@
-"""Back ends. Their input is the table `kernels.py`: each kernel's name, outputs and values as nodes
-of the expression graph (`targets.py`), and the proved properties of the equations (`facts.py`).
-A back end is a folder like `c`, which turns that into files; back ends do not use each other."""
+"""Back ends turn a model into C, WebAssembly and other files. Their input is the table
+`kernels.py`, with each kernel's name, outputs and values as nodes of the graph (`targets.py`), and
+proved properties of the equations (`facts.py`). A back end is a folder such as `c`, which uses no
+other back end."""

@@ -1,4 +1,4 @@
-"""Reproducible archives: the same entries give the same bytes."""
+"""Reproducible zip archives: the same entries give the same bytes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 
 def archive(entries: Mapping[str, bytes]) -> bytes:
-    """Returns a zip file of the entries, without dates and sorted by path."""
+    """Returns a zip file of the entries, sorted by path and without dates."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
         for path in sorted(entries):

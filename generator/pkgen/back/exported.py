@@ -1,4 +1,4 @@
-"""The interface of `pkgen export`: the exported model, and hosts, which add-ons provide."""
+"""The interface of `pkgen export`: the exported model, and hosts (targets) from add-ons."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .runtime import alone, sources
 
 @record
 class Exported:
-    """A model for a host. `description` has the layout of docs/dev/describe.md, `files` are the
-    generated C, `separable` says whether M is constant and the forces do not depend on rates, `own`
-    are the methods that the model's author defines, `options` the command line's."""
+    """A model to export. `description` has the layout of docs/dev/describe.md; `files` are the
+    generated C; `separable`: M is constant and forces do not depend on rates; `own`: methods that
+    the model's author defines; `options`: those of the command line."""
 
     name: str
     description: Mapping[str, Any]
@@ -28,13 +28,14 @@ class Exported:
     options: argparse.Namespace
 
     def runtime(self, *texts: str) -> dict[str, str]:
-        """Returns the runtime's files that the model and C sources `texts` need, by their paths in
-        the runtime."""
+        """Returns the runtime's files that the model and the C sources `texts` need, by their paths
+        in the runtime."""
         return sources([*self.files.values(), *texts])
 
     def with_runtime(self, wrapper: Mapping[str, str]) -> dict[str, str]:
-        """Returns C files that compile without other files: the model, the wrapper, the runtime's
-        files that both need, and the tables of own methods. Raises UsageError on equal names."""
+        """Returns C files that compile on their own: the model, the wrapper, the runtime's files
+        for both, and the tables of the author's methods. Raises UsageError if two files have one
+        name."""
         clash = [name for name in self.files if name in wrapper]
         if clash:
             raise UsageError(f"{clash[0]} is a file of the export itself: rename the model")
@@ -48,7 +49,7 @@ class Exported:
         return [m for m in self.description["methods"] if m["applies"] and not m["gsl"]]
 
     def method(self) -> str:
-        """Returns the default method's name. Raises UsageError if it is not one of methods()."""
+        """Returns the name of the run's method. Raises UsageError if it is not one of methods()."""
         name = self.description["run"]["method"]
         (found,) = (m for m in self.description["methods"] if m["name"] == name)
         if found["gsl"]:
@@ -64,24 +65,24 @@ class Exported:
 
 @record
 class Host:
-    """A target of `pkgen export`. `make` returns the files of an export by their paths, or raises
-    BuildError or UsageError; a host with a `suffix` makes one file. `options` are the host's own,
-    in argparse's form; an option that two hosts share means the same for both. `how` returns
-    keyword arguments for compiling the model, `warnings` the features of `pkgen run` that the host
-    lacks."""
+    """A target of `pkgen export`. `make` returns the exported files by their paths, or raises
+    BuildError or UsageError; a host with a `suffix` makes one file. `options` are its command-line
+    options, in argparse's form; an option that two hosts have means the same for both. `how`
+    returns keyword arguments for compiling the model, `warnings` the features of `pkgen run` that
+    the host lacks."""
 
     name: str
     doc: str  # one line
     make: Callable[[Exported], Mapping[str, bytes]]
     suffix: str = ""
     options: tuple[tuple[str, Mapping[str, Any]], ...] = ()
-    tools: str = ""  # programs that the export needs, in words for a reader
+    tools: str = ""  # The programs that an export needs, as text.
     how: Callable[[argparse.Namespace], Mapping[str, Any]] = lambda _: {}
     warnings: Callable[[Exported], list[str]] = lambda _: []
-    drawing: bool = False  # whether the C's outputs include the numbers that the drawing needs
+    drawing: bool = False  # The C computes the numbers that the drawing needs.
 
 
-# The machines that an export has binaries for; see library.py.
+# The option for the machines whose binaries an export contains; see library.py.
 TARGET_OPTION = (
     "--target",
     {"metavar": "LIST", "help": "machines: linux-x86_64,linux-aarch64,windows-x86_64,macos-..."},

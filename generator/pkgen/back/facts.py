@@ -1,4 +1,4 @@
-"""The proved properties of a system in words: for `explain` and for the header of its C."""
+"""The proved properties of a system as text, for `explain` and for the header of its C."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from ..equations import Equations, Facts, Indices, Invariant, Structure, Symmetr
 from ..graph.graph import BIT, ZERO, Kind
 from ..middle.loops.loops import LoopEquations
 
-SHOWN = 8  # most terms of an invariant's formula, or blocks of coordinates, that are written out
+SHOWN = 8  # Most terms of an invariant, or blocks of coordinates, that are printed.
 
 
 def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
-    """Returns rows (property, finding) of a table; rows without a finding are left out."""
+    """Returns rows (property, finding); properties without a finding are left out."""
     looped = isinstance(equations, LoopEquations)
     own = len(equations.model.coordinates) if looped else equations.inertial
     mass, forces = (_mass_of_loops, _forces_of_loops) if looped else (_mass, _forces)
@@ -29,13 +29,13 @@ def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[
 
 
 def invariants(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
-    """Returns rows (constant of the motion, why it is constant); the author's claims come last."""
+    """Returns rows (constant of the motion, why it is constant); the author's claims are last."""
     claims = [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
     return [*found(equations, structure), *claims]
 
 
 def found(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
-    """Returns the rows of invariants() that pkgen found itself, without the author's claims."""
+    """Returns the rows of invariants() that pkgen has found, without the model author's claims."""
     if structure.symmetries is not None and structure.symmetries.searched:
         return found_by_symmetry(structure.symmetries)
     rows = [("energy", "time shift")] if structure.conservative else []
@@ -84,7 +84,7 @@ def _why(x: Invariant) -> str:
 
 
 def shortened(text: str) -> str:
-    """Returns the text of a sum; a long sum is cut to its first and its last term."""
+    """Returns the text of a sum, shortened to its first and last term if it is long."""
     terms = text.replace(" - ", " + -").split(" + ")
     if len(terms) <= SHOWN:
         return text
@@ -128,7 +128,7 @@ def _mass(equations: Equations, structure: Structure) -> str:
 
 
 def _varying(equations: Equations, structure: Structure) -> str:
-    """Returns the names of the quantities that the mass matrix depends on."""
+    """Returns the kinds of quantities on which the mass matrix depends, as text."""
     mask = 0
     for node in sum(equations.mass, ()):
         mask |= equations.graph.depends[node]

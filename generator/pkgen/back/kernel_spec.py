@@ -1,4 +1,4 @@
-"""The description of a kernel: its row in the table of `kernels.py`, and its output statements."""
+"""The specification of a kernel, a row in the table of `kernels.py`, and its output statements."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from ..record import record
 from .targets import CHECK, FILL, MIRROR, RETURN, STORE, Output, Target
 
 Hint = tuple[Node, str]
-_FEW_ZEROS = 8  # more zero entries of a matrix are written by one loop
-_FEW_ROWS = 6  # a symmetric matrix of more rows is mirrored by a loop
+_FEW_ZEROS = 8  # A matrix with more zeros is filled with 0 by a loop.
+_FEW_ROWS = 6  # A symmetric matrix with more rows is mirrored by a loop.
 
 
 @record
 class KernelSpec:
-    """A kernel. `values` returns the outputs' nodes by the outputs' names, or the one value of a
-    kernel that returns a pk_real. `says` is its comment in C; `result` its return type in C."""
+    """A kernel. `values` returns the nodes of each output by its name, or the one value of a kernel
+    that returns a pk_real. `says` is its comment in C, `result` its return type in C."""
 
     name: str
     says: str
     values: Callable[[Equations], Mapping[str, Row | Matrix]]
     result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
-    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # before anything is written
-    kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # nodes that always become locals
-    given: tuple[str, ...] = ()  # vector arguments besides t, q, v and u
-    second: str = "v"  # the argument after q: the rates "v", or "momenta"
+    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # Checks before all stores.
+    kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # Nodes that become local variables.
+    given: tuple[str, ...] = ()  # Vector arguments after t, q, v and u.
+    second: str = "v"  # The vector argument after q: "v" or "momenta".
     symmetric: bool = False
     copies: bool = (
-        False  # entries of one node, like mixed second derivatives of L, are copies of the first
+        False  # equal entries, like mixed second derivatives of L, are copied from the first
     )
 
     def outputs(self, e: Equations) -> tuple[Output, ...]:
@@ -45,14 +45,14 @@ class KernelSpec:
         if self.result == "pk_real":
             return [Target(RETURN, "", row) for row in values.values()]
         if self.name == "acceleration" and e.acceleration is None:
-            return []  # there is no expression of a: a loop solves M a = f
+            return []  # No expression: a loop solves M a = f.
         found = list(self.checks(e))
         for name, x in values.items():
             found += matrix_stores(name, x, self.symmetric) if _is_matrix(x) else stores(name, x)
         return _copied(found) if self.copies else found
 
     def hints(self, equations: Equations) -> Iterator[Hint]:
-        """Yields readable names (D_i, M_i_j, f_i, p_i) for nodes, used if they become locals."""
+        """Yields readable names (D_i, M_i_j, f_i, p_i) for nodes that may become locals."""
         if self.name == "acceleration":
             yield from _named("D", tuple(pivot for pivot, _ in equations.pivots or ()))
         if equations.mass:
@@ -73,8 +73,8 @@ def stores(name: str, row: Row) -> list[Target]:
 
 
 def pivot_checks(graph: Graph, failure: str, pivots: Pivots) -> Iterator[Target]:
-    """Yields checks that each pivot is positive relative to its reference size, unless it is known
-    to be positive."""
+    """Yields a check that each pivot is positive relative to its reference size; a pivot known to
+    be positive needs no check."""
     checked: set[tuple[Node, Node]] = set()
     for number, (pivot, beside) in enumerate(pivots):
         positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
@@ -105,7 +105,7 @@ def _copied(targets: list[Target]) -> list[Target]:
 
 
 def optional(name: str, says: str, output: str, row: Callable[[Equations], Row]) -> KernelSpec:
-    """Returns a kernel of one output, which exists only if the output is not empty."""
+    """Returns a kernel with one output; the kernel exists if the output is not empty."""
     return KernelSpec(name, says, lambda e: {output: row(e)}, exists=lambda e: bool(row(e)))
 
 
@@ -114,8 +114,8 @@ def _is_matrix(x: Row | Matrix) -> bool:
 
 
 def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
-    """Returns the stores of all entries. A symmetric matrix stores its upper triangle and mirrors
-    it, by a loop if it is large. Many zeros are written by one loop at the start."""
+    """Returns the stores of all entries. A symmetric matrix stores its upper triangle and copies it
+    to the lower one, by a loop if it is large. Many zeros are written by one loop at the start."""
     columns = len(matrix[0])
     zeros = sum(node == ZERO for row in matrix for node in row)
     small = symmetric and columns <= _FEW_ROWS
@@ -134,7 +134,7 @@ def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Ta
 
 
 def row_checks(equations: Equations) -> list[Target]:
-    """Returns the checks that the constraint rows are linearly independent."""
+    """Returns checks that the constraint rows are linearly independent."""
     if equations.constraints is None:
         return []
     return list(pivot_checks(equations.graph, "CONSTRAINT", equations.constraints.pivots))

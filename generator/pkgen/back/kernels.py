@@ -1,4 +1,4 @@
-"""The table of kernels that a model can have: outputs, return type and meaning of each.
+"""The table of all kernels: their outputs, return type and meaning.
 
 A new kernel needs a row here, a member in runtime/include/pk/system.h, and a caller.
 """
@@ -13,15 +13,15 @@ from .kernels_bound import ALWAYS, BOUND
 from .kernels_canonical import CANONICAL, CANONICAL_SPECS
 from .targets import Target
 
-# The kernels of a model that is generated without the runtime's tables, to be embedded.
+# Kernels of a model that is generated to be embedded, without the runtime's tables.
 PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
 
 
 def needed_kernels(
     equations: Equations, wanted: frozenset[str] | None, plain: bool = False
 ) -> frozenset[str]:
-    """Returns the kernels of `wanted` (None: all) that the model has, and the kernels that these
-    call; unless `plain`, also the kernels that the runtime calls itself."""
+    """Returns the kernels of `wanted` (None: all) that the model has, and the kernels that they
+    call; unless `plain`, also the kernels that the runtime itself calls."""
     names = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
     if plain:
         names &= wanted or names
@@ -43,12 +43,12 @@ def needed_kernels(
 
 
 def _has_energy(equations: Equations) -> bool:
-    """Returns whether the model has an energy: a model of first-order states alone has none."""
+    """Returns whether the model has an energy; a model with only first-order states has none."""
     return equations.own > 0 or bool(equations.attitudes)
 
 
 def _scalar(name: str, says: str) -> KernelSpec:
-    """Returns a kernel that returns the scalar field of Equations with the kernel's name."""
+    """Returns a kernel for a scalar: its value is the field of Equations with the kernel's name."""
     return KernelSpec(
         name,
         says,
@@ -59,7 +59,7 @@ def _scalar(name: str, says: str) -> KernelSpec:
 
 
 def _pivots(e: Equations) -> list[Target]:
-    """Returns the checks of all pivots; they precede all stores."""
+    """Returns the checks of all pivots, which precede all stores."""
     return [*pivot_checks(e.graph, "MASS", e.pivots or ()), *row_checks(e)]
 
 
@@ -76,7 +76,7 @@ _SPECS = (
     KernelSpec(
         "acceleration",
         "a = q'' with M a = f, by M = L D L^T",
-        lambda e: {"a": e.acceleration or e.force},  # no expression: a loop solves M a = f in place
+        lambda e: {"a": e.acceleration or e.force},  # Without an expression, a loop solves M a = f.
         "int",
         checks=_pivots,
         kept=lambda e: [*(pivot for pivot, _ in e.pivots or ()), *e.force],

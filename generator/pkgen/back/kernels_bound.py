@@ -1,10 +1,10 @@
-"""Kernels of rotations and constraints, with which the runtime projects states onto them."""
+"""Kernels of rotations and constraints; the runtime uses them to project states."""
 
 from __future__ import annotations
 
 from .kernel_spec import KernelSpec, optional
 
-# Each kernel exists if its outputs do: see pk/system_constraints.h and pk/system.h.
+# A kernel exists if the model has its outputs: see pk/system_constraints.h and pk/system.h.
 BOUND = (
     optional(
         "constraint",
@@ -54,7 +54,7 @@ BOUND = (
         symmetric=True,
     ),
 )
-# A model with constraints always has these kernels, as far as they exist.
+# Kernels that a model with constraints always has, if their outputs exist.
 ALWAYS = frozenset(
     {
         "constraint",

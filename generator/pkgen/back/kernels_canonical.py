@@ -1,4 +1,4 @@
-"""The kernels of the canonical form, of q and p: `pkgen MODEL.lag --canonical`."""
+"""The kernels of the canonical form, in q and p: `pkgen MODEL.lag --canonical`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 
 
 def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row]]) -> KernelSpec:
-    """Returns a kernel of q and p, which returns a failure where M is singular."""
+    """Returns a kernel that depends on q and p; it returns a failure code if M is singular."""
 
     def exists(e: Equations) -> bool:
         return e.hamiltonian is not None and any(

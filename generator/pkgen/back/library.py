@@ -1,7 +1,8 @@
-"""Builds one shared library of a model, its part of the runtime and a host's C, for this machine or
-for others. The library has no GSL and runs on every processor of the architecture.
+"""Builds a shared library of a model, the runtime's files for it and a host's C code, for this
+machine or for others.
 
-Libraries for other machines are compiled by zig (pip install ziglang).
+The library has no GSL and runs on every processor of its architecture. zig compiles libraries for
+other machines (pip install ziglang).
 """
 
 from __future__ import annotations
@@ -22,13 +23,13 @@ from ..system.near import near
 from ..system.toolchain import DECLARED, FLAGS, STANDARD, find_toolchain, run
 
 OLD_GLIBC = "2.17"
-# zig cc by default compiles in checks of undefined behaviour, which trap.
+# By default zig cc inserts checks of undefined behaviour, which trap.
 ZIG = ("-fno-sanitize=undefined",)
 
 
 @record
 class Target:
-    """A machine. `zig` is zig's name of it; `fmi3` and `fmi2` are its folders in an FMU."""
+    """A kind of machine: its name in zig (`zig`), and its folders in an FMU (`fmi3`, `fmi2`)."""
 
     name: str
     zig: str
@@ -56,7 +57,7 @@ TARGETS = {
 
 
 def this_machine() -> str:
-    """Returns this machine's name in TARGETS. Raises BuildError if it is not there."""
+    """Returns this machine's name in TARGETS. Raises BuildError if TARGETS does not have it."""
     system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, sys.platform)
     machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
     name = f"{system}-{machine}"
@@ -66,7 +67,7 @@ def this_machine() -> str:
 
 
 def named(text: str) -> list[Target]:
-    """Returns the targets of a list like `linux-x86_64,windows-x86_64`. Raises BuildError."""
+    """Returns the targets in a list such as `linux-x86_64,windows-x86_64`. Raises BuildError."""
     found = []
     for name in dict.fromkeys(word.strip() for word in text.split(",")):
         if name not in TARGETS:
@@ -77,7 +78,7 @@ def named(text: str) -> list[Target]:
 
 def library(files: Mapping[str, str], shown: str, target: Target | None = None) -> bytes:
     """Returns a shared library of C files and headers, given by their paths. It exports the names
-    that begin with `shown`. Without a target, this machine's own compiler makes it. Raises
+    that begin with `shown`. Without a target, this machine's own compiler is used. Raises
     BuildError."""
     there = target or TARGETS[this_machine()]
     compiler = _own() if target is None else _zig(target)
@@ -114,7 +115,7 @@ def _digest(*what: object) -> str:
 
 
 def _core(files: Mapping[str, str], compiles: Sequence[str]):
-    """Returns the cached folder of the object files of the runtime's C files."""
+    """Returns the cache folder with the object files of the runtime's C files."""
 
     def make(new) -> None:
         for path, text in files.items():
@@ -151,8 +152,8 @@ def _zig(target: Target) -> list[str]:
 
 
 def _exports(target: Target, shown: str) -> list[str]:
-    """Returns linker options that hide the runtime's names, so that two libraries in one process
-    each use their own runtime."""
+    """Returns linker options that hide the runtime's names, so that each library in a process uses
+    its own runtime."""
     if target.suffix == ".so":
         return ["-Wl,--version-script=exports", "-Wl,-z,defs"]
     return []

@@ -1,8 +1,8 @@
-"""Finds the files of the runtime that a C file needs; exports contain these files only.
+"""Finds the files of the runtime that a C file needs; an export contains only these.
 
 The search reads the text, without a compiler: a file needs the files that define the `pk_` names in
 it, and the headers that it includes. tests/test_architecture.py compares the result with a
-linker's. The search covers only the core, which links with libm alone.
+linker's. The search covers only the runtime's core, which links with libm alone.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ _PUBLIC = re.compile(r"^([ \t]*#[ \t]*include[ \t]*)<(pk/[^>]+)>", re.MULTILINE)
 _WITH_RUNTIME = "#ifndef PK_RUNTIME\n#define PK_RUNTIME\n#endif\n"
 _OWN_TABLES = '#ifndef PK_OWN_TABLES\n#define PK_OWN_TABLES "../../../{}"\n#endif\n'
 _NAME = re.compile(r"\bpk_\w+")
-# Definitions start at the beginning of a line, by clang-format's layout.
+# clang-format lets each definition start at the beginning of a line.
 _FUNCTION = re.compile(r"^(?:\w[^;{}=#]*?)\b(pk_\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
 _OBJECT = re.compile(r"^const [^;{}()=]*?\b(pk_\w+)(?:\[[^\]]*\])*\s*=", re.MULTILINE)
 _PROTOTYPE = re.compile(r"^[a-z][^;{}#]*\([^;{}#]*;", re.MULTILINE)
 _LOCAL = ("static", "extern", "typedef")
 _ROWS = re.compile(r"^PK_METHODS_(\w+)\(PK_DEFINE_METHOD", re.MULTILINE)
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
-_ROW = re.compile(r"X\(A, (\w+),[^\"]*?(\w+),\s*\\?\s*\"")  # groups: a method, its tableau
-_TABLES = re.compile(r"(?<!extern )const struct pk_gauss pk_##\w+##_table")  # collocation tableaus
-_REGISTRY = re.compile(r"\bPK_METHODS_CORE\((?!PK_DECLARE_METHOD|X\b)")  # uses an array of all
+_ROW = re.compile(r"X\(A, (\w+),[^\"]*?(\w+),\s*\\?\s*\"")  # Groups: method, tableau.
+_TABLES = re.compile(r"(?<!extern )const struct pk_gauss pk_##\w+##_table")
+_REGISTRY = re.compile(r"\bPK_METHODS_CORE\((?!PK_DECLARE_METHOD|X\b)")  # all methods
 
 
 def sources(texts: Iterable[str]) -> dict[str, str]:
     """Returns the runtime's files that C sources `texts` need, directly or through other files of
-    the runtime, by their paths there (`src/core/root.c`, `include/pk/real.h`)."""
+    the runtime, by their paths in it (`src/core/root.c`, `include/pk/real.h`)."""
     found: dict[str, str] = {}
     waiting = list(texts)
     while waiting:
@@ -47,9 +47,9 @@ def sources(texts: Iterable[str]) -> dict[str, str]:
 
 
 def alone(files: Mapping[str, str], own: str = "") -> dict[str, str]:
-    """Returns the files so that they compile without -I and -D: they include the runtime's headers
-    by relative paths, and define PK_RUNTIME, and PK_OWN_TABLES if the file `own` has such
-    tables."""
+    """Returns the files changed so that they compile without -I and -D: they include the runtime's
+    headers by relative paths, define PK_RUNTIME, and define PK_OWN_TABLES if `own` is a file
+    name."""
     tables = _OWN_TABLES.format(own) if own else ""
     homes = _headers()
 
@@ -68,7 +68,7 @@ def alone(files: Mapping[str, str], own: str = "") -> dict[str, str]:
 
 
 def public_names(files: Iterable[str]) -> list[str]:
-    """Returns the names with external linkage that these files of the runtime define."""
+    """Returns the names with external linkage that some files of the runtime define."""
     files = set(files)
     return [name for name, home in _homes().items() if home in files]
 
@@ -79,7 +79,7 @@ def licence() -> str:
 
 def needed(text: str) -> list[str]:
     """Returns the runtime's headers that a C text includes, and the files that define the names in
-    it, without the files that these need in turn."""
+    it; the files that these need are not included."""
     headers, homes = _headers(), _homes()
     included = _INCLUDE.findall(text)
     included = [name if name.startswith("pk/") else Path(name).name for name in included]
@@ -101,8 +101,8 @@ def _read(path: str) -> str:
 
 @cache
 def _headers() -> dict[str, str]:
-    """Returns the headers' paths: public headers by their #include path, headers of the core by
-    their file name, which is unique."""
+    """Returns the paths of headers: of public ones by their #include path, of the core's by their
+    file name, which is unique."""
     public = sorted((RUNTIME / "include").rglob("*.h"))
     found = {path.relative_to(RUNTIME / "include").as_posix(): path for path in public}
     found |= {path.name: path for path in sorted((RUNTIME / "src").rglob("*.h"))}
@@ -111,14 +111,14 @@ def _headers() -> dict[str, str]:
 
 @cache
 def _rows() -> dict[str, str]:
-    """Returns the text of the rows of pk/methods.h by the family of methods."""
+    """Returns the rows of pk/methods.h as text, by the family of methods."""
     return dict(_FAMILY.findall(_read("include/pk/methods.h")))
 
 
 @cache
 def _homes() -> dict[str, str]:
-    """Returns the C file of the core that defines each name with external linkage. A method is a
-    row of pk/methods.h; the C file of its family expands the rows to objects."""
+    """Returns for each name with external linkage the C file of the core that defines it. A method
+    is a row of pk/methods.h; the C file of its family expands the rows to objects."""
     rows = _rows()
     found: dict[str, str] = {}
     for path in sorted((RUNTIME / "src").rglob("*.c")):

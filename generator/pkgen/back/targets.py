@@ -5,23 +5,23 @@ from __future__ import annotations
 from ..graph.graph import Node
 from ..record import record
 
-# The kinds of a statement.
+# Kinds of statements, with their C code.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
-TRIG = "trig"  # sine and cosine of one value or two into the targets; NULL: not needed
-LOAD = "load"  # const pk_real TARGET = an argument, like q[0];
+TRIG = "trig"  # sine and cosine of one or two values, to the targets; NULL: not needed
+LOAD = "load"  # const pk_real TARGET = TEXT; TEXT is an argument, like q[0]
 STORE = "store"  # TARGET = TEXT;
 ADD = "add"  # TARGET += TEXT;
 FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;
-MIRROR = "mirror"  # copies the upper triangle of a TARGET with TEXT rows to the lower one
+MIRROR = "mirror"  # copies the upper triangle of TARGET, with TEXT rows, to the lower one
 CHECK = "check"  # if (!(TEXT)) return TARGET;
 RETURN = "return"  # return TEXT;
 
 
 @record
 class Target:
-    """A statement of a kernel; `also` are further places that receive a copy of the value.
+    """A statement of a kernel; its value is also copied to the C variables `also`.
 
-    The values of `nodes` fill the template; `operations` are the template's own operators.
+    `template` gets the texts of `nodes`; `operations` are the operators in the template itself.
     """
 
     kind: str
@@ -34,11 +34,11 @@ class Target:
 
 @record
 class Output:
-    """An array that a kernel writes, a matrix row by row."""
+    """An array that a kernel writes; a matrix is stored row by row."""
 
     name: str
     rows: int
-    columns: int  # 1 for a vector
+    columns: int  # 1 for vectors
 
     @property
     def length(self) -> int:

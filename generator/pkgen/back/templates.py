@@ -1,4 +1,4 @@
-"""Jinja templates of C and of exports; each lies in the folder of the module that fills it."""
+"""Jinja templates of C and of exports; a template lies in the folder of the module that uses it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def filled(folder: Path, template: str, **context: object) -> str:
 
 @cache
 def environment(folder: Path) -> jinja2.Environment:
-    import jinja2  # imported here: loading it takes longer than checking a model
+    import jinja2  # Loading jinja2 takes longer than checking a model.
 
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),

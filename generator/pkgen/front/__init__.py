@@ -1,1 +1,1 @@
-"""From the text of a model to a checked Model: `parse`, then `check`."""
+"""Turns the text of a model into a checked Model: `parse`, then `check`."""

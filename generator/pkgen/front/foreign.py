@@ -1,4 +1,4 @@
-"""Statements, functions, names and characters of other languages, each with a hint."""
+"""Statements, functions, names and characters of other languages, each with a hint for users."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _FIRST_ORDER = f"{_RATE}; for x' = f(x) write 'state x' and 'rate x = …'"
 STEP = "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"
 _LATEX = r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta"
 
-# Patterns of a statement's beginning.
+# Patterns of the first words of a statement.
 _STATEMENTS = tuple(
     (re.compile(pattern), help)
     for pattern, help in (
@@ -67,5 +67,5 @@ CHARACTERS = {
 
 
 def statement(text: str) -> str:
-    """Returns the hint for a statement that begins like this, or ""."""
+    """Returns the hint for a statement of another language that begins like `text`, or ""."""
     return next((help for pattern, help in _STATEMENTS if pattern.match(text)), "")

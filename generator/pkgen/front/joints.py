@@ -1,12 +1,12 @@
 """The words of `body` and `joint`, and the kinds of joints.
 
-These are words only in these statements; a model may name a parameter `mass` or `ground`. A joint
-has a place and a rotation in the parent's frame, and a row of KINDS, in the text of the language:
-Q rotates vectors from the child's frame to the joint's, r is the child's origin in the joint's
-frame, w and v are the joint's contributions to the angular velocity and to the velocity of the
-origin, both in the child's frame. {a} is the axis, {u} the unit vector along it, {1} the first
-coordinate; {e} and {f} are unit vectors that span the plane normal to the axis.
-Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 4.
+These words are reserved only in these statements; a model may name a parameter `mass` or `ground`.
+A joint has a position and a rotation in the parent's frame, and a row of KINDS. A row contains
+expressions in the text of the language: Q rotates vectors from the child's frame to the joint's, r
+is the child's origin in the joint's frame, w and v are the joint's contributions to the angular
+velocity and to the velocity of the origin, both in the child's frame. {a} is the axis, {u} the unit
+vector along it, {1} the first coordinate; {e} and {f} are unit vectors that span the plane normal
+to the axis. Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 4.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from ..record import record
 from ..tree import Name
 
 GROUND = "ground"
-TO = "to"  # the word between the two bodies of a joint
-WORDS_TO_KIND = 2  # `to` and the kind: the words of a joint up to its axis or clauses
+TO = "to"  # The word between the names of a joint's two bodies.
+WORDS_TO_KIND = 2  # `to` and the kind
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord", "limits")}
-# Members of a body for use in models (`point` takes a vector). Others are internal.
+# Members of a body that a model may use (`point` takes a vector). All others are internal.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
-HELD = ("held", "place", "e", "f", "g")  # members of a body fixed to another: body_parts.py
-COLUMNS = ("X", "Y", "Z")  # columns of R, for families indexed by a loop variable
-TURNING = ("R", "held", "turn")  # members that are rotations
-LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # event's direction; sign of inf
+HELD = ("held", "place", "e", "f", "g")  # Members of a body that is fixed to another one.
+COLUMNS = ("X", "Y", "Z")  # Columns of R, for families indexed by a loop variable.
+TURNING = ("R", "held", "turn")  # Members that are rotations.
+LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # Event's direction, sign of inf.
 _OWN = (*LIMITS, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
 MEMBERS = frozenset((*SHOWN, *HELD, *COLUMNS, *_OWN))
 
@@ -44,7 +44,7 @@ fixed     |      |                                      |               |       
 @record
 class Kind:
     axis: bool
-    coordinates: tuple[tuple[str, str], ...]  # suffix, and "angle", "length" or "rotation"
+    coordinates: tuple[tuple[str, str], ...]  # Suffix; angle, length or rotation.
     turn: str
     shift: str
     rates: str
@@ -74,8 +74,8 @@ def loose(bodies: Iterable[str], joints: Iterable) -> frozenset[str]:
 
 
 def joint_names(joint) -> tuple[tuple[str, str], ...]:
-    """Returns the coordinates of a joint statement, (name, kind) each. The names are those of the
-    clause `coord`, or made of the joint's name; for a member of a family, the family's names."""
+    """Returns the coordinates of a joint statement, as (name, kind). The names come from the clause
+    `coord`, or from the joint's name; for a member of a family they are the family's names."""
     kind = KINDS.get(joint.kind[0])
     if kind is None:
         return ()

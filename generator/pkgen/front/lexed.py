@@ -14,7 +14,7 @@ _DESCRIPTION_LENGTH = 200
 
 @dataclass
 class Lexed:
-    """One statement's tokens; `comment` is its last trailing comment."""
+    """The tokens of a statement; `comment` is the last comment at the end of one of its lines."""
 
     tokens: list[Token] = field(default_factory=list)
     comment: str = ""
@@ -22,7 +22,7 @@ class Lexed:
 
     @property
     def keyword(self) -> str:
-        """The statement word at the start, or "" without one."""
+        """The keyword at the start of the statement, or ""."""
         first = self.tokens[0] if self.tokens else None
         return str(first) if first is not None and first.type.lower() in STATEMENTS else ""
 
@@ -34,7 +34,7 @@ class Lexed:
 
 
 def description(comment: str) -> str:
-    """Returns a comment's text on one line, shortened, without unprintable characters."""
+    """Returns a comment's text on one line, shortened, with printable characters only."""
     kept = (c if c.isprintable() else " " for c in comment.lstrip("#"))
     text = " ".join("".join(kept).split())
     if len(text) <= _DESCRIPTION_LENGTH:

@@ -51,11 +51,11 @@ _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.synta
 _OF_BODIES = ("BODY", "JOINT")
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
-_TOKENS = 4 * limits.NODES  # ample for limits.NODES nodes; more would only cost memory
+_TOKENS = 4 * limits.NODES  # Most tokens of a model, enough for limits.NODES nodes.
 
 
 def statements(source: Source, before: Iterable[Token] = ()) -> list[Lexed]:
-    """Returns the statements of a text without empty ones; the first begins with `before`."""
+    """Returns the non-empty statements of a text; the tokens `before` precede the first."""
     lexer = _Lexer(source.text)
     lexer.now.tokens += before
     lexer.run()
@@ -67,7 +67,7 @@ class _Lexer:
         self.text = text
         self.done: list[Lexed] = []
         self.now = Lexed()
-        self.open: list[tuple[str, str, int]] = []  # bracket, the type of its closer, offset
+        self.open: list[tuple[str, str, int]] = []  # bracket, type of the closing token, offset
         self.too_deep = False
         self.at_line_start = True
         self.tokens = 0
@@ -152,7 +152,7 @@ class _Lexer:
         return self._add("NAME", name, at, end)
 
     def _file(self, at: int) -> int:
-        """Lexes the path of a file, which ends at a space."""
+        """Reads the path of a file, up to the next space."""
         found = _PATH.match(self.text, at)
         if found:
             return self._add("FILE", found[1], found.start(1), found.end())
@@ -160,11 +160,11 @@ class _Lexer:
         return self._error(f"'{TABLEAU}' names no file", at - len(TABLEAU), at, help)
 
     def _word_of_drawing(self, name: str, at: int, end: int) -> int:
-        """Lexes a shape's or a part's word and returns its end; 0 if it is a name of the model."""
+        """Reads the word of a shape or a clause; returns its end, 0 for a name of the model."""
         word, *more = self.now.tokens
         shapes = shapes_of(str(word))
         if not more and self.now.errors:
-            return 0  # follows an unknown shape, which is reported
+            return 0  # The unknown shape is reported.
         if not more:
             if name in shapes:
                 return self._add("SHAPE", name, at, end)
@@ -177,8 +177,8 @@ class _Lexer:
         return 0
 
     def _is_clause(self, name: str) -> bool:
-        """Whether a name in `body` or `joint` starts a clause: after a complete value, or directly
-        after the kind of a joint without an axis."""
+        """Whether a name in `body` or `joint` starts a clause: it does after a complete value, or
+        directly after the kind of a joint without an axis."""
         before = self.now.tokens[-1]
         words = sum(token.type == "WORD" for token in self.now.tokens)
         of_joint = self.now.tokens[0].type == "JOINT" and before.type == "WORD"
@@ -257,7 +257,7 @@ class _Lexer:
         return self._open_square(previous, at)
 
     def _open_square(self, previous: Token | None, at: int) -> int:
-        """Opens an index if it touches a name, a unit after a value, else a vector."""
+        """Opens an index if `[` touches a name, a unit if it follows a value, else a vector."""
         touches = previous is not None and previous.end_pos == at
         if previous is not None and previous.type == "NAME" and touches:
             return self._push("[", "LINDEX", "RBRACKET", at)

@@ -1,7 +1,7 @@
 """Parses a text statement by statement, so that one run reports several syntax errors.
 
-The lexer splits the text into statements of tokens; lark's LALR parser builds each. For a broken
-statement `check` gets its place and the names that it would have declared.
+The lexer splits the text into statements of tokens; lark's LALR parser parses each. For a broken
+statement `check` gets its position and the names that it would have declared.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ GRAMMAR = Path(__file__).with_name("grammar.lark")
 
 
 class _Tokens(Lexer):
-    """The lexer that lark calls: it passes on the tokens made by `lexer.py`."""
+    """The lexer for lark: it passes on the tokens made by `lexer.py`."""
 
     def __init__(self, lexer_conf: object) -> None:
         pass
@@ -43,14 +43,14 @@ class _Tokens(Lexer):
 
 @cache
 def parser() -> tuple[Lark, Build]:
-    """Returns the parser of one statement and its callbacks; makes them once."""
+    """Returns the cached parser of one statement, and its callbacks."""
     build = Build()
     rules = GRAMMAR.read_text(encoding="utf-8") + grammar()
     made_by = (rules, lark_version, sys.version_info[:2])
     digest = hashlib.sha256(repr(made_by).encode()).hexdigest()[:24]
 
-    # Making the tables takes half the time of a short command. The folder is private to the user;
-    # lark itself rejects tables that are broken or of another grammar.
+    # Cached, since making the tables takes half the time of a short command. The folder is private
+    # to the user; lark itself rejects tables that are broken or of another grammar.
     try:
         tables = str(cached("parser", digest, lambda _: None) / "tables")
     except BuildError:
@@ -66,9 +66,9 @@ def parse(source: Source) -> st.File:
     return file
 
 
-@lru_cache(maxsize=4)  # a command may compile one file once for each scene
+@lru_cache(maxsize=4)  # A command may compile a file once for each of its scenes.
 def parse_all(source: Source) -> st.File:
-    """Returns the file: statements that parse, places and names of broken ones, and errors."""
+    """Returns the file: statements that parse, positions and names of broken ones, and errors."""
     if len(source.text) > limits.FILE_BYTES:
         message = f"the model is larger than {limits.FILE_BYTES} bytes"
         return st.File(source, (), (), (Diagnostic(message, Span(0, 1)),))
@@ -89,7 +89,7 @@ def parse_all(source: Source) -> st.File:
 
 
 class _Reader:
-    """Parses statements and groups a scene's clauses with its head."""
+    """Parses statements and groups the clauses of each scene with its first line."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -97,7 +97,7 @@ class _Reader:
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
         self.scene: st.Head | None = None
-        self.headless = False  # within a scene whose first line does not parse
+        self.headless = False  # The first line of the scene did not parse.
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
@@ -127,7 +127,7 @@ class _Reader:
         return st.File(self.source, *map(tuple, found))
 
     def _place(self, lexed: Lexed) -> None:
-        """Reports a scene's clause outside of a scene, or a model's statement in a scene."""
+        """Reports a scene's clause outside of scenes, or a model's statement in a scene."""
         word = lexed.keyword
         where = _stands_in(word)
         if self.scene is not None and where == MODEL:
@@ -160,7 +160,7 @@ class _Reader:
         try:
             statement = lark.parse(lexed.tokens)
         except UnexpectedToken as error:
-            if len(self.errors) > limits.DIAGNOSTICS:  # not shown; only counted
+            if len(self.errors) > limits.DIAGNOSTICS:  # Further errors are only counted.
                 self.errors.append(Diagnostic("a statement that does not parse", lexed.span))
             else:
                 self.errors.append(explain(self.source, lexed, error))
@@ -181,8 +181,8 @@ def _stands_in(word: str) -> str:
 
 
 def measure(statement: object, nodes: int = 0) -> tuple[int, Diagnostic | None]:
-    """Adds the expression nodes of a statement to `nodes`; returns the sum, and an error if a limit
-    of size or depth is exceeded. Does not recurse."""
+    """Adds the number of expression nodes in a statement to `nodes`; returns the sum, and an error
+    if a limit of size or depth is exceeded. Does not recurse."""
     waiting = [(e, 1) for e in _expressions(statement)]
     while waiting:
         expr, depth = waiting.pop()

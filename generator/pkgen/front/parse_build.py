@@ -1,6 +1,6 @@
-"""The callbacks of grammar.lark: they build expressions and statements of tokens and parts.
+"""The callbacks of grammar.lark: they build expressions and statements from tokens and parts.
 
-They run while the LALR parser reduces, so nothing here recurses, however long a sum is.
+They run while the LALR parser reduces, so there is no recursion, however long a sum is.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def _product(parts: tuple) -> tree.Expr:
 
 @v_args(inline=True)
 class Build(Transformer):
-    """One method for each rule of the grammar; `comment` belongs to the current statement."""
+    """One method for each rule of the grammar; `comment` is that of the current statement."""
 
     comment = ""
 
@@ -84,7 +84,7 @@ class Build(Transformer):
         return _chain(tree.Add, parts)
 
     def multiply(self, *parts):
-        """Attaches a unit to all factors before it; check/quantities.py narrows that."""
+        """Builds a product; a unit applies to all factors before it until quantities.py decides."""
         made: tuple = ()
         for part in parts:
             if getattr(part, "type", "") == "UNIT":
@@ -95,7 +95,7 @@ class Build(Transformer):
         return _product(made)
 
     def item(self, of):
-        """Attaches a unit at the end to the whole expression; check/quantities.py narrows that."""
+        """Applies a unit at the end to the whole expression, until check/quantities.py decides."""
         last = of.terms[-1] if isinstance(of, tree.Add) else of
         if not isinstance(last, tree.Quantity) or last.whole:
             return of
@@ -154,7 +154,7 @@ class Build(Transformer):
     def start_function(self, function, _, left, close, __, value):
         return st.StartItem(left, 0, str(function), value, _over(function, close))
 
-    # statements; the first part is the keyword
+    # Callbacks of statements: their first argument is the keyword.
 
     def head(self, word, name):
         return st.Head(str(word), str(name), _span(name), self.comment, _over(word, name))

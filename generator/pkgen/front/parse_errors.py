@@ -1,6 +1,6 @@
 """Messages for statements that do not parse, with a hint where one is known.
 
-The parser gives the token that it could not take and the types it accepts. The rules in
+The parser reports the token that it rejected and the token types it accepts. The rules in
 `parse_mistakes.py` are tried in order; each recognizes one common mistake.
 """
 
@@ -22,7 +22,7 @@ _ENERGIES = {"L": "lagrangian", "T": "kinetic"} | dict.fromkeys("UV", "potential
 
 
 def explain(source: Source, lexed: Lexed, error: UnexpectedToken) -> Diagnostic:
-    """Returns the parser's error in terms of the language."""
+    """Returns the parser's error as a message in the words of the language."""
     tokens = lexed.tokens
     at = next((i for i, t in enumerate(tokens) if t is error.token), len(tokens))
     token = tokens[at] if at < len(tokens) else Token("$END", "")
@@ -39,7 +39,7 @@ def explain(source: Source, lexed: Lexed, error: UnexpectedToken) -> Diagnostic:
 
 
 def _acceptable(parser) -> frozenset[str]:
-    """Returns the token types that the parser can shift. (lark's `expected` includes types that
+    """Returns the token types that the parser accepts here. (lark's `expected` includes types that
     fail after a reduction; its `accepts` copies whole trees.)"""
     states = parser.parse_conf.states
     return frozenset(
@@ -61,7 +61,7 @@ def _leads_to_shift(states, stack: list, kind: str) -> bool:
 
 
 def misplaced(lexed: Lexed) -> Diagnostic:
-    """Returns the error about a scene's clause outside of a scene."""
+    """Returns the error about a scene's clause that is not in a scene."""
     word = lexed.keyword
     if word == "end":
         return Diagnostic("this 'end' ends no scene", lexed.span)
@@ -71,7 +71,7 @@ def misplaced(lexed: Lexed) -> Diagnostic:
 
 
 def declared_names(lexed: Lexed) -> tuple[str, ...]:
-    """Returns the names that a broken statement probably declares."""
+    """Returns the names that a broken statement would probably declare."""
     word = lexed.keyword
     names = [str(t) for t in lexed.tokens if t.type == "NAME"]
     declares = STATEMENTS[word].declares if word in STATEMENTS else FIRST

@@ -1,7 +1,7 @@
 """Rules for common syntax mistakes, each with its message and hint.
 
-A rule gets the Spot where the parser failed. It returns None if it does not apply, else the
-message, the hint and, if the mistake is elsewhere, its span. RULES gives their order.
+A rule receives the Spot where the parser failed. It returns None if it does not apply, else the
+message, the hint and, if the mistake is elsewhere, its span. RULES are tried in order.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .table import STATEMENTS, SYNTAX
 from .units import bare_unit, bracketed
 from .words import CLAUSE_WORDS
 
-# For each clause: the clause that must come after it, and an example of both.
+# By clause: the clause that must come after it, and an example of both.
 ORDER = {
     "every": ("at", "record a, energy every 0.01 [s] at EVENT"),
     "step": ("rtol", "method dop853 step 0.01 [s] rtol 1e-9"),
@@ -41,12 +41,12 @@ _LISTS = frozenset(word for word, row in STATEMENTS.items() if "(_COMMA" in SYNT
 
 @record
 class Spot:
-    """The place where the parser failed."""
+    """The position where the parser failed, and the tokens around it."""
 
     source: Source
     lexed: Lexed
-    token: Token  # the rejected token; its type is $END if the statement ends too early
-    before: Token  # the last accepted token
+    token: Token  # The rejected token; its type is $END at the statement's end.
+    before: Token  # The last accepted token.
     after: Token | None
     expected: frozenset[str]
 
@@ -62,7 +62,7 @@ class Spot:
 
     @property
     def form(self) -> str:
-        """The form of the statement, for hints; "" if its word is unknown."""
+        """The syntax of the statement, for hints; "" if its keyword is unknown."""
         return STATEMENTS[self.word].form if self.word in STATEMENTS else ""
 
     def text(self, token: Token) -> str:
@@ -96,7 +96,7 @@ def _model_name(spot: Spot):
 
 
 def _sum_form(spot: Spot):
-    """Recognizes wrong or missing ranges directly within the brackets of a sum."""
+    """Recognizes a wrong or missing range directly within the brackets of a sum."""
     opened, before = [], ""
     for token in spot.lexed.tokens:
         if token is spot.token:
@@ -201,7 +201,7 @@ def _missing_operator(spot: Spot):
 
 
 def _no_name_wanted(spot: Spot):
-    """Recognizes `kinetic T = …`."""
+    """Recognizes a name where none is allowed: `kinetic T = …`."""
     if spot.token.type != "EQUAL" or "EQUAL" in spot.expected:
         return None
     if spot.before.type == "EQUAL":
@@ -254,7 +254,7 @@ def _value_missing(spot: Spot):
 
 
 def _something_missing(spot: Spot):
-    """The last rule: names the missing token, if one or two could follow, else the wrong one."""
+    """The last rule: names the missing token if one or two could follow, else the rejected one."""
     wanted = [WHAT[t] for t in WHAT if t in spot.expected]
     if "EQUAL" in spot.expected and spot.word != "expect":
         wanted = ["'='"]

@@ -1,4 +1,4 @@
-"""Reads a model's file into a Source, or raises an error with a clear reason."""
+"""Reads a model file into a Source, or raises an error that says why it cannot be read."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from functools import cache
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
-READ: dict[str, None] = {}  # the files read so far, in order: dependencies of the output
+READ: dict[str, None] = {}  # The files read so far, in order; outputs depend on them.
 _ALLOWED: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
-STANDARD = "-"  # the path that means standard input
+STANDARD = "-"  # The path that means standard input.
 
 
 class UnreadableModel(ModelError):
-    """The file cannot be read, so the error has no line."""
+    """The file cannot be read; the error refers to the file, not to a line in it."""
 
     def text(self) -> str:
         lines = []
@@ -32,10 +32,9 @@ class UnreadableModel(ModelError):
 
 
 def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
-    """Returns the UTF-8 text of a file, or of standard input for "-", without a byte-order mark
-    and with line ends normalized to newlines; `what` names the wanted file in messages.
-    Raises UnreadableModel, or ModelError if a place in the text is at fault.
-    """
+    """Returns the text of a UTF-8 file, or of standard input for "-", without byte-order mark and
+    with normalized line ends; `what` says in messages which file is needed. Raises UnreadableModel,
+    or ModelError for an error in the text."""
     shown = os.fspath(path)
     if shown == STANDARD:
         shown, data = "<stdin>", _standard_input()
@@ -58,7 +57,7 @@ def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
 
 @contextmanager
 def allowing(*folders: str | os.PathLike[str]) -> Iterator[None]:
-    """Within the context, models and plans may also name files in these folders."""
+    """Within the context, models and plans may also refer to files in these folders."""
     token = _ALLOWED.set(tuple(map(os.path.realpath, folders)))
     try:
         yield
@@ -67,16 +66,16 @@ def allowing(*folders: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def inside(path: str | os.PathLike[str], *folders: str | os.PathLike[str]) -> bool:
-    """Whether a file lies in one of the folders, all links resolved."""
+    """Whether a file lies in one of the folders, after all links are resolved."""
     try:
         place = os.path.realpath(path)
-    except ValueError:  # a NUL in the path
+    except ValueError:  # The path contains a NUL.
         return False
     return any(os.path.commonpath((place, f)) == f for f in map(os.path.realpath, folders))
 
 
 def refusal(named: str, path: str | os.PathLike[str], *folders: str | os.PathLike[str]) -> str:
-    """Returns why a file that a model or a plan names may not be read, or ""."""
+    """Returns why a model or plan may not refer to the file, or "" if it may."""
     if inside(path, *folders, *_ALLOWED.get()):
         return ""
     return f"'{named}' lies outside of the folder of the file that names it"
@@ -86,13 +85,13 @@ ALLOW = "copy it there, or allow its folder: --allow-path DIR"
 
 
 def unquoted(path: str | os.PathLike[str], wrong: ModelError) -> tuple[str, str]:
-    """Returns message and help for a wrong file outside the folder, without quoting its text."""
+    """Returns the message and hint for an error in a file outside the folder, without its text."""
     line, column = wrong.source.position(wrong.diagnostics[0].span.start)
     return f"{path}:{line}:{column}: this is no tableau", f"see: pkgen methods --tableau {path}"
 
 
 def from_text(path: str, text: str) -> Source:
-    """Returns the Source of a text; raises ModelError if it has a NUL character."""
+    """Returns the Source of a text; raises ModelError for a NUL character."""
     source = Source(path, text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
     nul = source.text.find("\0")
     if nul >= 0:
@@ -103,7 +102,7 @@ def from_text(path: str, text: str) -> Source:
 
 def _bytes(path: str, wanted: str) -> bytes:
     try:
-        # Checked before opening: a pipe would block, a device might never end.
+        # Checked before opening: opening a pipe would block, and a device might never end.
         if not stat.S_ISREG(os.stat(path).st_mode):
             what = "a directory" if os.path.isdir(path) else "not a regular file"
             raise _unreadable(path, f"this is {what}", f"give the path of {wanted}")
@@ -111,12 +110,12 @@ def _bytes(path: str, wanted: str) -> bytes:
             return file.read(limits.FILE_BYTES + 1)
     except FileNotFoundError:
         raise _unreadable(path, "there is no such file", _similar(path)) from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+    except (OSError, ValueError) as error:  # ValueError: the path contains a NUL
         reason = getattr(error, "strerror", None) or str(error)
         raise _unreadable(path, f"cannot read it: {reason}") from None
 
 
-@cache  # standard input can be read only once
+@cache  # Standard input can be read only once.
 def _standard_input() -> bytes:
     if sys.stdin is None:
         raise _unreadable(STANDARD, "the standard input is closed")

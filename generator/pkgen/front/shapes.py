@@ -1,7 +1,7 @@
-"""The shapes of `draw` and `view`, a row each: the subject after the shape's word, and its parts.
+"""The shapes of `draw` and `view`, one row each: the shape's subject and its clauses.
 
-These are words only in these statements: a name after a complete value is the word of a part.
-Elsewhere it is a name of the model, which may be `rod` or `radius` too.
+These words are special only in these statements, where a name after a complete value starts a
+clause. Elsewhere a model may use them as names, such as `rod` or `radius`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from difflib import get_close_matches
 
 from ..record import record
 
-# Kinds of parts. Lengths have the dimension of the drawing's places.
+# Kinds of values. Lengths have the dimension of the drawing's positions.
 PLACE, LENGTH, VECTOR, SCALE, COUNT, TIME = "place", "length", "vector", "scale", "count", "time"
 ROTATION, AXIS, PLANE, VALUE, COORDINATE = "rotation", "axis", "plane", "value", "coordinate"
 NOTHING = ""
@@ -20,8 +20,8 @@ FORMS = {"box": 3, "cylinder": 2, "ellipsoid": 3, "disk": 2, "top": 2}  # number
 PLANES = {"xy": ("x", "y"), "xz": ("x", "z"), "yz": ("y", "z")}
 
 
-# shape  kind of its subject  its parts, each with its kind  form
-# A ? marks what may be left out.
+# shape | kind of its subject | its clauses, each with the kind of its value | form. A ? marks
+# optional items.
 _DRAW = """
 rod    -         from:place,to:place                 from A to B
 line   -         from:place,to:place                 from A to B
@@ -43,10 +43,10 @@ space  -         width?:length                       width 2 [m]
 
 @record
 class Shape:
-    form: str  # as a hint shows it
-    subject: str  # kind of the value after its word, "" for none
+    form: str  # The statement's syntax, for hints.
+    subject: str  # Kind of the value after the shape's word, or "".
     subject_optional: bool
-    parts: dict[str, str]  # kind of each part, by its word
+    parts: dict[str, str]  # Word of a clause -> kind of its value.
     optional: tuple[str, ...]
     view: bool
 

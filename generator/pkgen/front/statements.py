@@ -1,7 +1,7 @@
-"""The statements of a .lag file as written: the output of `parse`.
+"""The statements of a .lag file, as data: the output of `parse`.
 
-A `Left` is the left side of a definition: NAME, NAME[index] or NAME[i = lo..hi]. Units are
-kept as text with their place; `check` reads them.
+A `Left` is the left side of a definition: NAME, NAME[index] or NAME[i = lo..hi]. Units are kept as
+text with their position; `check` parses them.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Left:
 
 @record
 class UnitText:
-    """The text between the brackets of a unit, not parsed yet."""
+    """The text between the brackets of a unit; `check` parses it."""
 
     text: str
     span: Span
@@ -32,7 +32,7 @@ class UnitText:
 
 @record
 class Head:
-    """`model NAME`, or `scene NAME`; parse merges the latter with its clauses into a Scene."""
+    """`model NAME` or `scene NAME`; parse merges a scene's head and its clauses into a Scene."""
 
     keyword: str
     name: str
@@ -43,7 +43,7 @@ class Head:
 
 @record
 class Interval:
-    """`in (lo, hi]`."""
+    """The bounds of a parameter, such as `in (lo, hi]`."""
 
     lo: Expr
     hi: Expr
@@ -75,7 +75,7 @@ class Define:
 
 @record
 class Declared:
-    """A name of `coord`, `input`, `state` or `rotation`; `lo..hi` if it is a family."""
+    """A name declared by `coord`, `input`, `state` or `rotation`; `lo..hi` for a family."""
 
     name: str
     lo: Expr | None
@@ -95,8 +95,8 @@ class Declare:
 
 @record
 class Pairs:
-    """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`; in a scene `set p = EXPR, …` or
-    `hold a = EXPR, …`. Names without `= EXPR` have the value None."""
+    """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`; in a scene `set p = EXPR, …` or `hold a
+    = EXPR, …`. Names without `= EXPR` have the value None."""
 
     keyword: str
     items: tuple[tuple[Left, Expr | None], ...]
@@ -134,13 +134,13 @@ class Event:
     stop: bool
     description: str
     span: Span
-    limit: bool = False  # made of a joint's `limits`
+    limit: bool = False  # Made of the `limits` of a joint.
 
 
 @record
 class Draw:
     """`draw SHAPE …` or `view SHAPE …`; `ground y = 0` has the axis "y" and the value as subject.
-    `also` is the part after a comma: the range of members, or a level's second coordinate."""
+    `also` is the expression after a comma: the range of members, or a level's second coordinate."""
 
     keyword: str
     shape: str
@@ -153,18 +153,18 @@ class Draw:
     span: Span
 
 
-Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]  # a word, its place, its values
+Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]  # the word, its position, its values
 Word = tuple[str, Span]
 
 
 def _said(name: str, of: Left | Name) -> Word:
-    """Returns the name of a body, a joint, or a member of a family (`link[3]`), and its place."""
+    """Returns the name of a body, joint or family member (`link[3]`), and its position."""
     return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None), of.span
 
 
 @record
 class Body:
-    """A body; families are split into members before the check (check/body_families.py)."""
+    """A body; a family is split into one Body for each member by check/body_families.py."""
 
     keyword: ClassVar[str] = "body"
     left: Left
@@ -183,7 +183,7 @@ class Body:
 
 @record
 class Joint:
-    """`joint NAME: PARENT to CHILD KIND AXIS`; `ends` are PARENT and CHILD, `to` a word."""
+    """`joint NAME: PARENT to CHILD KIND AXIS`; `ends` are PARENT and CHILD, `to` the word "to"."""
 
     keyword: ClassVar[str] = "joint"
     left: Left
@@ -210,7 +210,7 @@ class Joint:
 
 @record
 class StartItem:
-    """`function` is "omega" in `start omega(R) = [..]`, else empty; `order` counts primes."""
+    """An initial value. `function` is "omega" in `start omega(R) = [..]`; `order` counts primes."""
 
     left: Left
     order: int
@@ -233,7 +233,7 @@ class Method:
     name_span: Span
     step: Expr | None
     rtol: Expr | None
-    file: str | None  # path of its tableau
+    file: str | None  # Path of the tableau file.
     file_span: Span | None
     span: Span
 
@@ -272,7 +272,7 @@ Clause = StartAt | Pairs | Single | Method | Record | Swarm | Expect
 
 @record
 class EndOfScene:
-    """`end`, which closes a scene and is dropped."""
+    """`end`, which closes a scene; it is dropped after parsing."""
 
     span: Span
 
@@ -307,17 +307,17 @@ Statement = (
 
 @record
 class Broken:
-    """A statement that could not be parsed, with the names it would have declared."""
+    """A statement that does not parse, with the names that it would probably declare."""
 
-    keyword: str  # empty if it starts with no statement word
+    keyword: str  # "": the statement starts with no keyword.
     names: tuple[str, ...]
     span: Span
 
 
 @record(eq=False)
 class File:
-    """A parsed file. `diagnostics` is empty if nothing is wrong with its syntax; `units` are
-    the texts of all units outside scenes."""
+    """A parsed file. `diagnostics` are its syntax errors; `units` are the texts of all units
+    outside scenes."""
 
     source: Source
     statements: tuple[Statement, ...]

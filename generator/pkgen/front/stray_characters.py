@@ -16,7 +16,7 @@ _INSTEAD = {
 
 
 def stray_character(character: str, where: str) -> tuple[str, str]:
-    """Returns the message about a character that is not allowed in `where`, and the hint."""
+    """Returns a message about a forbidden character, and a hint. `where` says where it is."""
     name = unicodedata.name(character, "a control character")
     instead = _INSTEAD.get(character)
     simple = unicodedata.normalize("NFKC", character)

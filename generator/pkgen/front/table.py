@@ -1,6 +1,6 @@
-"""The statements of the language, one row each; a clause of a scene is a statement too.
+"""The statements of the language, one row each; the clauses of scenes are statements too.
 
-A row names the method of a class in `check/` that checks the statement and gives its meaning.
+A row names the method in `check/` that checks the statement and defines its meaning.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from ..record import record
 MODEL, SCENE, BOTH = "a model", "a scene", "a model or a scene"
 FIRST, ALL = "first", "all"
 
-# The grammar after the word of a statement, by the callback of parse_build.py that builds it.
+# The grammar after a statement's keyword. The key names the callback in parse_build.py.
 SYNTAX = {
     "head": "NAME",
     "param": "left EQUAL item [interval]",
@@ -33,7 +33,7 @@ SYNTAX = {
     "end_of_scene": "",
 }
 
-# word  syntax  check  field of Model  which names it declares  dimension of its expression  form
+# keyword | syntax | check | field of Model | declared names | dimension of expression | form
 _MODEL = """
 model       head     definitions.model   name        -     -      NAME
 param       param    definitions.param   parameters  first -      NAME = VALUE [unit] in (lo, hi)
@@ -68,9 +68,9 @@ method      method   methods.declare     methods     -     -      NAME tableau F
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE
 scene       head     scenes.head         scenes      first -      NAME
 """
-# Words only at the start of a statement; elsewhere they are names.
+# These words are keywords only at the start of a statement; elsewhere they are names.
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity"))
-# word  syntax  check  how many of it a scene may have  form
+# Columns: keyword, syntax, check, how many a scene may have, form.
 _SCENE = """
 start    start_at     given.start    many a = VALUE, a' = VALUE
 set      pairs        given.set      many p = VALUE
@@ -87,15 +87,15 @@ end      end_of_scene scene.end      many
 
 @record(kw_only=True)
 class Statement:
-    syntax: str  # a key of SYNTAX
-    form: str  # as a hint shows it
-    check: str = ""  # the method that checks it in a model: GROUP.METHOD
-    clause: str = ""  # the same in a scene
-    declares: str = ""  # which of its names it declares: FIRST, ALL or ""
-    fills: str = ""  # the field of Model
-    needs: str = ""  # the dimension of its expression: "energy", "power" or ""
-    once: bool = False  # a scene has at most one
-    soft: bool = False  # its word is a name except at the start of a statement
+    syntax: str  # A key of SYNTAX.
+    form: str  # The statement's syntax, for hints.
+    check: str = ""  # GROUP.METHOD that checks it in a model.
+    clause: str = ""  # GROUP.METHOD that checks it in a scene.
+    declares: str = ""  # Which names it declares: FIRST, ALL or "".
+    fills: str = ""  # The field of Model that it fills.
+    needs: str = ""  # Dimension of its expression: "energy", "power" or "".
+    once: bool = False  # A scene has at most one.
+    soft: bool = False  # Elsewhere its keyword is a name.
 
     @property
     def stands_in(self) -> str:
@@ -120,7 +120,7 @@ STATEMENTS = _statements()
 
 
 def grammar() -> str:
-    """Returns the grammar rule of a statement, and its words as terminals."""
+    """Returns the grammar rule of a statement, and its keywords as terminals."""
     words = {word.upper(): row.syntax for word, row in STATEMENTS.items()}
     ways = [
         f"({' | '.join(word for word in words if words[word] == syntax)}) {rule} -> {syntax}"

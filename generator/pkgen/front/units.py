@@ -1,9 +1,9 @@
-"""Units and dimensions: a dimension is a vector of exponents over the seven SI base units.
+"""Units and dimensions.
 
-Exponents are integers, or Fractions where a root was taken. A unit is an exact factor to SI, a
-power of pi (so that 180 deg is exactly pi) and a dimension. Names that are not in the small table
-below are looked up with pint, one name at a time, if they match a strict pattern. pint is imported
-only then, since its import takes half a second.
+A dimension is a vector of exponents over the seven SI base units: integers, or Fractions after a
+root. A unit is an exact factor to SI, a power of pi (so that 180 deg is exactly pi) and a
+dimension. Names that are not in the table below are looked up with pint, one at a time, if they
+match a strict pattern. pint is imported only then, since its import takes half a second.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from functools import cache
 
 from ..record import record
 
-Dimension = tuple  # seven exponents, in the order of BASE
+Dimension = tuple  # Seven exponents, in the order of BASE.
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 _PINT_BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela")
@@ -45,7 +45,7 @@ FORCE = dimension(1, 1, -2)
 ENERGY = dimension(1, 2, -2)
 POWER = dimension(1, 2, -3)
 
-_SIMPLE = {  # name: (factor, dimension, exponent of the angle)
+_SIMPLE = {  # factor to SI, dimension, exponent of rad
     "kg": (1, dimension(1), 0),
     "g": (Fraction(1, 1000), dimension(1), 0),
     "m": (1, LENGTH, 0),
@@ -75,7 +75,7 @@ _SIMPLE = {  # name: (factor, dimension, exponent of the angle)
     "rad": (1, NONE, 1),
 }
 
-# Units that are no SI prefixes: Nm is a mistake for N*m. (T is a prefix: THz, TJ, TW.)
+# Units that take no prefix: Nm is a mistake for N*m. (T is a prefix too: THz, TJ, TW.)
 _JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K")
 
 KINDS = {
@@ -114,20 +114,20 @@ _MORE = ("deg", "kN", "kJ", "kW", "kPa", "mN", "um", "nm", "us", "kHz", "MHz", "
 
 
 def bare_unit(text: str, at: int) -> str:
-    """Returns the well-known unit written at `at` without brackets, or ""."""
+    """Returns the well-known unit that starts at offset `at`, without brackets, or ""."""
     found = _BARE.match(text, at)
     names = re.findall(r"[A-Za-z]\w*", found.group()) if found else ["?"]
     return found.group() if all(n in _SIMPLE or n in _MORE for n in names) else ""
 
 
 def bracketed(number: str, unit: str) -> str:
-    """Returns the hint for a unit without brackets."""
+    """Returns the hint that a unit needs brackets."""
     product = f"; a product is written {number}*{unit}" if unit.isalpha() else ""
     return f"a unit stands in square brackets: {number} [{unit}]{product}"
 
 
 class UnitError(Exception):
-    """A unit that cannot be read: the message, its place in the text, and a hint."""
+    """A unit that does not parse: the message, its position in the text, and a hint."""
 
     def __init__(self, message: str, start: int, end: int, help: str = ""):
         super().__init__(message)
@@ -136,17 +136,17 @@ class UnitError(Exception):
 
 @record
 class Unit:
-    """A unit of `factor` * pi^`pi` SI units. `angle`: the exponent of rad, for display only."""
+    """A unit, `factor` * pi^`pi` in SI. `angle` is the exponent of rad, for display only."""
 
     factor: Fraction
     pi: int
     dimension: Dimension
     angle: int
-    text: str = ""  # as written in the model, if values are shown in it
+    text: str = ""  # Display text; "" for SI.
 
     @property
     def shown(self) -> str:
-        """The unit for display. A torque written in N*m is not shown in J, the same SI unit."""
+        """The unit for display: as written (a torque in N*m must not become J), else in SI."""
         return self.text or si_text(self.dimension, self.angle)
 
     @property
@@ -189,7 +189,7 @@ def _plain(x: Fraction | int) -> Fraction | int:
 
 
 def si_text(a: Dimension, angle: int = 0) -> str:
-    """Returns `kg*m/s^2`, `J`, `1/s`; "" if dimensionless. `angle` is an exponent of rad."""
+    """Returns a dimension as text: `kg*m/s^2`, `J`, "". `angle` is an exponent of rad."""
     if a in _SHORT and not angle:
         return _SHORT[a]
     parts = [(n, e) for n, e in zip((*BASE, "rad"), (*a, angle), strict=True) if e]
@@ -207,7 +207,7 @@ def _raised(name: str, exponent: Fraction | int) -> str:
 
 
 def described(a: Dimension) -> str:
-    """Returns `a force [kg*m/s^2]`, `a pure number`, or `in [kg*m^3]` for one without a name."""
+    """Returns `a force [kg*m/s^2]`, `a pure number`, or `in [kg*m^3]` without a name."""
     if a == NONE:
         return "a pure number"
     kind = KINDS.get(a)
@@ -216,7 +216,7 @@ def described(a: Dimension) -> str:
 
 @cache
 def parse_unit(text: str) -> Unit:
-    """Reads `kg*m/s^2`; raises UnitError."""
+    """Parses a unit such as `kg*m/s^2`; raises UnitError."""
     text = text.translate(_SPELT)
     if not text.strip():
         raise UnitError("an empty unit", 0, len(text), "a pure number needs no unit")
@@ -268,7 +268,7 @@ def _registry():
 
 
 def _is_odd(registry, name: str) -> bool:
-    """Whether pint reads a constant with a prefix: Pc is its petaspeed of light."""
+    """Whether pint reads the name as a prefix and a constant: Pc as peta speed of light."""
     prefix, unit, _ = registry.parse_unit_name(name)[0]
     return bool(prefix) and unit.endswith(("_constant", "speed_of_light"))
 
@@ -287,7 +287,7 @@ def _look_up(name: str) -> Unit | str:
         if not all(registry._units[u].is_multiplicative for u in units._units):
             return f"'{name}' has an offset or a logarithm; a model needs a plain unit"
         factor, base = registry.get_base_units(units)
-    except Exception:  # pint raises many types for unknown names
+    except Exception:  # pint raises exceptions of many types.
         return f"unknown unit '{name}'"
     exponents = dict(base._units)
     if any(Fraction(x).denominator != 1 for x in exponents.values()) or _is_odd(registry, name):
@@ -295,13 +295,13 @@ def _look_up(name: str) -> Unit | str:
     dim = tuple(_plain(Fraction(exponents.get(b, 0))) for b in _PINT_BASE)
     angle = exponents.get("radian", 0)
     if not any(dim) and not angle and not set(units._units) <= RATIOS:
-        return f"unknown unit '{name}'"  # pint's AU is an absorbance unit
+        return f"unknown unit '{name}'"  # pint reads AU as an absorbance unit.
     exact, pi = _without_pi(Fraction(factor))
     return Unit(exact, pi, dim, int(angle) if angle == int(angle) else 0)
 
 
 def _without_pi(factor: Fraction) -> tuple[Fraction, int]:
-    """Factors out the power of pi that pint multiplied in as a long decimal."""
+    """Splits off the power of pi, which pint has multiplied in as a decimal number."""
 
     def bits(x: Fraction) -> int:
         return x.numerator.bit_length() + x.denominator.bit_length()
@@ -316,7 +316,7 @@ def _named(name: str, at: int) -> Unit:
     if isinstance(found, Unit):
         if pair is None or found.dimension == times(_SIMPLE[pair[0]][1], _SIMPLE[pair[1]][1]):
             return found
-        found = f"unknown unit '{name}'"  # pint's Nm is a yarn count
+        found = f"unknown unit '{name}'"  # pint reads Nm as a unit for yarns.
     help = ""
     near = [n for n in (*_SIMPLE, "au") if n.lower() == name.lower()]
     near = near or get_close_matches(name, [*_SIMPLE, "deg", "newton", "joule", "metre"], 1, 0.75)
@@ -330,5 +330,5 @@ def _named(name: str, at: int) -> Unit:
 
 
 def known_units() -> tuple[str, ...]:
-    """Returns the units usual in models; pint knows more."""
+    """Returns the units common in models; pint knows more."""
     return (*_SIMPLE, *_MORE)

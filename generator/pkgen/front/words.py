@@ -20,14 +20,14 @@ _C = """
     volatile wchar_t while xor xor_eq
     NULL NAN INFINITY HUGE_VAL EOF errno assert main size_t
 """
-# Headers of C90 to C23. A model's NAME.h would hide the compiler's, since cc searches -I. first.
+# Headers of C90 to C23. A model's NAME.h would hide the compiler's, since -I. is searched first.
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal
     stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn
     string tgmath threads time uchar wchar wctype
 """
 
-# Prefixes, before a '_', of other libraries' symbols. A model's symbols begin with its name.
+# Name prefixes, before a '_', of other libraries. A model's C symbols begin with the model's name.
 _OTHERS = {
     "the runtime": re.compile(r"(?i:pk)(_\w*)?"),
     "GSL": re.compile(r"(?i:gsl)(_\w*)?"),
@@ -40,7 +40,7 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
-TABLEAU = "tableau"  # precedes the file of a method
+TABLEAU = "tableau"  # It precedes the path of a tableau file.
 CONSTANTS = {
     "t": "the time",
     "pi": "the number pi",
@@ -66,7 +66,7 @@ _LOOK_ALIKES = {
 
 
 def reserved(name: str) -> str:
-    """Returns why a name cannot be declared, or ""."""
+    """Returns why a name is reserved, or "" if it can be declared."""
     if (name in STATEMENTS and not STATEMENTS[name].soft) or name in CLAUSE_WORDS:
         return "is a word of the language"
     if name in CONSTANTS:
@@ -79,12 +79,12 @@ def reserved(name: str) -> str:
 
 
 def symbols_of(name: str) -> str:
-    """Returns the library whose symbols begin like those of a model of this name, or ""."""
+    """Returns the library whose symbols would clash with those of a model of this name, or ""."""
     return next((whose for whose, found in _OTHERS.items() if found.fullmatch(name)), "")
 
 
 def greek(character: str) -> str | None:
-    """Spells a Greek letter, also look-alikes and mathematical alphabets; None for others."""
+    """Returns a Greek letter's name, also for look-alikes and mathematical alphabets, else None."""
     spelt = _LOOK_ALIKES.get(character)
     if spelt is not None:
         return spelt

@@ -1,1 +1,1 @@
-"""Methods that a model or the command line defines: tableau files, weights of compositions."""
+"""Integration methods that a model or the command line defines by tableau files or by weights."""

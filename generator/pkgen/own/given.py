@@ -1,4 +1,4 @@
-"""The methods that options define: --tableau FILE, --composition WEIGHTS."""
+"""Integration methods that options define: --tableau FILE, --composition WEIGHTS."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .made import fit, of_text, of_weights
 
 
 def given(options: argparse.Namespace) -> tuple[Own, ...]:
-    """Returns the methods. Raises ModelError for errors in texts, UsageError for equal names."""
+    """Returns the methods. Raises ModelError for wrong texts, UsageError for two equal names."""
     found: dict[str, Own] = {}
     for path in getattr(options, "tableau", None) or ():
         try:
@@ -34,7 +34,7 @@ def given(options: argparse.Namespace) -> tuple[Own, ...]:
 
 
 def taken(options: argparse.Namespace) -> argparse.Namespace:
-    """Returns the options of a run, with the first method they define unless they name a method."""
+    """Returns a run's options; the first method that they define becomes the default method."""
     own = given(options)
     if not own or options.method is not None:
         return options

@@ -1,4 +1,4 @@
-"""Own methods in C: a header of their tables, and definitions like those of pk/methods.h."""
+"""C code of user-defined methods: a header of their tables, definitions as in pk/methods.h."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..methods import Own
 
-FILE = "own_methods.h"  # header of the tables
+FILE = "own_methods.h"  # Name of the header.
 
 
 def tables(own: Sequence[Own]) -> str:
@@ -14,7 +14,7 @@ def tables(own: Sequence[Own]) -> str:
 
 
 def flags(own: Sequence[Own]) -> list[str]:
-    """Returns compiler flags that make pk/step/tables.h include the tables."""
+    """Returns compiler flags that make pk/step/tables.h include the header."""
     return ["-I.", f'-DPK_OWN_TABLES="{FILE}"'] if own else []
 
 
@@ -30,6 +30,6 @@ def addresses(own: Sequence[Own]) -> str:
 
 
 def rows(own: Sequence[Own]) -> str:
-    """Returns the definitions and an array `own_methods`; "" if there are no own methods."""
+    """Returns the definitions and an array `own_methods` in C; "" for no methods."""
     array = f"static const struct pk_method *own_methods[] = {{{addresses(own)}}};\n"
     return definitions(own) + array if own else ""

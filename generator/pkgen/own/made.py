@@ -1,4 +1,4 @@
-"""Makes a method of the runtime from a tableau or weights: its family and its table in C."""
+"""Makes an integration method of a tableau or of weights: its runtime family, its table in C."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from .trees import Conditions, symmetric, symplectic
 
 MOST_RUN = 16  # PK_MOST_STAGES of pk/step/tableau.h
 MOST_WEIGHTS = 64
-_EXACT = 2**53  # integers up to it are doubles
+_EXACT = 2**53  # All integers up to this one are exact doubles.
 
 
 def fit(name: str) -> str:
-    """Returns a valid method name made from a file name."""
+    """Returns a valid method name for a file name; it differs from the built-in methods' names."""
     word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_").lower()[:40]
     word = word if word[:1].isalpha() else f"m_{word}".rstrip("_")
     return f"own_{word}" if word in METHODS else word
 
 
 def of_text(name: str, source: Source) -> Own:
-    """Returns the method of a tableau. Raises ModelError."""
+    """Returns the method of a tableau file. Raises ModelError."""
     return of_tableau(name, read_tableau(source))
 
 
 def facts(tableau: Tableau) -> dict[str, object]:
-    """Returns properties of a tableau of any class, computed from its coefficients."""
+    """Returns properties of a tableau, computed from its coefficients."""
     conditions = Conditions(tableau.a)
     order, size = conditions.order(tableau.b)
     found: dict[str, object] = {
@@ -50,7 +50,7 @@ def facts(tableau: Tableau) -> dict[str, object]:
 
 
 def of_tableau(name: str, tableau: Tableau) -> Own:
-    """Returns the method of a tableau. Raises ModelError if the runtime cannot run its class."""
+    """Returns the method of a tableau. Raises ModelError if the runtime does not support it."""
     found = facts(tableau)
     if tableau.kind != "explicit":
         near = "gauss1 to gauss8, lobatto2 to lobatto4, radau5 and radau9 are built in"
@@ -73,7 +73,7 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
     more, traits, family = "", set(), "ERK"
     if tableau.bhat is not None:
         lists["e"] = [x - y for x, y in zip(tableau.b, tableau.bhat, strict=True)]
-        if same_last:  # the derivative at the new point
+        if same_last:  # The weight of the derivative at the new point.
             lists["e"][stages] = -tableau.bhat[stages]
         else:
             lists["e"].append(Fraction(0))
@@ -97,8 +97,8 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
 
 
 def _first_same_as_last(tableau: Tableau) -> int:
-    """Returns 1 if the last stage is the derivative at the new point, which the runtime always
-    evaluates, else 0."""
+    """Returns 1 if the method is first-same-as-last, else 0. The last stage is then left out, since
+    the runtime evaluates the derivative at the new point anyway."""
     a, b = tableau.a, tableau.b
     pair = tableau.bhat is not None and tableau.stages > 1
     return int(pair and a[-1][:-1] == b[:-1] and not b[-1] and not a[-1][-1])
@@ -111,7 +111,7 @@ def _refused(tableau: Tableau, message: str, help: str) -> ModelError:
 
 
 def of_weights(name: str, text: str, option: str = "--composition") -> Own:
-    """Returns a composition of Verlet steps. Raises ModelError."""
+    """Returns a composition of Verlet steps; the weights are their lengths. Raises ModelError."""
     source = Source(f"{option} {text[:200]}", text)
     weights = _weights(source)
     s, half = len(weights), Fraction(1, 2)
@@ -173,7 +173,7 @@ def _weights(source: Source) -> list[Fraction]:
 
 
 def c_number(x: Fraction) -> str:
-    """Returns a number in C that is rounded once: a quotient of doubles, or 40 digits."""
+    """Returns a number in C with one rounding: a quotient of doubles, or 40 digits."""
     if max(abs(x.numerator), x.denominator) < _EXACT:
         above = f"PK_C({x.numerator}.0)"
         return above if x.denominator == 1 else f"{above} / PK_C({x.denominator}.0)"

@@ -1,4 +1,4 @@
-"""Reads a tableau file: the rows of A, a row b of weights, optionally a row of an embedded method.
+"""Reads a Runge-Kutta tableau file: the rows of A, the weights b, optionally embedded weights.
 
     A            # row by row; missing numbers at the end of a row are 0
     0
@@ -6,7 +6,7 @@
     0 1/2
     0 0 1
     b 1/6 1/3 1/3 1/6
-    bhat ...     # weights of the embedded method for the error estimate: makes the steps adaptive
+    bhat ...     # optional: embedded weights for the error estimate and adaptive steps
 
 Numbers are decimals or fractions, and stay exact. They are matched by a pattern, never evaluated
 as code. The nodes c are the row sums of A.
@@ -21,7 +21,7 @@ from fractions import Fraction
 from ..record import record
 from ..source import Diagnostic, ModelError, Source, Span
 
-MOST_STAGES = 64  # limit for a file; pk/step/tableau.h has the limit for a method that runs
+MOST_STAGES = 64  # Limit of a file; runs need PK_MOST_STAGES of pk/step/tableau.h.
 MOST_TEXT = 200_000
 LARGEST, SMALLEST = 10**6, Fraction(1, 10**40)
 MOST_ERRORS = 5
@@ -61,7 +61,7 @@ class Tableau:
 
 
 class NotANumber(ValueError):
-    """An error with its message and a help text."""
+    """A text is not a valid number; it has a message and a hint."""
 
     def __init__(self, message: str, help: str = FORM):
         super().__init__(message)
@@ -87,7 +87,7 @@ def number(text: str) -> Fraction:
 
 
 def read_tableau(source: Source) -> Tableau:
-    """Parses a tableau file. Raises ModelError with the places of its errors."""
+    """Parses a tableau file. Raises ModelError, which shows where the errors are."""
     return _Reader(source).tableau()
 
 
@@ -96,7 +96,7 @@ class _Reader:
         self.source = source
         self.errors: list[Diagnostic] = []
         self.rows: dict[str, list[list[Fraction]]] = {}
-        self.places: dict[str, list[Span]] = {}  # spans of a section's name and of its rows
+        self.places: dict[str, list[Span]] = {}  # Section -> spans of its name and rows.
 
     def error(self, message: str, span: Span, help: str = "") -> None:
         self.errors.append(Diagnostic(message, span, help))
@@ -128,7 +128,7 @@ class _Reader:
         return Tableau(self.source, a, tuple(self.rows["b"][0]), bhat)
 
     def _line(self, section: str, words: list[tuple[str, Span]]) -> str:
-        """Parses a line; returns the section to which the next line belongs."""
+        """Parses a line; returns the section to which numbers in the next line belong."""
         word, span = words[0]
         name = word.removesuffix(":")
         if name in SECTIONS:
@@ -200,7 +200,7 @@ class _Reader:
 
 
 def _lines(text: str) -> Iterator[list[tuple[str, Span]]]:
-    """Yields the words of each line that has words, without comments."""
+    """Yields the words of each line, without comments; skips empty lines."""
     at = 0
     for line in text.split("\n"):
         kept = line.partition("#")[0]

@@ -1,6 +1,6 @@
 """The order of a Runge-Kutta method, by the order conditions of rooted trees.
 
-A method has order p if for every tree t of up to p nodes
+A method has order p if for every rooted tree t of up to p nodes
 
     sum b_i Phi_i(t) = 1 / gamma(t),   Phi_i([t_1 ... t_m]) = prod_k sum_j a_ij Phi_j(t_k).
 
@@ -29,14 +29,14 @@ MOST_ORDER = 10
 
 @record
 class Rooted:
-    children: tuple[tuple[int, int], ...]  # (order, index) of each child, largest first
+    children: tuple[tuple[int, int], ...]  # (order, index in trees(order)), descending.
     gamma: int
     sigma: int
 
 
 @cache
 def trees(order: int) -> tuple[Rooted, ...]:
-    """Returns the rooted trees of `order` nodes."""
+    """Returns the rooted trees with `order` nodes."""
     if order == 1:
         return (Rooted((), 1, 1),)
     return tuple(_rooted(order, children) for children in _forests(order - 1, (order - 1, 10**9)))
@@ -52,7 +52,7 @@ def _rooted(order: int, children: tuple[tuple[int, int], ...]) -> Rooted:
 
 
 def _forests(nodes: int, most: tuple[int, int]) -> Iterator[tuple[tuple[int, int], ...]]:
-    """Yields forests of so many nodes: tuples of trees in descending order, none above `most`."""
+    """Yields tuples of trees with `nodes` nodes in all, in descending order, none above `most`."""
     if nodes == 0:
         yield ()
         return
@@ -69,7 +69,7 @@ def scaled(x: Fraction) -> int:
 
 
 class Conditions:
-    """The order conditions of one matrix A, for any weights."""
+    """The order conditions of a matrix A; the methods take the weights."""
 
     def __init__(self, a: Sequence[Sequence[Fraction]]):
         self._rows = [[(j, scaled(x)) for j, x in enumerate(row) if x] for row in a]
@@ -77,7 +77,7 @@ class Conditions:
         self._summed: dict[tuple[int, int], list[int]] = {}
 
     def _of(self, key: tuple[int, int]) -> list[int]:
-        """Returns Phi_i of a tree for each stage i."""
+        """Returns the elementary weight Phi_i of a tree, for each stage i."""
         if key not in self._phi:
             phi = [ONE] * len(self._rows)
             for child in trees(key[0])[key[1]].children:
@@ -92,7 +92,8 @@ class Conditions:
         return self._summed[key]
 
     def missed(self, b: Sequence[Fraction], order: int) -> tuple[bool, float]:
-        """Returns whether a condition for trees of so many nodes fails, and the norm of errors."""
+        """Returns whether a condition of trees of `order` nodes fails, and the norm of the
+        errors."""
         weights, failed, total = [scaled(x) for x in b], False, 0.0
         for index, tree in enumerate(trees(order)):
             terms = [x * y >> BITS for x, y in zip(weights, self._of((order, index)), strict=True)]
@@ -103,7 +104,7 @@ class Conditions:
         return failed, math.sqrt(total)
 
     def order(self, b: Sequence[Fraction]) -> tuple[int, float | None]:
-        """Returns order and error constant; MOST_ORDER and None if all tested conditions hold."""
+        """Returns order and error constant; (MOST_ORDER, None) if no tested condition fails."""
         for p in range(1, MOST_ORDER + 1):
             failed, size = self.missed(b, p)
             if failed:
@@ -112,7 +113,7 @@ class Conditions:
 
 
 def symplectic(a: Sequence[Sequence[Fraction]], b: Sequence[Fraction]) -> bool:
-    """Whether b_i a_ij + b_j a_ji = b_i b_j; J. M. Sanz-Serna, BIT 28 (1988) 877."""
+    """Whether b_i a_ij + b_j a_ji = b_i b_j for all i, j; J. M. Sanz-Serna, BIT 28 (1988) 877."""
     s = range(len(b))
     return all(_close(b[i] * a[i][j] + b[j] * a[j][i], b[i] * b[j]) for i in s for j in s)
 

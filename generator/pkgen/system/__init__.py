@@ -1,4 +1,4 @@
-"""The system: files, caches, child processes, limits of memory, the C compiler, HTML pages.
+"""System services: files, caches, child processes, resource limits, the C compiler, HTML pages.
 
-The package knows nothing of models. All packages may call it.
+The package knows nothing of models; all packages may call it.
 """

@@ -1,10 +1,10 @@
-"""Add-ons: extensions by other packages, found by their entry points.
+"""Add-ons: extensions in other Python packages, found by entry points such as
 
     [project.entry-points."pkgen.commands"]
     film = "pkgen_film.command"
 
-KINDS describes the objects of each group. A distribution may name an add-on that is not installed:
-`package` reports that when the add-on is used.
+KINDS describes the objects of each group. An entry point may name a package that is not installed;
+then `package` and `load` raise an error when it is used.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ KINDS = {
 
 @cache
 def points(kind: str) -> dict[str, EntryPoint]:
-    """Returns the entry points of the group pkgen.KIND, by name."""
-    from importlib.metadata import entry_points  # takes 35 ms, so not for every command
+    """Returns the entry points of the group "pkgen.KIND", by name."""
+    from importlib.metadata import entry_points  # Imported here, since it takes 35 ms.
 
     return {point.name: point for point in sorted(entry_points(group=f"pkgen.{kind}"))}
 
 
 def missing(point: EntryPoint | None) -> str:
-    """Returns where to get an add-on that is not installed; "" for one that is."""
+    """Returns how to get the package of an entry point; "" if it is installed."""
     if point is None:
         return "of an add-on, which is not here: install all of pkgen-lag"
     name = _package_name(point)
@@ -55,14 +55,14 @@ def missing(point: EntryPoint | None) -> str:
 
 
 def package(point: EntryPoint) -> ModuleType:
-    """Imports the package of an add-on. Raises UsageError if it is not installed."""
+    """Imports an add-on's package. Raises UsageError if it is not installed."""
     if where := missing(point):
         raise UsageError(f"{_shown(point.name)} is {where}")
     return import_module(_package_name(point))
 
 
 def load(kind: str, name: str) -> Any:
-    """Loads the object of an add-on. Raises UsageError if it is not installed."""
+    """Loads an add-on's object. Raises UsageError if it is not installed."""
     point = points(kind).get(name)
     if where := missing(point):
         raise UsageError(f"{_shown(name)} is {where}")
@@ -78,12 +78,12 @@ def _shown(name: str) -> str:
 
 
 def here(kind: str) -> dict[str, EntryPoint]:
-    """Returns the entry points of a kind whose add-ons are installed."""
+    """Returns the entry points of a kind whose packages are installed."""
     return {name: point for name, point in points(kind).items() if not missing(point)}
 
 
 def of_folder(name: str) -> ModuleType | None:
-    """Returns the add-on that handles a folder or URL given in place of a model, or None."""
+    """Returns the add-on that handles `name`, a folder or URL in place of a model file, or None."""
     if not (Path(name).is_dir() or "://" in name):
         return None
     modules = (load("folders", kind) for kind in here("folders"))

@@ -1,7 +1,8 @@
 """The cache of compiled runtimes and programs, and of parser tables.
 
-Entries are run as code. An entry is a folder with the digests of its files. It is used only if all
-of it belongs to this user, no one else can write it, and the digests match; else it is remade.
+Entries are run as code. An entry is a folder with the digests of its files. It is used only if it
+belongs to this user, no one else can write it, and the digests match; otherwise it is made
+again.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ from .files import MARK, scratch, sweep
 from .progress import say, trace
 
 DIGESTS = "digests"
-KEPT = 100  # newest entries of a kind that are kept, besides those used within RECENT
-RECENT = 3600.0  # seconds: another process may be about to use an entry
-STALE = 600.0  # seconds after which an unfinished folder may be removed
+KEPT = 100  # Number of entries of each kind that are kept.
+RECENT = 3600.0  # Seconds: an entry used more recently is kept as well.
+STALE = 600.0  # Seconds: an older unfinished folder is removed.
 
 
 def cache_directory() -> Path:
-    """Returns PKGEN_CACHE, else $XDG_CACHE_HOME/pkgen, else ~/.cache/pkgen; it may not exist."""
+    """Returns $PKGEN_CACHE, else $XDG_CACHE_HOME/pkgen, else ~/.cache/pkgen; it may not exist."""
     named = os.environ.get("PKGEN_CACHE")
     if named:
         return Path(named)
@@ -36,8 +37,8 @@ def cache_directory() -> Path:
 
 
 def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
-    """Returns the folder of the entry `name`. If it is missing or damaged, `make` fills a new one,
-    once for all concurrent processes. Raises BuildError if the cache cannot be written."""
+    """Returns the folder of the entry `name`. If it is missing or damaged, one of the concurrent
+    processes calls `make` to fill it. Raises BuildError if the cache cannot be written."""
     kinds = cache_directory() / kind
     folder = kinds / name
     try:
@@ -57,7 +58,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
             f"cannot write to the cache {kinds}: {error.strerror}; "
             "name another directory with the environment variable PKGEN_CACHE"
         ) from None
-    with suppress(OSError):  # the cache may be read-only
+    with suppress(OSError):  # The cache may be read-only.
         os.utime(folder)
     return folder
 
@@ -65,7 +66,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
 def _fill(folder: Path, make: Callable[[Path], None]) -> None:
     with scratch(folder.parent, ".new-") as new:
         make(new)
-        (new / MARK).unlink(missing_ok=True)  # an entry is not a scratch folder
+        (new / MARK).unlink(missing_ok=True)  # The folder is no longer a scratch folder.
         files = sorted(path for path in new.iterdir() if path.is_file())
         lines = [f"{folder.name}", *(f"{_digest(path)} {path.name}" for path in files)]
         (new / DIGESTS).write_text("\n".join(lines), encoding="utf-8")
@@ -82,14 +83,14 @@ def _digest(path: Path) -> str:
 
 
 def _own(path: Path, kind: Callable[[int], bool]) -> bool:
-    """Whether a path is of that kind, belongs to this user, and no one else can write it."""
+    """Whether `kind` holds for a path's mode, and only this user owns and can write it."""
     known = path.lstat()
     mine = known.st_uid == os.geteuid() and not known.st_mode & 0o022
     return mine and kind(known.st_mode)
 
 
 def _sound(folder: Path) -> bool:
-    """Whether an entry exists, belongs to this user, and matches its digests."""
+    """Whether an entry exists, belongs to this user only, and matches its digests."""
     try:
         if not (_own(folder, stat.S_ISDIR) and _own(folder / DIGESTS, stat.S_ISREG)):
             return False
@@ -104,8 +105,8 @@ def _sound(folder: Path) -> bool:
 
 
 def _refuse_foreign(folder: Path) -> None:
-    """Raises BuildError if another user could replace an entry between its check and its use. In a
-    sticky folder, such as /tmp, that is impossible. Modes are not changed: they may be intended."""
+    """Raises BuildError if another user could replace an entry after it is checked and before it is
+    used. In a sticky folder, such as /tmp, that is impossible. The folder's mode is not changed."""
     known = folder.stat()
     why = ""
     if known.st_uid != os.geteuid():
@@ -119,10 +120,10 @@ def _refuse_foreign(folder: Path) -> None:
 
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """Holds a lock file: one process at a time."""
+    """Holds an exclusive lock, the file `path`."""
     while True:
         fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
-        with suppress(OSError):  # a file system without locks
+        with suppress(OSError):  # Some file systems have no locks.
             try:
                 fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -132,7 +133,7 @@ def _alone(path: Path) -> Iterator[None]:
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(fd), path.stat()):
                 break
-        os.close(fd)  # its previous holder has removed the file
+        os.close(fd)  # The file was removed by its previous owner.
     try:
         yield
     finally:
@@ -141,10 +142,10 @@ def _alone(path: Path) -> Iterator[None]:
 
 
 def _prune(kinds: Path) -> None:
-    """Removes all but the newest and the recently used entries."""
+    """Removes entries, except the KEPT newest and those used within RECENT."""
     found = []
     for path in kinds.iterdir():
-        with suppress(FileNotFoundError):  # another process may prune too
+        with suppress(FileNotFoundError):  # Another process may remove entries too.
             found.append((path.stat().st_mtime, path))
     entries = sorted(entry for entry in found if not entry[1].name.startswith("."))
     for used, old in entries[:-KEPT]:

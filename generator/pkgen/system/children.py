@@ -1,8 +1,8 @@
-"""Child processes of pkgen: no child outlives it.
+"""Child processes of pkgen, none of which outlives it.
 
 All are in one process group, led by a shell that waits at a pipe which only pkgen holds open.
-However pkgen ends, even by SIGKILL, the system closes the pipe, and the shell kills the group. That
-includes children of gcc, which a signal to gcc alone (PR_SET_PDEATHSIG) would not reach.
+However pkgen ends, even by SIGKILL, the system closes the pipe, and the shell kills the group. The
+group includes children of gcc, which a signal to gcc alone (PR_SET_PDEATHSIG) would not reach.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from contextlib import contextmanager, suppress
 
 from .exits import INTERRUPTED, NumericsFailed
 
-# The terminal sends signals to pkgen's own group in the foreground, not to this group.
+# Ctrl-C in the terminal signals pkgen's own process group, not the group of the children.
 KEEPER = "read nothing; kill -KILL 0"
 ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-# Batch systems announce a time limit by these: Slurm --signal, Grid Engine -notify, LSF limits.
+# Signals before a time limit in batch systems: Slurm --signal, Grid Engine -notify, LSF limits.
 ENDS += (signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)
 
 _keeper: subprocess.Popen[bytes] | None = None
-_ended = False  # threads that still run start no more processes
+_ended = False  # True: new processes must not start.
 _starting = threading.Lock()
 _stops: list[Callable[[int], None]] = []
 
@@ -36,7 +36,7 @@ def _joined(group: int) -> dict[str, object]:
 
 
 def group() -> dict[str, object]:
-    """Returns arguments for subprocess that put a process into the group."""
+    """Returns the arguments of subprocess.Popen that put a process into the group."""
     global _keeper
     with _starting:
         if _ended:
@@ -54,12 +54,12 @@ def group() -> dict[str, object]:
 
 
 def on_end(stop: Callable[[int], None]) -> None:
-    """Registers a stop function: called with 1 when all must end, with 0 when work begins anew."""
+    """Registers a function, called with 1 when all work must stop, with 0 when it may restart."""
     _stops.append(stop)
 
 
 def kill() -> None:
-    """Ends all child processes at once."""
+    """Kills all child processes and calls the registered functions."""
     global _ended
     _ended = True
     for stop in _stops:
@@ -70,14 +70,14 @@ def kill() -> None:
 
 
 def ended() -> bool:
-    """Whether kill() was called: new work ends at once."""
+    """Whether kill() was called, so that no new work must start."""
     return _ended
 
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Within it, the signals ENDS end the children and raise KeyboardInterrupt. Ignored signals, as
-    by nohup, stay ignored. SIGTSTP (Ctrl-Z) stops pkgen and its children."""
+    """Within the context, the signals ENDS kill the children and raise KeyboardInterrupt. Ignored
+    signals, as by nohup, stay ignored. SIGTSTP (Ctrl-Z) suspends pkgen and its children."""
     global _ended
     _ended = False
     for stop in _stops:
@@ -93,7 +93,7 @@ def _end(_signal: int, _frame: object) -> None:
 
 
 def finishing() -> None:
-    """Ignores the signals ENDS from now on, since all results are written."""
+    """Ignores the signals ENDS from now on, when all results are written."""
     if threading.current_thread() is threading.main_thread():
         for number in ENDS:
             if signal.getsignal(number) is _end:
@@ -115,7 +115,7 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
                 for number in [*left]:
                     signal.signal(number, left[number])
                     del left[number]
-            except BaseException as error:  # restore every handler before raising
+            except BaseException as error:  # All handlers are restored before it is raised.
                 late = error
         if late is not None:
             raise late
@@ -123,8 +123,8 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
 
 @contextmanager
 def postponed(raised: list) -> Iterator[None]:
-    """Within it, exceptions of signal handlers are appended to `raised`, and the block continues.
-    Otherwise one could end the block while C uses its memory, or interrupt Thread.join."""
+    """Within the context, exceptions of signal handlers are appended to `raised`, and the block
+    continues. They might interrupt C code that uses the block's memory, or Thread.join."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -149,13 +149,13 @@ def _stop(_signal: int, _frame: object) -> None:
         if _keeper is not None and _keeper.poll() is None:
             os.killpg(_keeper.pid, number)
         if own:
-            os.kill(os.getpid(), number)  # stops here until SIGCONT
+            os.kill(os.getpid(), number)  # SIGSTOP suspends this process here, until SIGCONT.
 
 
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
-    """Yields a function: whether a signal of ENDS has come, after which a run ends and keeps its
-    rows. A second signal ends pkgen at once. In other threads the function returns False."""
+    """Yields a function that tells if a signal of ENDS has come, so that the run stops and keeps
+    its rows. A second signal ends pkgen at once. In other threads the function returns False."""
     said: list[int] = []
 
     def note(number: int, _frame: object) -> None:

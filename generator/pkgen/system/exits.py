@@ -4,8 +4,8 @@ DONE = 0
 MODEL_WRONG = 1
 USAGE = 2
 COMPILER_FAILED = 3
-NUMERICS_FAILED = 4  # also the code of the C driver
-LEFT = 75  # ended with a checkpoint, from which the run can resume
+NUMERICS_FAILED = 4  # The C driver returns it too.
+LEFT = 75  # The run ended with a checkpoint and can resume.
 INTERRUPTED = 130
 
 
@@ -14,8 +14,8 @@ class UsageError(Exception):
 
 
 class NumericsFailed(Exception):
-    """The C driver, or a computation with it, failed; the text is the reason."""
+    """The C driver, or a computation with it, failed; the text gives the reason."""
 
 
 class BuildError(Exception):
-    """There is no C compiler, or it failed (the text has its messages), or there is no cache."""
+    """No C compiler, a compiler error (the text has its messages), or an unusable cache."""

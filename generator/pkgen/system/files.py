@@ -1,8 +1,8 @@
 """Writes output files completely or not at all; makes scratch folders, which are always removed.
 
-A file is written next to its place and renamed at the end. The names of an unfinished file and of
-its description end in `.partial`. Pipes, devices and `-` (standard output) are written directly.
-Symbolic links are followed.
+A file is written in the target's folder under another name and renamed at the end. The names of an
+unfinished file and of its description end in `.partial`. Pipes, devices and `-` (standard output)
+are written directly. Symbolic links are followed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
 ROWS = (".csv", ".npy")  # ends of the names of files of rows
 SCRATCH = "pkgen."
-MARK = ".pkgen-scratch"  # a file that identifies a scratch folder of pkgen
+MARK = ".pkgen-scratch"  # Name of the marker file in scratch folders.
 
 
 def partial(path: Path) -> Path:
@@ -39,18 +39,18 @@ def partial(path: Path) -> Path:
 
 
 def beside(path: Path) -> Path:
-    """Returns the path of the file that describes another one."""
+    """Returns the path of the JSON file that describes `path`."""
     return path.with_name(path.name + ".json")
 
 
 def place(path: Path) -> Path | None:
-    """Returns the path of a file with links followed; None for a stream. Raises OSError or
-    UsageError if it cannot be written."""
-    for _ in range(40):  # as many links as Linux follows
+    """Returns the file's path with symbolic links followed; None for a stream such as a pipe.
+    Raises OSError or UsageError if the file cannot be written."""
+    for _ in range(40):  # Linux follows at most 40 links.
         if not path.is_symlink():
             break
         to = os.readlink(path)
-        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # a stream of this process
+        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # A stream of this process.
             return None
         path = path.parent / to
     try:
@@ -66,7 +66,7 @@ def place(path: Path) -> Path | None:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Delays signals that end pkgen until the block is done."""
+    """Blocks the signals ENDS within the context."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
     try:
         yield
@@ -76,7 +76,7 @@ def uninterrupted() -> Iterator[None]:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Adds the file name to an error of writing."""
+    """Within the context, adds the file name to an OSError."""
     try:
         yield
     except OSError as error:
@@ -87,7 +87,7 @@ def _named(path: Path) -> Iterator[None]:
 def replace(
     contents: Mapping[Path, str | bytes], renamed: Mapping[Path, Path] | None = None
 ) -> None:
-    """Writes all files or none; first renames the finished files in `renamed`."""
+    """Renames the keys of `renamed` to their values and writes all `contents`, or does nothing."""
     made: dict[Path, Path] = {}
     try:
         for path, content in contents.items():
@@ -102,14 +102,14 @@ def replace(
                 with _named(path):
                     path.write_bytes(data)
                 continue
-            # Two commands may write the same file at the same time.
+            # Named by process, since two commands may write the same file at the same time.
             scratch = end.with_name(f"{end.name}.{os.getpid()}{PARTIAL}")
             scratch.unlink(missing_ok=True)
             made[scratch] = end
             with _named(path), _opened(scratch, end, os.O_EXCL) as file:
                 file.write(data)
         with uninterrupted():
-            if renamed:  # an old description must never be next to a new file
+            if renamed:  # An old description must not describe a new file.
                 for end in made.values():
                     end.unlink(missing_ok=True)
             for scratch, end in ((renamed or {}) | made).items():
@@ -122,7 +122,7 @@ def replace(
 
 
 def moved(files: Iterable[Path], directory: Path) -> list[Path]:
-    """Writes files of a scratch folder to a directory; returns their new paths."""
+    """Copies files of a scratch folder to a directory; returns their new paths."""
     written = {directory / file.name: file.read_bytes() for file in files}
     directory.mkdir(parents=True, exist_ok=True)
     replace(written)
@@ -130,7 +130,7 @@ def moved(files: Iterable[Path], directory: Path) -> list[Path]:
 
 
 def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
-    """Opens a file for writing, with the permissions of the file that it will replace."""
+    """Opens a file for writing, with the permissions of `end`, the file that it will replace."""
     fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | how, 0o666)
     with suppress(FileNotFoundError):
         os.fchmod(fd, stat.S_IMODE(end.stat().st_mode))
@@ -138,11 +138,11 @@ def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
 
 
 class Result:
-    """A file that grows during a run, and FILE.json, which describes it. Until both are finished
-    they are FILE.partial and FILE.partial.json, and existing files stay unchanged.
+    """A file that grows during a run, and FILE.json, which describes it.
 
-    `kept`, for runs with checkpoints: "all" keeps all of FILE.partial if the run is left; "begun"
-    also continues an existing FILE.partial."""
+    Until both are finished they are FILE.partial and FILE.partial.json, and existing files stay
+    unchanged. `kept`, for runs with checkpoints: "all" keeps FILE.partial uncut if the run stops
+    early; "begun" also continues an existing FILE.partial."""
 
     def __init__(self, path: Path, description: str, kept: str = ""):
         self.path, self.end, self.kept = path, place(path), kept
@@ -161,37 +161,37 @@ class Result:
         return self
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
-        """Keeps the rows and the first description if an error ends the block."""
+        """If an error ends the block, keeps the rows and the description written at the start."""
         if kind is not None and self.end is not None:
             with suppress(OSError, ValueError):
                 self._rows()
 
     def finish(self, description: str) -> None:
-        """Moves the finished file to its place."""
+        """Closes the file, renames it to its final name and writes its description."""
         with _named(self.path):
-            self.file.close()  # may report a full disk
+            self.file.close()  # Raises OSError if the disk is full.
         done = {} if self.end is None else {self.growing: self.end}
         replace({beside(self.path): description}, done)
         if self.end is not None:
             beside(self.growing).unlink(missing_ok=True)
 
     def leave(self, description: str) -> Path | None:
-        """Leaves an unfinished file, cut after its last whole line. Returns its path, or None if it
-        has no rows and is removed."""
+        """Keeps an unfinished file, without an incomplete last line. Returns its path, or None if
+        it has no rows and is removed."""
         if self.end is None:
             self.file.close()
             replace({beside(self.path): description})
             return self.path
         kept = self._rows()
         if kept:
-            with suppress(OSError):  # a full disk is reported already; the first description stays
+            with suppress(OSError):  # If the disk is full, the first description stays.
                 replace({beside(self.growing): description})
         with suppress(OSError):
             self.file.close()
         return self.growing if kept else None
 
     def _rows(self) -> bool:
-        """Returns whether the file has rows; removes it otherwise."""
+        """Returns whether the file has rows; removes a file without rows."""
         self.file.flush()
         if self.kept:
             return True
@@ -203,7 +203,7 @@ class Result:
 
 
 def _locked(path: Path, end: Path) -> IO[bytes]:
-    """Opens a file for writing and locks it. Raises UsageError if another command writes it."""
+    """Opens a file for writing and locks it. Raises UsageError if another command is writing it."""
     while True:
         file = _opened(path, end)
         try:
@@ -211,16 +211,16 @@ def _locked(path: Path, end: Path) -> IO[bytes]:
         except BlockingIOError:
             file.close()
             raise UsageError(f"{path}: another run is writing it") from None
-        except OSError:  # a file system without locks
+        except OSError:  # The file system has no locks.
             return file
-        with suppress(FileNotFoundError):  # it may have been renamed before it was locked
+        with suppress(FileNotFoundError):  # Another run may rename it before the lock.
             if os.path.samestat(os.fstat(file.fileno()), path.stat()):
                 return file
         file.close()
 
 
 def cut(path: Path) -> bool:
-    """Cuts a table after its last whole line. Returns whether it has rows below its header."""
+    """Cuts off an incomplete last line of a table. Returns whether rows follow its header."""
     with open(path, "r+b") as file:
         if file.read(6) == b"\x93NUMPY":
             return True
@@ -235,8 +235,8 @@ def cut(path: Path) -> bool:
 
 @contextmanager
 def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]:
-    """Yields a new folder, removed at the end. It has a mark, and is locked while its process
-    lives: another process removes folders of killed processes."""
+    """Yields a new folder, removed at the end. It contains a marker file, and is locked while the
+    process lives, so that other processes can remove the folders of killed processes."""
     if parent is None:
         parent = Path(tempfile.gettempdir())
         sweep(parent, prefix)
@@ -244,9 +244,9 @@ def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]
     try:
         lock = os.open(path, os.O_RDONLY)
         try:
-            with suppress(OSError):  # a file system without locks: nobody else removes it
+            with suppress(OSError):  # Without locks no other process removes the folder.
                 fcntl.flock(lock, fcntl.LOCK_EX)
-            # Lock before marking: another process must not take it for abandoned.
+            # The lock comes first: a folder with a mark and without a lock counts as abandoned.
             (path / MARK).write_text(f"{_marked(path.name)}{secrets.token_hex(16)}\n")
             yield path
         finally:
@@ -260,7 +260,7 @@ def _marked(name: str) -> str:
 
 
 def _is_scratch(path: str, name: str) -> bool:
-    """Whether a folder has a mark with its own name, which copies of a folder do not have."""
+    """Whether a folder's marker file has the folder's name; a copied folder has another name."""
     fd = os.open(os.path.join(path, MARK), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     with open(fd, "rb") as mark:
         if os.fstat(fd).st_uid != os.geteuid():
@@ -271,7 +271,7 @@ def _is_scratch(path: str, name: str) -> bool:
 
 @cache
 def sweep(parent: Path, prefix: str, age: float = 0.0) -> None:
-    """Removes scratch folders whose processes have ended; once per process."""
+    """Removes scratch folders of processes that have ended; runs once per process and folder."""
     with suppress(OSError), os.scandir(parent) as entries:
         for entry in entries:
             if not entry.name.startswith(prefix):

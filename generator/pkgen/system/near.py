@@ -1,16 +1,16 @@
-"""Hints for unknown names: similar known names."""
+"""Hints for unknown names."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
 
-# Kinds of names that belong to pkgen, not to a model.
+# Kinds of names that pkgen defines, not a model.
 _OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option", "package", "host", "command"))
 
 
 def near(name: str, known: list[str], kind: str) -> str:
-    """Returns a hint with names similar to a wrong name, else with the known names."""
+    """Returns a hint with known names similar to `name`, or else with all known names."""
     they = "there are" if kind in _OF_PKGEN else "it has"
     meant = difflib.get_close_matches(name, known, n=3)
     if meant:
@@ -22,6 +22,6 @@ def near(name: str, known: list[str], kind: str) -> str:
 
 
 def unknown(option: str, name: str, known: Iterable[str], kind: str) -> str:
-    """Returns the message for an unknown name in an option."""
+    """Returns the message about an unknown name in an option, with a hint."""
     who = "there is" if kind in _OF_PKGEN else "the model has"
     return f"{option} {name}: {who} no such {kind}; {near(name, list(known), kind)}"

@@ -1,4 +1,4 @@
-"""Progress on standard error: lines of text, a progress bar."""
+"""Progress messages and a progress bar, on standard error."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Protocol
 
 
 class Show(Protocol):
-    """Shows the fraction of work done, from 0 to 1, and a text for the current step."""
+    """Shows the fraction `part` of the work that is done, and a text about the current step."""
 
     def __call__(self, part: float, text: str = "") -> None: ...
 
@@ -22,21 +22,22 @@ def unseen(part: float, text: str = "") -> None:
 
 
 def took(began: float) -> str:
-    """Returns the time since `began`, a time.monotonic(), in words."""
+    """Returns the elapsed time since `began`, a time.monotonic(), and the CPU time, as text."""
     own = time.process_time() + sum(os.times()[2:4])
     return f"took {time.monotonic() - began:.3g} s, {own:.3g} s of the processor's"
 
 
 def say(text: str) -> None:
-    print(f"pkgen: {text}\n", end="", file=sys.stderr, flush=True)  # lines of threads stay whole
+    # The line break is in the text, so that threads do not mix lines.
+    print(f"pkgen: {text}\n", end="", file=sys.stderr, flush=True)
 
 
-_watched: float | None = None  # start time of the messages of `-v`
+_watched: float | None = None  # Start time of the messages of `-v`.
 
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Within it, trace() prints messages with their times."""
+    """Within the context, trace() prints messages, each with the time since the start."""
     global _watched
     _watched = time.monotonic()
     try:
@@ -46,7 +47,7 @@ def watched() -> Iterator[None]:
 
 
 def trace(text: str) -> None:
-    """Prints a message within watched()."""
+    """Prints a message if the context watched() is active."""
     if _watched is not None:
         say(f"{time.monotonic() - _watched:7.3f} s  {text}")
 
@@ -65,7 +66,7 @@ def progress(title: str) -> Iterator[Show | None]:
         def render(self, task: Task) -> Text:
             return super().render(task) + Text(" left,")
 
-    # The elapsed time keeps changing during long steps, to show that the program is alive.
+    # The elapsed time changes also during long steps, which shows that the program is alive.
     columns = (*Progress.get_default_columns()[:-1], Left(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=1.0)

@@ -1,4 +1,4 @@
-"""Bounds on the time and memory that compiling a model may take; see limits.py."""
+"""Limits on the CPU time and memory that compiling a model may use; see limits.py."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 
 class ResourcesExceeded(BaseException):
-    """Compiling exceeded its limits; the text says which limit, and how to allow more.
+    """Compiling exceeded a limit; the text names the limit and how to raise it.
 
     A signal handler raises it anywhere in the program. It is a BaseException, since libraries may
     catch every Exception, as lark does while it reads its tables."""
@@ -17,10 +17,10 @@ class ResourcesExceeded(BaseException):
 
 @contextmanager
 def bounded(cpu_seconds: float, memory_bytes: int) -> Iterator[None]:
-    """Within it, use of more CPU time or address space raises ResourcesExceeded.
+    """Within the context, using more CPU time or memory raises ResourcesExceeded.
 
-    The time is that of this process alone, measured by a timer signal; the memory is an addition
-    to the current address space. It works in the main thread only.
+    The time is that of this process without children, measured by a timer signal. The memory is
+    address space beyond that already in use. The context works in the main thread only.
     """
 
     def out_of_time(_signal: int, _frame: object) -> None:
@@ -49,7 +49,7 @@ def bounded(cpu_seconds: float, memory_bytes: int) -> Iterator[None]:
 
 
 def _address_space() -> int:
-    """Returns the bytes of address space in use, from /proc; without /proc, a generous guess."""
+    """Returns the address space in use, in bytes, from /proc; 4 GiB if there is no /proc."""
     try:
         with open("/proc/self/statm", encoding="ascii") as f:
             return int(f.read().split()[0]) * resource.getpagesize()

@@ -18,10 +18,10 @@ from .exits import BuildError
 from .progress import trace
 
 RUNTIME = Path(pkgen_runtime.__file__).parent
-# No fast-math: it deletes compensated sums and NaN tests. Contraction is off, since the defaults of
-# gcc and clang differ, and without it lanes and scalars agree to the bit and compilers nearly so;
-# it would gain 2 to 6 % (inlined rk4, dop853). -O3 is for the loops over lanes. No SLP
-# vectorization: it costs 5 % in small steps, whose numbers have just been stored one by one.
+# No fast-math: it deletes compensated sums and NaN tests. No contraction (fused multiply-add): the
+# defaults of gcc and clang differ; without it vector lanes and scalar code agree to the last bit,
+# and compilers nearly so. It would gain 2 to 6 % (inlined rk4, dop853). -O3 is for the loops over
+# vector lanes. No SLP vectorization: it costs 5 % in small steps, which load numbers just stored.
 FLAGS = (
     "-O3",
     "-fno-tree-slp-vectorize",
@@ -29,9 +29,9 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-trapping-math",
 )
-# C would assume that an undeclared function returns int.
+# Otherwise C assumes that an undeclared function returns int.
 DECLARED = "-Werror=implicit-function-declaration"
-# Flags for the processor at hand; the first that the compiler accepts is used.
+# Flags for this computer's processor; the first that the compiler accepts are used.
 NATIVE = (("-march=native",), ("-mcpu=native",), ())
 STANDARD = "-std=c11"
 TIMEOUT_SECONDS = 300
@@ -39,14 +39,14 @@ TIMEOUT_SECONDS = 300
 
 @record
 class Toolchain:
-    """A C compiler with its flags, and the flags of GSL if it is installed."""
+    """A C compiler with its flags, and the flags for GSL if GSL is installed."""
 
     cc: tuple[str, ...]
     flags: tuple[str, ...]
     gsl_cflags: tuple[str, ...] | None
     gsl_libs: tuple[str, ...]
     version: str
-    target: str  # digest of the compiler's macros, which describe the processor
+    target: str  # Digest of the compiler's macros, which describe the processor.
 
     @property
     def has_gsl(self) -> bool:
@@ -54,7 +54,7 @@ class Toolchain:
 
 
 def find_toolchain() -> Toolchain:
-    """Returns `$CC` if set, else the first of gcc, clang and cc. Raises BuildError."""
+    """Returns `$CC` if set, else the first compiler of gcc, clang and cc. Raises BuildError."""
     wanted = os.environ.get("CC")
     candidates = [_words("CC", wanted)] if wanted else [["gcc"], ["clang"], ["cc"]]
     for candidate in candidates:
@@ -78,7 +78,7 @@ def find_toolchain() -> Toolchain:
 
 
 def _words(name: str, text: str) -> list[str]:
-    """Splits the value of an environment variable as a shell does. Raises BuildError."""
+    """Splits the value of an environment variable into words as a shell does. Raises BuildError."""
     try:
         return shlex.split(text)
     except ValueError as error:
@@ -88,7 +88,7 @@ def _words(name: str, text: str) -> list[str]:
 
 
 def _native(cc: list[str]) -> tuple[tuple[str, ...], str]:
-    """Returns flags for the processor at hand, and the compiler's macros, which describe it."""
+    """Returns flags for this computer's processor, and the predefined macros, which describe it."""
     for flags in NATIVE:
         macros = _output([*cc, *flags, "-dM", "-E", "-x", "c", os.devnull])
         if macros is not None:
@@ -104,7 +104,7 @@ def find_gsl() -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
         return None, ()
     cflags = shlex.split(_output([config, "--cflags"]) or "")
     libs = shlex.split(_output([config, "--libs"]) or "-lgsl -lgslcblas")
-    # /usr/include is searched anyway; with -I it would precede the compiler's own headers.
+    # /usr/include is searched anyway; -I would put it before the compiler's own headers.
     return tuple(f for f in cflags if f != "-I/usr/include"), tuple(libs)
 
 
@@ -128,7 +128,7 @@ def run(command: list[str], directory: Path) -> None:
         done = subprocess.run(
             command,
             cwd=directory,
-            env={**os.environ, "TMPDIR": str(directory)},  # temporary files of a killed gcc
+            env={**os.environ, "TMPDIR": str(directory)},  # For the temporary files of gcc.
             capture_output=True,
             text=True,
             timeout=TIMEOUT_SECONDS,

@@ -1,6 +1,6 @@
-"""Splits very long kernels into functions, since C compilers are superlinear on straight-line code.
+"""Splits long kernels into functions, since compile time grows faster than their length.
 
-A block passes values that later blocks need through a work array `w`.
+A function passes values to later ones through a work array `w`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from .program import Block, Statement
 
 # A kernel of more than _LONGEST statements is cut into blocks of _BLOCK. Measured on M, f of
 # pendulums of 50 and 100 links (gcc): blocks of 100 compile in 0.6 of the time of blocks of 400 and
-# 0.35 of one block, and run as fast; blocks of 50 gain little more. Reusing elements of `w` halves
-# its length for arms of 20 and 100 joints, but is not faster.
+# 0.35 of the time of an uncut kernel, and run as fast; blocks of 50 gain little more. Reusing
+# elements of `w` halves its length for arms of 20 and 100 joints, but is not faster.
 _LONGEST = 800
 _BLOCK = 100
 ARGUMENTS = ("p", "t", "q", "v", "momenta", "u", "a", "w")
@@ -23,7 +23,7 @@ ARGUMENTS = ("p", "t", "q", "v", "momenta", "u", "a", "w")
 def blocks(
     statements: list[Statement], loads: Mapping[str, Statement], outputs: Iterable[str]
 ) -> tuple[tuple[Block, ...], int]:
-    """Returns the blocks, each with the loads that it needs, and the length of the work array."""
+    """Returns the blocks, each with its loads, and the length of the work array `w`."""
     if len(statements) <= _LONGEST:
         parts = [statements]
     else:
@@ -57,9 +57,9 @@ def _block(
     slots: Mapping[str, int],
     arguments: frozenset[str],
 ) -> Block:
-    """Returns the block of a part, with the statements `lines` before it and stores to `w`."""
+    """Returns a block: the loads `lines`, the statements of `part`, and stores to `w`."""
     loaded = {base(read) for line in lines for read in line.reads}
-    if not slots:  # no values are passed on
+    if not slots:  # A single block needs no work array.
         return Block((*lines, *part), arguments & (words | loaded))
     for statement in part:
         lines.append(statement)

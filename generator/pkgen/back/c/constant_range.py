@@ -1,7 +1,7 @@
 """Finds constants of the equations that are out of the range of double.
 
 The checker and `graph/magnitudes.py` check the constants in a model's text. Constants that
-derivatives or a canonical form make of them (`2*1e308`) exist only when C is written.
+derivatives or a canonical form make of those (`2*1e308`) are known only when C is written.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from ...model import Model
 from ...source import Diagnostic, ModelError
 from ...tree import Number
 
-_FLOAT = 2.0**-126, 2.0**128  # normal numbers of float: the least, and the bound of all
+_FLOAT = 2.0**-126, 2.0**128  # Smallest normal number and upper bound of float.
 
 
 class Beyond(Exception):
-    """A constant is out of range; the text names it and says how."""
+    """A constant is too large or too small for a double; the text says which."""
 
     def placed(self, model: Model) -> ModelError:
-        """Returns the error, placed at the model's number farthest from 1, its most likely origin.
-        Values of parameters do not count, since they are in no constant."""
+        """Returns the error with the position of the model's number farthest from 1, its likely
+        cause. Values of parameters are left out, since no constant contains them."""
         numbers = [n for n in _numbers(replace(model, parameters=())) if n.value]
         far = max(numbers, key=lambda n: (abs(_log(n.value)), -n.span.start), default=model)
         help = "it comes from this number and what it is multiplied with: choose other units"
@@ -37,7 +37,7 @@ class Beyond(Exception):
 
 
 class Tables:
-    """The nodes of a graph, and for each whether it depends on parameters alone."""
+    """The nodes of a graph; `fixed` says for each whether it depends on parameters alone."""
 
     def __init__(self, graph: Graph) -> None:
         self.op = list(graph.op)
@@ -47,12 +47,12 @@ class Tables:
 
 
 class Constants:
-    """Checks the range of a program's constants while C is written."""
+    """Checks the range of the constants in a C program while it is written."""
 
     def __init__(self, work: Tables) -> None:
         self._work = work
-        self._values: dict[Node, float | None] = {}  # None: it depends on a parameter
-        self.float_too = True  # whether all constants so far are in the range of float
+        self._values: dict[Node, float | None] = {}  # None: it depends on a parameter.
+        self.float_too = True  # False: a constant is out of float's range.
 
     def see(self, node: Node) -> None:
         """Raises Beyond if a constant node is out of the range of double."""
@@ -80,8 +80,8 @@ class Constants:
 
 
 def extreme(graph) -> bool:
-    """Returns whether a number of the graph is so far from 1 that a constant made of it may be out
-    of the range of double."""
+    """Returns whether a number in the graph is so large or small that a constant computed from it
+    may be out of the range of double."""
     return any(abs(_log(Fraction(*key))) > 90 for key in graph.tables()[Op.NUMBER] if key[0])
 
 
@@ -96,7 +96,7 @@ def _short(value: Fraction) -> str:
 
 
 def _numbers(part: object) -> Iterator[Number]:
-    """Yields the number literals anywhere in a model."""
+    """Yields all number literals of a model, also nested ones."""
     if isinstance(part, Number):
         yield part
     elif isinstance(part, tuple):

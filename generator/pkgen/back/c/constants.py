@@ -1,4 +1,4 @@
-"""Gives each hoisted constant a name and a comment, made from its expression."""
+"""Gives each hoisted constant a name and a comment, both made from its expression."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SCALED = {"2": "twice", "PK_C(0.5)": "half"}
 
 @record
 class Constant:
-    """A member of struct NAME_params. `says` is its expression, "" if that is long."""
+    """A member of struct NAME_params. `says` is its expression as text, "" if it is too long."""
 
     c_name: str
     says: str
@@ -33,8 +33,8 @@ def constants(
     names: Names,
     hints: Mapping[Node, str],
 ) -> list[Constant]:
-    """Returns the constants of these nodes, in order. `leaf` returns the text of a leaf; `hints`
-    are fallback names from mechanics, like M_0_0."""
+    """Returns the constants for `nodes`, in that order. `leaf` returns the C text of a leaf;
+    `hints` are names to use if the expression gives none, such as M_0_0."""
     forms: dict[Node, Form | None] = {}
     made: dict[Node, Constant] = {}
     wanted = set(nodes)
@@ -57,7 +57,7 @@ def _form(
     leaf: Callable[[Node], Code | None],
     forms: Mapping[Node, Form | None],
 ) -> Form | None:
-    """Returns the expression of a node, None if it is too long for a comment."""
+    """Returns the expression of a node, or None if it is too long for a comment."""
     op, args = work.op[node], work.args[node]
     if work.is_leaf(node):
         text = leaf(node)

@@ -1,4 +1,4 @@
-"""Puts text safely into C: comments, string literals, and lines folded at 100 columns."""
+"""Makes text safe in C: comments, string literals, and lines folded at 100 columns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import unicodedata
 WIDTH = 98
 _LONGEST_STRING = 500
 _ESCAPES = {'"': '\\"', "\\": "\\\\"}
-_INVISIBLE = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}  # bidirectional marks among them
+_INVISIBLE = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}  # Cf: bidirectional marks
 
 
 def visible(text: str) -> str:
@@ -19,19 +19,19 @@ def visible(text: str) -> str:
 
 
 def comment(text: str) -> str:
-    """Returns text that is safe inside a block comment: no end, no nesting, no line splice."""
+    """Returns text that cannot end a block comment, nest another in it or splice lines."""
     text = re.sub(r"\*(?=/)|/(?=\*)|\?(?=\?)", r"\g<0> ", visible(text))
     return text.replace("\\", "/")
 
 
 def string(text: str) -> str:
-    """Returns a C string literal; characters beyond ASCII become octal bytes of their UTF-8."""
+    """Returns a C string literal; non-ASCII characters become octal escapes of UTF-8 bytes."""
     text = visible(text)
     if len(text) > _LONGEST_STRING:
         text = text[: _LONGEST_STRING - 3] + "..."
     parts = []
     for c in text:
-        if c == "?":  # two of them could be a trigraph
+        if c == "?":  # "??" may begin a trigraph.
             parts.append("\\?" if parts and parts[-1].endswith("?") else "?")
         elif c.isascii():
             parts.append(_ESCAPES.get(c, c))
@@ -41,10 +41,10 @@ def string(text: str) -> str:
 
 
 def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
-    """Returns the text folded, with `first` and `rest` as the lines' margins."""
+    """Returns the text folded into lines that begin with `first`, then `rest`."""
     lines = textwrap.wrap(
         text,
-        WIDTH - 3,  # space for the end of the comment
+        WIDTH - 3,  # Space for `*/`.
         initial_indent=first,
         subsequent_indent=rest,
         break_long_words=False,
@@ -53,13 +53,13 @@ def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
     return "\n".join(line.rstrip() for line in lines) if lines else first.rstrip()
 
 
-_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')  # lines do not break in these
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')  # String literals must not be broken.
 _BREAK = re.compile(r" (?=[-+*/|] )| (?=&& )|(?<=,) ")
 
 
 def fold(line: str, indent: int = 0, hang: int = 4) -> str:
     """Returns a statement folded before operators and after commas, outside as many brackets as
-    possible; the next lines are indented by `hang` more."""
+    possible. Continuation lines are indented by `hang` more."""
     line = " " * indent + line
     if len(line) <= WIDTH:
         return line
@@ -74,14 +74,14 @@ def fold(line: str, indent: int = 0, hang: int = 4) -> str:
 
 
 def fold_call(line: str, indent: int = 0) -> str:
-    """Returns a folded declaration; the next lines align with the first argument if possible."""
+    """Returns a folded declaration; if possible, lines align with the first argument."""
     hang = line.index("(") + 1
     return fold(line, indent, hang if hang <= WIDTH // 2 else 4)
 
 
 def _best_break(line: str) -> int | None:
-    """Returns the position of the best break: outside most brackets, then before a sum's sign
-    rather than a product's, then the last; if possible not in the line's first part."""
+    """Returns the position of the best line break: outside most brackets, then before + or - rather
+    than * or /, then the last; if possible not near the line's beginning."""
     start = len(line) - len(line.lstrip())
     depths, depth = [], 0
     for c in line[: WIDTH + 1]:

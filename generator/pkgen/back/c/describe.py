@@ -12,11 +12,11 @@ from ...model import Model
 from .names import Names, family_of, local_wish
 from .program import Field, Kernel, Program, operations_text
 
-_LISTED = 8  # outputs with more entries are described as a whole
+_LISTED = 8  # Longer arrays are described without their entries.
 
 
 def entries(program: Program, kernel: Kernel) -> list[str]:
-    """Returns Doxygen lines for a kernel's outputs (shape, entries, units) and return value."""
+    """Returns Doxygen lines: the outputs of a kernel (shape, entries, units), its return value."""
     lines = []
     for output in kernel.outputs:
         name, n = output.name, output.rows
@@ -69,8 +69,8 @@ def _rate_unit(model: Model, unit: str) -> str:
 
 
 def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
-    """Returns the quantities' time derivatives, named by the format `name` with the coordinate's
-    name in it; those of first-order variables get a prime."""
+    """Returns the time derivatives of quantities. The format `name`, filled with a coordinate's
+    name, gives their names; first-order variables get a prime instead."""
     model, e = program.equations.model, program.equations
     own = e.own
     names = [name.format(c.name) for c in e.coordinates[:own]] + [
@@ -113,9 +113,9 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def families(quantities: Sequence[Quantity], first: int = 0) -> list[dict[str, Any]]:
-    """Returns rows for plain quantities and families: the name in C, the index of the (first)
-    member, a description. Indices start at `first`. The description's count of members covers those
-    that follow the first without a gap."""
+    """Returns rows for plain quantities and families: the name in C, the index of the first member,
+    a description. Indices start at `first`. A family's description has the number of its members
+    that follow each other without a gap."""
     rows: dict[str, tuple[int, Quantity]] = {}
     counts: dict[str, int] = {}
     for index, quantity in enumerate(quantities, first):
@@ -147,13 +147,13 @@ def field_says(program: Program, field: Field) -> str:
 
 
 def _says(member: str, quantity: Quantity) -> str:
-    """Returns 'q[1], ...: stretch [m]', without the parts that are empty."""
+    """Returns 'q[1], ...: stretch [m]'; empty parts are left out."""
     what = _with_unit(quantity.description, quantity.unit).strip()
     return ": ".join(x for x in (member, what) if x)
 
 
 def bounds_text(program: Program, index: int) -> str:
-    """Returns bounds like 'in (0, inf)'; '' if there are none or their text needs locals."""
+    """Returns bounds as text, 'in (0, inf)'; '' for none, and for bounds that need locals."""
     slot = program.equations.parameters[index]
     lo, hi = program.bounds[index].lo, program.bounds[index].hi
     if (lo is None and hi is None) or program.bounds[index].statements:
@@ -168,12 +168,12 @@ def _plain(text: str) -> str:
 
 
 def operations_rows(program: Program) -> list[str]:
-    """Returns the table of operations in the header of a generated file, a line per kernel."""
+    """Returns the table of operation counts for a generated file's header, one line per kernel."""
     kernels = (*program.kernels, program.prepare)
     width = max(len(kernel.name) for kernel in kernels)
     return [f"{k.name:{width}}  {operations_text(k.operations)}" for k in kernels]
 
 
 def labelled(rows: list[tuple[str, str]]) -> list[str]:
-    """Returns facts or constants of the motion as lines of a comment."""
+    """Returns rows of facts, or of constants of the motion, as lines of a comment."""
     return [f"{name}: {text}" for name, text in rows]

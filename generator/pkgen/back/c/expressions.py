@@ -1,7 +1,8 @@
 """Expressions as C text with the fewest brackets, with lists of their operands and operations.
 
-A `Form` is an expression not yet joined to one text: the terms of a sum, or the factors above and
-below a fraction bar. Nested sums and products are flattened; a minus moves to the front.
+A `Form` is an expression before it is joined to one text: the terms of a sum, or the factors of a
+fraction's numerator and denominator. Nested sums and products are flattened; a minus moves to the
+front.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ PLUS, MINUS = 1, -1
 
 
 class Code(str):
-    """C text of an expression. `reads` are the names, members and array elements in it, in order;
-    `operations` the operators and functions, without those inside constants such as 1/3."""
+    """C text of an expression. `reads` are the names, struct members and array elements in it, in
+    order; `operations` its operators and functions, without those in constants such as 1/3."""
 
     reads: tuple[str, ...]
     operations: tuple[str, ...]
@@ -27,35 +28,35 @@ class Code(str):
 
     @property
     def names(self) -> set[str]:
-        """Returns the variables that are read: p for p->m, q for q[0]."""
+        """Returns the variables that the text reads: p for p->m, q for q[0]."""
         return {base(read) for read in self.reads}
 
 
 def base(place: str) -> str:
-    """Returns the variable of a place: `p` for p->m, `out` for out[3]."""
+    """Returns the variable in a C lvalue: `p` for p->m, `out` for out[3]."""
     return place.partition("->")[0].partition("[")[0]
 
 
 def variable(text: str) -> Code:
-    """Returns the code of a name, a member of a struct or an element of an array."""
+    """Returns the Code of a name, a member of a struct or an element of an array."""
     return Code(text, (text,))
 
 
 def joined(parts: Sequence[Code]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Returns the reads, without repetition, and the operations of several expressions."""
+    """Returns the reads of several expressions, without repetition, and their operations."""
     reads = dict.fromkeys(name for part in parts for name in part.reads)
     return tuple(reads), tuple(operation for part in parts for operation in part.operations)
 
 
 class Form(NamedTuple):
-    """A sum of (sign, text) terms if `terms` is not empty; otherwise a product
-    sign * above / below. An atom is a product of one factor."""
+    """A sum of (sign, text) terms if `terms` is not empty; otherwise a product sign * above /
+    below. An atom is a product with one factor."""
 
     terms: tuple[tuple[int, Code], ...] = ()
     sign: int = PLUS
     above: tuple[Code, ...] = ()
     below: tuple[Code, ...] = ()
-    length: int = 0  # of the text, roughly
+    length: int = 0  # approximate length of the text, in characters
 
     @property
     def is_sum(self) -> bool:
@@ -83,7 +84,7 @@ def added(a: Form, b: Form) -> Form:
 
 
 def multiplied(a: Form, b: Form) -> Form:
-    # Most calls have two products; skipping _as_factors for them saves time.
+    # In most calls both are products; skipping _as_factors for these saves time.
     sign_a, above_a, below_a = _as_factors(a) if a.terms else a[1:4]
     sign_b, above_b, below_b = _as_factors(b) if b.terms else b[1:4]
     above = above_a + above_b
@@ -95,13 +96,13 @@ def multiplied(a: Form, b: Form) -> Form:
 
 def inverted(form: Form) -> Form:
     sign, above, below = _as_factors(form)
-    if below:  # 1/(a/b) is kept, so that a/b may be shared
+    if below:  # 1/(a/b) is not simplified, since a/b may be shared.
         return Form((), sign, (ONE,), (_bracketed(_fraction(above, below)),), form.length + 6)
     return Form((), sign, (ONE,), above, form.length + 4)
 
 
 def called(function: str, arguments: Sequence[Form], operation: str) -> Form:
-    """Returns the form of a call; `operation` is its name in counts of operations."""
+    """Returns the form of a function call; `operation` is its name in operation counts."""
     codes = [code(a) for a in arguments]
     reads, operations = joined(codes)
     return atom(Code(f"{function}({', '.join(codes)})", reads, (*operations, operation)))
@@ -111,7 +112,7 @@ ONE = Code("1")
 
 
 def code(form: Form) -> Code:
-    """Returns a form as C text. A sum starts with a positive term if it has one."""
+    """Returns a form as C text. A sum starts with a positive term if there is one."""
     if not form.is_sum:
         fraction = _fraction(form.above, form.below)
         if form.sign > 0:

@@ -1,4 +1,4 @@
-"""Hoists expressions of the parameters alone: `prepare` computes them into struct NAME_params."""
+"""Hoists expressions of parameters alone: `prepare` computes them into struct NAME_params."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def rewritten(targets: Iterable[Target], new: Mapping[Node, Node]) -> list[Targe
 
 
 class Hoisting(ABC):
-    """The expressions of one C file, and the constants that `prepare` computes for them."""
+    """The expressions of a C file, and the constants that `prepare` computes for them."""
 
     def __init__(self, graph: Graph, name: str, libm: bool) -> None:
         self.prefix = name + "_"
         self.libm = libm
         self.work = Workspace(graph)
-        self.hoisted: dict[Node, str] = {}  # C text of each node's place in the struct
-        self.constants: list[Constant] = []  # empty for models with loops: these number constants
+        self.hoisted: dict[Node, str] = {}  # Node -> C text of its struct member.
+        self.constants: list[Constant] = []  # Empty in models with loops.
         self.helpers: set[str] = set()
         self._leaves: dict[Node, Code] = {}
 
@@ -64,7 +64,7 @@ class Hoisting(ABC):
     def scheduled(
         self, targets: Iterable[Target], names: Names, fixed: bool = False, **how: Any
     ) -> Schedule:
-        """Returns the statements of one kernel or block; with `fixed` none of it is hoisted."""
+        """Returns the statements of a kernel or block; if `fixed`, without hoisted values."""
         leaf = self.fixed_leaf if fixed else self.leaf
         inline = not (self.libm or fixed)
         found = Schedule(self.work, names, self.prefix, leaf, inline_sincos=inline, **how)
@@ -77,13 +77,13 @@ class Hoisting(ABC):
         return len(set(self.hoisted.values()))
 
     def named(self, nodes: list[Node], found: Mapping[Node, Node]) -> list[str]:
-        """Returns the places of constants in struct NAME_params; `found` maps them to the nodes in
-        kernels."""
+        """Returns the C members for constants in struct NAME_params. `found` maps each constant to
+        its node in the kernels."""
         return [f"c_[{k}]" for k in range(len(nodes))]
 
     def hoist(self, roots: Iterable[Node], names: Names) -> Schedule:
-        """Finds the constants to hoist below the roots and returns the code that stores them, in an
-        order in which they can be computed."""
+        """Finds the constants to hoist below the roots; returns the code that computes and stores
+        them."""
         found = self._to_hoist(roots)
         new = rewrite(self.work, found, gather=False)
         distinct = sorted({new[node] for node in found})
@@ -95,7 +95,7 @@ class Hoisting(ABC):
         return schedule
 
     def _to_hoist(self, roots: Iterable[Node]) -> list[Node]:
-        """Returns the largest subtrees that depend on parameters alone, without mere leaves."""
+        """Returns the largest subtrees that depend on parameters alone, except single leaves."""
         found: set[Node] = set()
         seen = set(roots)
         stack = list(seen)

@@ -1,4 +1,4 @@
-"""Kernels as C functions: their statements, their parts, and the calls of these."""
+"""Kernels as C functions: their statements, and the functions into which long ones are split."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ TYPES = {
     **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
     "w": "pk_real *w",
 }
-_ROOM = 76  # most characters of declarations on a line
-_GROUP = {LOAD: 0, CHECK: 2}  # blank lines separate groups; other statements are in group 1
+_ROOM = 76  # Most characters of declarations on a line.
+_GROUP = {LOAD: 0, CHECK: 2}  # Kind -> group; others are in group 1.
 
 
 def statements(
     found: Iterable[Statement], lane: str = "", flag: str = "bad", uniform: Collection[str] = ()
 ) -> Iterator[Node]:
-    """Yields the C statements of one kernel. `lane` is the C text of the current pass, "" for none.
-    In a pass a failed sincos sets `flag`, a failed check `bad`; a pass over one state then returns.
-    In SIMD lanes the `uniform` checks, of parameters alone, are left to code after the loop."""
+    """Yields a kernel's C statements. `lane` is C text of an enum pk_pass, "" for plain code. With
+    a pass a failed sincos sets `flag`, a failed check `bad`; a pass over one state then returns. In
+    SIMD lanes the `uniform` checks, of parameters alone, are left to code after the loop."""
     for s in found:
         if s.kind in (LOAD, LOCAL):
             yield Declare("const pk_real", s.target, s.text)
@@ -55,8 +55,8 @@ def statements(
 
 
 def sincos(s: Statement, lane: str, flag: str) -> Node:
-    """Returns the call for sine and cosine of one angle or two. In a pass `lane` a failure sets
-    `flag`."""
+    """Returns the call for the sine and cosine of one or two angles. With a pass `lane` a failure
+    sets `flag`."""
     places = ["NULL" if name == "NULL" else f"&{name}" for name in s.targets]
     function = ("pk_sincos_pass" if lane else "pk_sincos") + "_2" * (len(s.values) > 1)
     call = f"{function}({', '.join([*([lane] if lane else []), *s.values, *places])})"
@@ -76,7 +76,7 @@ def grouped(
 
 
 def _declared(found: Iterable[Statement]) -> Iterator[Node]:
-    """Yields declarations of constants, several on a line."""
+    """Yields declarations of constants, several in one declaration."""
     line = ""
     for s in found:
         one = f"{s.target} = {s.text}"
@@ -93,7 +93,7 @@ def unused(names: Iterable[str]) -> list[Node]:
 
 
 class KernelCode:
-    """One kernel of a model: its declaration and its functions."""
+    """A kernel of a model as C: its declaration and its functions."""
 
     def __init__(self, model: str, kernel: Kernel):
         self.model, self.kernel = model, kernel
@@ -102,7 +102,7 @@ class KernelCode:
 
     @property
     def vectors(self) -> list[str]:
-        """Returns the names of the vector arguments besides u."""
+        """Returns the names of the first two vector arguments: q, then v or momenta."""
         return ["q", self.spec.second if self.spec else "v"]
 
     @property
@@ -134,7 +134,7 @@ class KernelCode:
         return f"{says}. {operations[0].upper()}{operations[1:]}."
 
     def parts(self) -> Iterator[Function]:
-        """Yields the blocks of a long kernel, without the last, as functions."""
+        """Yields functions for all blocks of a long kernel except the last one."""
         of = self.kernel
         work = "; w hands values on" if of.work else ""
         for number, block in enumerate(of.blocks[:-1], 1):
@@ -157,7 +157,7 @@ class KernelCode:
         return ", ".join(typed + [f"pk_real *PK_RESTRICT {output}" for output in outputs])
 
     def body(self) -> Iterator[Node]:
-        """Yields the declaration of the work array, the calls of the parts, and the last part."""
+        """Yields the body: the work array, calls of the functions of parts(), the last block."""
         of, parts = self.kernel, self.kernel.blocks[:-1]
         if of.work and of.name != "prepare":
             yield Declare("pk_real", f"w[{of.work}]")
@@ -180,7 +180,7 @@ class KernelCode:
         yield from grouped(of.blocks[-1].statements)
 
     def definition(self, dense: str) -> Function:
-        """Returns the kernel's function; `dense` is the C that solves M a = f in a loop."""
+        """Returns the kernel's function; `dense` is C code that solves M a = f in a loop."""
         body: list[Node] = [Text(dense)] if self.kernel.solves else [*self.body()]
         if self.kernel.result == "int" and not self.kernel.solves:
             body.append(Return("0"))

@@ -1,4 +1,4 @@
-"""C of the acceleration of one state, of W states in SIMD lanes, and of W ensemble members."""
+"""C functions of the acceleration of one state, of W states, and of W ensemble members."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EACH_LANE = "size_t l = 0; l < W; l++"
 
 
 class LaneCode:
-    """The acceleration's functions of one model."""
+    """The C functions of one model's acceleration."""
 
     def __init__(self, program: Program, code: KernelCode):
         self.program, self.code = program, code
@@ -56,7 +56,7 @@ class LaneCode:
         signature = f"static int {self.stem}_inline({self.code.arguments('PK_RESTRICT ')})"
         return Function(signature, body, before="PK_INLINE")
 
-    # -- one state ----------------------------------------------------------------------------
+    # -- functions for one state -----------------------------------------------------------------
 
     def _one(self) -> Iterator[Function]:
         model, pairs = self.model, self.pairs
@@ -105,7 +105,7 @@ class LaneCode:
         rest = [] if gap else [Blank()]
         return [Declare("pk_real", f"sc[{len(self.pairs)}]"), *gap, Call(call), *rest]
 
-    # -- lane by lane -------------------------------------------------------------------------
+    # -- functions that compute lanes one by one -------------------------------------------------
 
     def _apart(self) -> Function:
         n, n_inputs = self.n, self.n_inputs
@@ -162,7 +162,7 @@ class LaneCode:
             f"static unsigned long long {signature}, {self.arguments['members']})", body
         )
 
-    # -- side by side -------------------------------------------------------------------------
+    # -- functions that compute all lanes together -----------------------------------------------
 
     def _side_by_side(self, form: str) -> Iterator[Function]:
         of = "p" if form == "lanes" else "P"
@@ -207,7 +207,7 @@ class LaneCode:
         yield Return(f"any ? {self.model}_{form}_apart(W, bad, {of}, t, q, v, u, a) : 0")
 
     def _own_state(self, part: LanePart, form: str) -> list[Node]:
-        """Returns the statements that load the parts of a lane's state and parameters in use."""
+        """Returns the statements that load a lane's state and parameters that are used."""
         sizes = {"q": self.n, "v": self.n, "u": self.n_inputs}
         found: list[Node] = [
             Declare("const pk_real", f"{x}_[{size}]", _places(x, size))
@@ -221,7 +221,7 @@ class LaneCode:
         return found
 
     def _lane(self, part: LanePart, form: str) -> str:
-        """Returns the call's arguments: the pass, params, t and the loaded state."""
+        """Returns the arguments of a call: the pass, the parameters, t and the loaded state."""
         state = ", ".join(x + "_" * (x in part.uses) for x in ("q", "v", "u"))
         if form == "lanes":
             return f"PK_IN_LANE, p, t[l], {state}"

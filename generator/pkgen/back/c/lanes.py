@@ -1,8 +1,8 @@
-"""The parts of lane kernels, which compute W states at once, each an element (lane) of an array.
+"""The loops of lane kernels. They compute W states at once, each in an element (lane) of arrays.
 
-The acceleration has two parts: the sines and cosines whose angles need no others, then the rest.
-Each part is a loop over lanes of its own: the iterations are shorter, so that a processor works on
-several at once. Checks of parameters alone are the same in all lanes and follow the loops.
+The acceleration has two loops over lanes: first the sines and cosines of angles that depend on no
+other sine, then the rest. Two short loop bodies let a processor overlap several iterations. Checks
+of parameters alone are the same in all lanes and follow the loops.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ LANE_ARGUMENTS = (
 
 @record
 class LanePart:
-    """Statements of one loop over lanes, the arguments that they read, and the others."""
+    """The statements of one loop over lanes, and the arguments that these use and do not use."""
 
     statements: tuple[Statement, ...]
     uses: tuple[str, ...]
@@ -28,7 +28,7 @@ class LanePart:
 
     @staticmethod
     def of(statements: Iterable[Statement]) -> LanePart:
-        """Returns the part of these statements, without loads that none of them reads."""
+        """Returns the part with these statements; loads that none of them needs are left out."""
         body = list(statements)
         words = _read(s for s in body if s.kind != LOAD)
         body = [s for s in body if s.kind != LOAD or s.target in words]
@@ -47,8 +47,8 @@ def is_uniform(statement: Statement) -> bool:
 
 
 def lane_parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
-    """Returns the part of leading angles, the rest, and the names of the leading sines and
-    cosines."""
+    """Returns the first loop (sines and cosines), the second loop, and the names of the variables
+    that the first sets."""
     made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
     leading = [s for s in kernel.statements if s.kind == TRIG and not made & _read([s])]
     loads = [s for s in kernel.statements if s.kind == LOAD]
@@ -62,8 +62,8 @@ def _read(statements: Iterable[Statement]) -> set[str]:
 
 
 def used_fields(program: Program, part: LanePart) -> list[tuple[str, int]]:
-    """Returns the members of struct NAME_params that a part reads: C text, and the number's index
-    in the struct."""
+    """Returns the members of struct NAME_params that a part reads: C text, and the index of the
+    number in the struct."""
     places = {name: k for k, name in enumerate(program.parameter_names)}
     places |= {x.c_name: len(places) + k for k, x in enumerate(program.constants)}
     n, end = len(program.equations.coordinates), len(program.parameter_names)

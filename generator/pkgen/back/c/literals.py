@@ -31,11 +31,11 @@ def literal(value: Fraction) -> str:
 
 
 def _spelt(number: Decimal) -> str:
-    """Returns a decimal, without an exponent if that is short: 0.001, 9.81, 1.5e-11, 5.97e24."""
+    """Returns a decimal, without an exponent unless that is long: 0.001, 9.81, 1.5e-11, 5.97e24."""
     _, digits, exponent = number.as_tuple()
     text = "".join(map(str, digits)).rstrip("0") or "0"
     exponent += len(digits) - len(text)
-    point = len(text) + exponent  # digits before the decimal point
+    point = len(text) + exponent  # number of digits before the decimal point
     if -4 < point <= 0:
         return "0." + "0" * -point + text
     if 0 < point <= 17:

@@ -1,6 +1,7 @@
-"""C of loops over families: row functions, the loops that call them, totals, pairs.
+"""C of models whose families are loops: row functions, loops that call them, totals, pairs.
 
-The templates of loops call the methods of `LoopCode`, which return C text.
+A row function computes one member's equation. Templates call the methods of `LoopCode`, which
+return C text.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from .tree import (
 )
 
 STATE = "p, t, q, v, u"
-KICKED = "p, t, q, q, u"  # the force does not depend on rates: q stands in for v
+KICKED = "p, t, q, q, u"  # The force does not depend on v, so q is passed as v.
 ONE_CELL = "ptrdiff_t m, pk_real *r"
 
 
@@ -44,7 +45,7 @@ def _stated(lines: Sequence[str]) -> list[Node]:
 
 
 class LoopCode:
-    """The C of the loops of one model."""
+    """The C code of the loops in one model."""
 
     def __init__(self, name: str, before: Before):
         self.name = name
@@ -59,7 +60,7 @@ class LoopCode:
         return "\n".join(rendered(statements(found), indent))
 
     def most(self, texts: Sequence[str], which: str) -> str:
-        """Returns C of the greatest (`which` is "most") or "least" of some index expressions."""
+        """Returns C of the greatest ("most") or smallest ("least") of some index expressions."""
         return _pairwise(f"{self.name}_{which}", [*dict.fromkeys(texts)])
 
     def edge(self, s: RowSet) -> str:
@@ -67,15 +68,15 @@ class LoopCode:
 
     @staticmethod
     def scaled(s: RowSet) -> str:
-        """Returns C of the value of an interior row: r[0] times the row set's common factor."""
+        """Returns C of a row's value in the interior: r[0] times the common factor of all rows."""
         return f"{s.scale.value} * r[0]" if s.scale else "r[0]"
 
     # -- functions of a row -------------------------------------------------------------------
 
     def row_functions(self, s: RowSet) -> str:
-        """Returns the C functions of one cell: _inner for the interior (if it does not return 0, an
-        angle is too large for the inline sine: call _part), _part for any cell, and _edge, which
-        adds the rows of the cell's ghosts. _bond computes the forces of a bond."""
+        """Returns C functions of one cell (member): _inner for the interior (if it does not return
+        0, an angle is too large for the inline sine: call _part), _part for any cell, and _edge,
+        which adds the rows of the cell's ghost cells. _bond computes the forces of a bond."""
         stem = f"{self.name}_{s.name}"
         inline = "PK_INLINE static pk_bits"
         found = []
@@ -92,7 +93,7 @@ class LoopCode:
         return "".join(f"{function.text}\n" for function in found)
 
     def part_function(self, s: RowSet) -> str:
-        """Returns _part alone: half the code, for rows whose speed does not matter."""
+        """Returns the function _part alone, half the code, for rows whose speed does not matter."""
         signature = f"static void {self.name}_{s.name}_part({self.ARGS}, {ONE_CELL})"
         return f"{Function(signature, self._part(s)).text}\n"
 
@@ -132,8 +133,8 @@ class LoopCode:
     # -- loops over rows ----------------------------------------------------------------------
 
     def _chunks(self, begin: str, end: str, body: Callable[[str], list[Node]]) -> list[Node]:
-        """Returns loops over chunks of `begin` .. `end` - 1; `body` takes the chunk's end. All but
-        the last have a constant length."""
+        """Returns loops over chunks of `begin` .. `end` - 1. `body` is called with the end of a
+        chunk. All chunks but the last have a constant length."""
         length = f"{self.name}_CHUNK"
         step = f"chunk = {begin}; chunk + {length} <= {end}; chunk += {length}"
         return [Loop(step, body(f"chunk + {length}")), If(f"chunk < {end}", body(end))]
@@ -160,8 +161,8 @@ class LoopCode:
         then: Sequence[str] = (),
     ) -> list[Node]:
         """Returns loops over the interior rows `begin` .. `end` - 1; `inside` follows each row. If
-        an angle is too large for the inline sine, the chunk's rows are computed again, followed by
-        `outside`. `first` begins a chunk; `then` ends it, for each member."""
+        an angle is too large for the inline sine, the chunk's rows are computed again, with
+        `outside` after each. `first` begins a chunk; `then` ends it, once for each row."""
         place = f"flux + (m - base + {self.name}_BOND), " if s.flux else ""
         call = f"{self.name}_{s.name}_inner({arguments}, {place}m, r)"
         noted = Assign("far", call, "|=") if s.inner.trig else Call(f"(void){call}")
@@ -183,13 +184,13 @@ class LoopCode:
         return self._chunks(begin, end, chunk)
 
     def flux(self, s: RowSet) -> list[Node]:
-        """Returns the declaration of the array of a block's bond forces."""
+        """Returns the declaration of the array of bond forces in a block of rows."""
         length = f"{s.n_flux} * ({self.name}_BLOCK + {self.name}_BOND)"
         return [Declare("pk_real", f"flux[{length}]")] if s.flux else []
 
     def row_loop(self, s: RowSet, inside: Sequence[str], outside: Sequence[str]) -> str:
-        """Returns a loop over all cells of a family; `outside` follows a row near an end, `inside`
-        a row in the interior."""
+        """Returns a loop over all cells of a family. The statements `outside` follow a row near an
+        end, `inside` a row in the interior."""
         row = Declare("pk_real", f"r[{s.outputs}]")
         at_end = [row, Call(f"{self.edge(s)}({STATE}, m, r)"), *_stated(outside)]
         block = f"{self.name}_BLOCK"
@@ -209,22 +210,22 @@ class LoopCode:
         return "\n".join(rendered([Scope(body)])) + "\n"
 
     def _ends(self, s: RowSet, end: str) -> list[Node]:
-        """Returns declarations of the rows' `end` and of the interior's bounds `lo`, `hi`."""
+        """Returns declarations of `end`, after the last row, and of the interior's `lo`, `hi`."""
         return [
             Declare("const ptrdiff_t", "end", end),
             Declare("const ptrdiff_t", "lo", self.most(s.lows, "most")),
             Declare("const ptrdiff_t", "hi", self.most(s.highs, "least")),
         ]
 
-    # -- what comes before rows ---------------------------------------------------------------
+    # -- statements before rows ---------------------------------------------------------------
 
     def before(self, *functions: str) -> str:
-        """Returns the statements of loops_before.py with which these functions begin."""
+        """Returns the C lines that must precede these functions' rows (see loops_before.py)."""
         lines = dict.fromkeys(line for f in functions for line in self._before.lines(f))
         return "".join(f"    {line}\n" for line in lines)
 
     def rate_function(self, key: str, x: Rates) -> str:
-        """Returns a C function that writes the rates of a state to the array that rows read."""
+        """Returns a C function that writes a state's rates to the array that rows read."""
         if x.rows:
             found, store = self.row_functions(x.rows), [f"out[{x.group['cell']}] = r[0];"]
             rows: Node = Text(self.row_loop(x.rows, store, store))
@@ -245,8 +246,8 @@ class LoopCode:
     # -- totals and pairs ---------------------------------------------------------------------
 
     def total_function(self, x: TotalSet, signature: str, key: str = "") -> str:
-        """Returns a C function of a total. Eight partial sums vectorise and reduce rounding error.
-        With a `key` it begins with the statements that `before` has for that name."""
+        """Returns a C function of a total. It has eight partial sums, which vectorise and reduce
+        rounding error. With a `key` it begins with the lines of `before` for this key."""
         body = [
             Declare("pk_real", "total"),
             Blank(),
@@ -302,8 +303,8 @@ class LoopCode:
         return f"j = {pair.first}; j <= {pair.last}; j++"
 
     def pair_loop(self, x: PairSet, array: str) -> str:
-        """Returns a double loop over pairs (m, j): the forces on m are summed in a local, the force
-        on j is added to the array directly."""
+        """Returns a double loop over pairs (m, j). The forces on m are summed in a local variable;
+        the force on j is added to the array directly."""
         count = len(x.block.targets)
         pair = [Declare("pk_real", f"r[{count}]"), *statements(x.block.statements)]
         pair += [Assign(f"own[{k}]", f"r[{k}]", "+=") for k in x.own]
@@ -317,8 +318,8 @@ class LoopCode:
     # -- kicks --------------------------------------------------------------------------------
 
     def kicks(self, s: RowSet, drift: str = "") -> str:
-        """Returns loops that kick (v += h a) the rows from .. to - 1, each followed by `drift`. If
-        rows may be computed again, v changes only after a whole chunk succeeds."""
+        """Returns loops that kick the rows `from` .. `to` - 1 (v += h a), each followed by `drift`.
+        If rows may be computed twice, v changes only after a whole chunk succeeds."""
         v = f"v[{s.group['cell']}]"
         if s.trig:
             own = [Declare("pk_real", f"a[{self.name}_CHUNK]")]
@@ -332,8 +333,8 @@ class LoopCode:
         return "\n".join(rendered(nodes)) + "\n"
 
     def kicked_bonds(self, s: RowSet) -> str:
-        """Returns the loops over the bonds of the rows begin .. stop - 1. The bonds before the
-        first cache line boundary come first, the rest follows in chunks."""
+        """Returns loops over the bonds of the rows `begin` .. `stop` - 1. The bonds before the
+        first cache line boundary come first, then chunks of bonds."""
         first, line = f"begin - {s.span}", f"{self.name}_line(begin - {s.span}, from)"
         nodes = [
             Declare("const ptrdiff_t", "base", "from"),

@@ -1,4 +1,4 @@
-"""C functions of the parameters of a model with loops; families are set member by member."""
+"""C functions of the parameters of a model with loops; families are set in loops over members."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return
 
 
 def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:
-    """Returns the nodes in a loop over the members lo..hi, or without a loop if lo is ""."""
+    """Returns the statements in a loop over the members lo..hi; without a loop if lo is ""."""
     if lo:
         return [Loop(f"m = {lo}; m <= {hi}; m++", [Scope(nodes)])]
     return [Scope(nodes)] if len(nodes) > 1 else nodes
 
 
 def assigned(x: Assignment, count: int) -> list[Node]:
-    """Returns the statements of an assignment; `count` is the length of the array of sums."""
+    """Returns the statements of an assignment; `count` is the length of its array of sums."""
     own = [*summed(x.each), *statements(x.block.statements)]
     if not (x.before or x.each):
         return each(x.lo, x.hi, own)
@@ -53,7 +53,7 @@ def summed(found: Sequence[Summing]) -> Iterator[Node]:
 def code(
     group: Group, places: Places, block: Block, default: Assignment, k: int, count: int
 ) -> ParameterCode:
-    """Returns the code of parameter k: its default, the check of its bounds, the bounds."""
+    """Returns the code of parameter k: its default value, the check of its bounds, their stores."""
     given = group.declared.bounds
     kept = {s.target: s.text for s in block.statements if s.kind == STORE}
     needs = tuple(s for s in block.statements if s.kind != STORE)
@@ -70,7 +70,7 @@ def code(
 
 
 def _index(nodes: Iterable[Node]) -> list[Node]:
-    """Returns the declaration of m if the nodes contain a loop."""
+    """Returns a declaration of the loop variable m if the statements contain a loop."""
     inside = [part for node in nodes for part in (node.body if isinstance(node, Scope) else [node])]
     needed = any(isinstance(node, Loop) for node in inside)
     return [Declare("ptrdiff_t", "m"), Blank()] if needed else []
@@ -88,10 +88,9 @@ def functions(
     fixed: Sequence[str] = (),
     summed: int = 0,
 ) -> str:
-    """Returns the C of the functions of parameters. `prepare` computes the `count` hoisted
-    constants and the `fixed` totals; with `factored` it factors M. `block` says whether the model
-    needs a block of memory. `summed` is the number of sums computed once, in starts and
-    parameters."""
+    """Returns the C functions of the parameters. `prepare` computes the `count` hoisted constants
+    and the `fixed` totals; with `factored` it factors M. `block`: the model needs allocated memory.
+    `summed`: the number of sums in initial values and parameters that are computed once."""
     params = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]

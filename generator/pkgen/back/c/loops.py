@@ -1,8 +1,8 @@
-"""LoopEquations -> blocks of C statements: bodies of loops, guarded parts of rows, assignments.
+"""Turns LoopEquations into blocks of C statements: loop bodies, guarded parts of rows, assignments.
 
-A block is straight-line code in the index m (and j, in a pair). Its inputs are loaded into locals:
-in the interior directly from the arrays, near an end through functions that handle indices beyond
-it. Expressions of parameters and sizes alone are hoisted into `prepare`.
+A block is straight-line code in the index m (and j, in a pair). It first loads its inputs into
+local constants: in the interior directly from the arrays, near an end through functions that handle
+indices beyond it. Expressions of parameters and sizes alone are hoisted into `prepare`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import Statement, operations_in
 from .rewrite import rewrite
 
-# Local names of the templates, in scopes where the model's own names appear as well.
+# Local names in the templates; names from the model must differ from them.
 _OURS = (
     *("m", "j", "l", "r", "s", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
     *("flux", "total", "own", "once", *(f"at_{name[1:]}" for name in COUNTERS)),
@@ -33,16 +33,16 @@ _OURS = (
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
 SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "acc": "_acc", "p": "_momentum"}
-CHUNK = 64  # members in a loop of constant length
-BLOCK = 1024  # members per array of bond forces: long, so that stores are done when rows read them
-WIDEST_BOND = 8  # most members between the ends of a shared bond; a whole cache line of doubles
+CHUNK = 64  # Members in a chunk: a loop of constant length.
+BLOCK = 1024  # Members per array of bond forces: enough that stores finish before rows read them.
+WIDEST_BOND = 8  # Longest bond whose force is shared, in members: 8 doubles fill a cache line.
 FLUX_STRIDE = BLOCK + WIDEST_BOND
 M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
 
 @dataclass
 class Block:
-    """Targets, whose statements Lowering fills in; `where` says how the code accesses members."""
+    """Targets, and their statements (set by Lowering); `where` says how members are read."""
 
     targets: list[Target]
     where: str
@@ -64,7 +64,7 @@ class Block:
 
     @property
     def words(self) -> set[str]:
-        """Returns the names of variables and of the model's functions in the block."""
+        """Returns the names of all variables and functions in the block."""
         return {name for s in self.statements for name in s.names}
 
     @property
@@ -73,7 +73,7 @@ class Block:
 
     @property
     def value(self) -> str:
-        """Returns the text of a block that is one expression."""
+        """Returns the text of a block that consists of one expression."""
         [statement] = self.statements
         return statement.text
 
@@ -89,27 +89,27 @@ class Places:
         self.size_texts = {
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
         } | {name: f"at_{name[1:]}" for name in COUNTERS}
-        for k in range(len(e.switches)):  # the first and the last index of each switch
+        for k in range(len(e.switches)):  # each switch's first and last index
             self.size_texts |= {f"least{k}'": f"p->side_lo_[{k}]", f"most{k}'": f"p->side_hi_[{k}]"}
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
-        self.ids = {g.name: names.take(g.name) for g in own}  # as parts of names in C
-        # Names of the rows that state the recurrences of carried values.
+        self.ids = {g.name: names.take(g.name) for g in own}  # name -> part of C names
+        # Names of constraint rows that express recurrences.
         self.made = {g.name: names.take(f"of_{g.name}") for g in e.carried_groups}
-        self.first: dict[str, Affine] = {}  # the flat index of each coordinate's first member
+        self.first: dict[str, Affine] = {}  # name -> array index of the first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):
             self.first[group.name] = total
             total = total + group.count
-        self.whole = total  # length of q with the carried values after it
+        self.whole = total  # length of q, including recurrence values
         total = Affine()
-        self.lets: dict[str, tuple[Affine, Affine]] = {}  # offset and least index of each `let`
+        self.lets: dict[str, tuple[Affine, Affine]] = {}  # name -> (offset, least index)
         for item in (item for found in e.along for item in found):
             self.lets[item.name] = total, item.group.lo
             total = total + item.group.count
         self.n_lets = total
         total = Affine()
-        self.observed: list[Affine] = []  # offset of each output, then their total count
+        self.observed: list[Affine] = []  # Offset of each output, then the total length.
         for item in e.outputs:
             self.observed.append(total)
             total = total + item.count
@@ -120,11 +120,11 @@ class Places:
             total = total + rows.group.count
 
     def index(self, at: Affine) -> str:
-        """Returns an index as C."""
+        """Returns an index expression as C."""
         return at.text(self.size_texts)
 
     def let(self, name: str, at: Affine) -> Affine:
-        """Returns the place of a member of a recurrent `let` in the array of these."""
+        """Returns the array index of a member of a recurrent `let` in the array of all of them."""
         first, lo = self.lets[name]
         return first + at - lo
 
@@ -132,7 +132,7 @@ class Places:
         return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
 
     def flat(self, name: str, at: Affine | None) -> Affine:
-        """Returns the place of a member in q, v, ... (at is None: of a scalar coordinate)."""
+        """Returns the index in q, v, ... of a member, or of a scalar coordinate (`at` is None)."""
         return self.first[name] if at is None else self.first[name] + at - self._lo(name)
 
     def _lo(self, name: str) -> Affine:
@@ -142,8 +142,8 @@ class Places:
         return next(g.lo for g in groups if g.name == name)
 
     def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
-        """Returns the array and the place of a carried value, its rate or acceleration. The values
-        of kinds "w", "d", "hung_p", "hung_f" (see Slot) follow q and the rates, in this order."""
+        """Returns the array and index of a recurrence value, its rate or acceleration. The kinds
+        "w", "d", "hung_p", "hung_f" (see Slot) follow q and the rates, in this order."""
         place, own = self.flat(name, at), self.equations.count
         behind = {"w": self.whole.times(2), "d": self.whole.times(3) - own}
         behind["hung_p"] = self.whole.times(4) - own.times(2)
@@ -156,7 +156,7 @@ class Places:
         return f"p->{self.fields[name]}{place}"
 
     def group(self, g: Group) -> dict[str, str | bool]:
-        """Returns the templates' view of a declared coordinate or parameter."""
+        """Returns the template variables of a declared coordinate or parameter."""
         declared, family = g.declared, g.is_family
         unseen = "a body rate, in v" if g.is_turn else "a state, in v" if g.is_state else ""
         first = self.first.get(g.name, Affine())
@@ -177,7 +177,7 @@ class Places:
             "lo_text": g.lo.text() if family else "",
             "hi_text": g.hi.text() if family else "",
             "first_text": first.text(),
-            # Free ends: a ghost there has the values of its neighbour, `home`.
+            # Free ends: the ghost cell there has the values of its neighbour, at `home`.
             "ends": [
                 {"at": self.index(at), "home": self.index(g.lo if at == g.lo - 1 else g.hi)}
                 for at, end in g.ends
@@ -187,7 +187,7 @@ class Places:
 
 
 class Lowering(Hoisting):
-    """Hoists constants out of all blocks and fills in the blocks' statements."""
+    """Hoists constants out of all blocks and computes the blocks' statements."""
 
     def __init__(
         self,
@@ -201,7 +201,7 @@ class Lowering(Hoisting):
         super().__init__(equations.graph, equations.model.name, libm)
         for call, (side, sign) in sides.items():
             self.work.side(call, side, sign)
-        self.kept = kept  # totals in the model's memory
+        self.kept = kept  # Numbers of the totals stored in the model's memory.
         self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
         self.inputs = [q.name for q in equations.inputs]
@@ -236,7 +236,7 @@ class Lowering(Hoisting):
         return variable(self._local(slot))
 
     def _access(self, slot: Slot, where: str) -> Code:
-        """Returns C that reads a slot's value, with the names in it."""
+        """Returns C that reads a slot's value; the Code's names include those in the index."""
         places = self.places
         index = () if slot.at is None else places.names_in(slot.at)
         if slot.kind == "param":
@@ -279,8 +279,8 @@ class Lowering(Hoisting):
         return Code(text, (reader, needs, "p", "t", "u", *index))
 
     def _side(self, slot: Slot, where: str) -> Code:
-        """Returns C of a switch's side at a member. In the interior the member surely exists and is
-        read from the array; elsewhere a function checks the index."""
+        """Returns C that reads the side of a switch for a member. In the interior the member
+        exists, so the array is read directly; elsewhere a function checks the index."""
         at = slot.at or Affine()
         names = ("p", *self.places.names_in(at))
         if where == INNER and at.factor(ROW):
@@ -309,7 +309,7 @@ class Lowering(Hoisting):
         return self._names[slot]
 
     def _written(self, targets: list[Target], where: str) -> list[Statement]:
-        # The block's slots take their names before other locals do.
+        # Names for the block's slots are chosen before those for other local variables.
         slots = []
         for node in self.work.reachable([n for t in targets for n in t.nodes]):
             symbol = self.work.data[node]
@@ -327,12 +327,12 @@ class Lowering(Hoisting):
 
 
 def flux_place(k: int, back: int) -> str:
-    """Returns C of the force of kind k of the bond that begins `back` members before m."""
+    """Returns C of the k-th force of the bond whose first member is m - `back`."""
     return f"flux[{k * FLUX_STRIDE - back}]"
 
 
 def _place(at: Affine | None) -> str:
-    """Returns an index as a part of a name: m + 1 as p1, m - 2 as m2, j as _j, 3 as _at_3."""
+    """Returns an index as part of a C name: m + 1 as p1, m - 2 as m2, j as _j, 3 as _at_3."""
     if at is None:
         return ""
     for name, mark in ((ROW, ""), (OTHER, "j")):

@@ -1,7 +1,7 @@
-"""The values that a C function computes before its rows: totals in them, rates of states, `let`s.
+"""The values that a C function computes before its rows: totals, rates of states, `let`s.
 
-They lie in the model's memory, where rows read them. A total that only outputs contain lies in a
-local array. `prepare` computes the totals of parameters alone.
+They are stored in the model's memory, from where rows read them; a total that only outputs contain
+is stored in a local array. `prepare` computes the totals of parameters alone.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from ...middle.loops.slots import Slots
 from .loops import Block, Places
 from .loops_plan import Plan, within
 
-# ("sum", its number), ("rate", the state's name), ("let", the number of its pass), or
+# ("sum", number), ("rate", name of the state), ("let", number of the pass over members), or
 # ("acceleration", "") for the accelerations of all coordinates.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 
 
 class Before:
-    """The statements that begin the functions of one model, by the function's name."""
+    """The C lines that precede the rows in a model's functions, by function."""
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class Before:
             if what in plan.totals:
                 yield what, plan.totals[what].blocks
 
-    # -- what is needed -----------------------------------------------------------------------
+    # -- dependencies --------------------------------------------------------------------------
 
     def _below(self, blocks: Iterable[Block]) -> list[Key]:
         nodes = [node for block in blocks for node in block.nodes]
@@ -108,7 +108,7 @@ class Before:
             if key in done or (key[0] == "sum" and int(key[1]) in self.e.fixed):
                 return
             for inner in self._below(self._blocks(key)):
-                if inner != key:  # equal: a `let` that uses its own lower members
+                if inner != key:  # Equal for a `let` that uses its own lower members.
                     need(inner)
             done[key] = None
 
@@ -116,10 +116,10 @@ class Before:
             need(key)
         return sorted(done, key=lambda key: key[0] != "acceleration")
 
-    # -- as text ------------------------------------------------------------------------------
+    # -- as C text -----------------------------------------------------------------------------
 
     def place(self, k: str) -> str:
-        """Returns C of the place of a total."""
+        """Returns the C variable in which a total is stored."""
         return f"{self.name}_sums(p)[{k}]" if k in self.kept else f"sum[{k}]"
 
     def lines(self, function: str) -> Iterator[str]:

@@ -1,13 +1,13 @@
-"""Carried values (recurrences along a chain) in C, and their part in M a = f by elimination.
+"""Recurrence values (`carried`) in C, and the elimination of M a = f with them.
 
-With X'' = A a + ... of the carried values X, the coordinates' own equations are
+Recurrence values X, defined along a chain, have X'' = A a + ... with the accelerations a of the
+coordinates, which obey
 
     A~^T M~ A~ a = A~^T f~          A~ = (1, A), M~ and f~ those of L with X as a family
 
-M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. From the last place to the
+M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. From the last index to the
 first, this is substituted for X''[m], and a[m] is eliminated. The matrix passed on is small and
-symmetric: the articulated-body inertia of the rest of the chain. The pivots are those of M.
-A place is an index; it holds a number for each row of M~ with that index.
+symmetric: the articulated-body inertia of the chain beyond. The pivots are those of M.
 
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7.
 """
@@ -26,29 +26,29 @@ from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet
 
-BESIDE = 1  # as an offset: the variable is a scalar coordinate
-Variable = tuple[int, int]  # (offset of its place, 0 or less; its number there)
-# Passes along the chain, each with the fields of Piece that it computes besides value and rate.
+BESIDE = 1  # An offset that marks a scalar coordinate.
+Variable = tuple[int, int]  # (offset of its index, at most 0; number of its family)
+# Passes along the chain: the fields of Piece that each computes, besides value and rate.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
 
 
 @dataclass
 class Level:
-    """Carried values of one level and index range, which are computed together."""
+    """Recurrence values of one level and index range, which one loop computes."""
 
     rows: RowSet
-    group: dict  # of the first of them
-    stores: list[str]  # the destination of each r[k]
-    guards: list[tuple[str, str]]  # (C condition, destination that is then 0)
+    group: dict  # template variables of the first value
+    stores: list[str]  # r[k] is stored in the k-th of these C variables.
+    guards: list[tuple[str, str]]  # (C condition, C variable that is 0 if it holds)
 
     @property
     def of_place(self) -> list[str]:
-        """Returns the destinations that are set to 0 at places without these values."""
+        """Returns the C variables of derivatives, which are 0 outside the index range."""
         return [x for x in self.stores if x.startswith(("slopes", "changes"))]
 
 
 class Carrying:
-    """The blocks of one model's carried values; the graph may grow."""
+    """The C blocks of one model's recurrence values; may add nodes to the graph."""
 
     def __init__(self, e: LoopEquations, places: Places, make: Builder):
         self.e, self.g, self.places, self.make = e, e.graph, places, make
@@ -57,9 +57,9 @@ class Carrying:
         self.number = {name: k for k, name in enumerate(self.groups)}
         self.scalar = {g.name: k for k, g in enumerate(e.scalars)}
         self.low = [p.hi + 1 for item in e.carried for p in item.pieces if self._is_low(item, p)]
-        self.slopes: dict[tuple[str, Variable], str] = {}  # derivatives, by C text
-        self.changes: dict[tuple[str, Variable], str] = {}  # their rates, by C text
-        self._shared: dict[tuple[str, Variable], Node] = {}  # constants, the same at all places
+        self.slopes: dict[tuple[str, Variable], str] = {}  # C variables of derivatives.
+        self.changes: dict[tuple[str, Variable], str] = {}  # C variables of their rates.
+        self._shared: dict[tuple[str, Variable], Node] = {}  # Derivatives equal at all indices.
         self._place_slopes()
         self.levels = {mode: list(self._levels(mode)) for mode in MODES}
         self.gathered = {low: self._gathered(low, False) for low in (False, True)}
@@ -71,7 +71,7 @@ class Carrying:
 
     @cached_property
     def reach(self) -> int:
-        """Returns the largest offset, as a positive number, to a place that rows are coupled to."""
+        """Returns the largest difference between the indices of coupled rows, at least 1."""
         found = [offset for _, (offset, _) in (*self.slopes, *self._shared)]
         found += [shift for _, _, shift in self.e.mass.entries]
         return -min([-1, *found])
@@ -84,7 +84,7 @@ class Carrying:
         return ((slot.at - M).constant, self.number[slot.name])
 
     def _is_low(self, item: Carried, piece: Piece) -> bool:
-        """Returns whether a piece is a fixed number of members at the beginning."""
+        """Returns whether a piece covers only a few first members, however long the chain is."""
         return Part(piece.lo, piece.hi, ZERO).is_point and (piece.hi - item.group.lo).is_constant
 
     def _place_slopes(self) -> None:
@@ -102,7 +102,7 @@ class Carrying:
         self.changes = {key: f"changes[{k}]" for k, key in enumerate(changing)}
 
     def _same_for_all(self, item: Carried, slot: Slot) -> Node | None:
-        """Returns a derivative that is one constant, mostly 1, at all places that use it; or
+        """Returns the derivative if it is the same constant, mostly 1, wherever it is used, else
         None."""
         nodes = {piece.by[slot] for piece in item.pieces if slot in piece.by}
         if len(nodes) > 1 or self.g.depends[node := nodes.pop()] & ~CONSTANT:
@@ -116,7 +116,7 @@ class Carrying:
         return node if before and (begins or not rest) else None
 
     def outside(self, item: Carried, slot: Slot) -> str:
-        """Returns the C condition that a slot's member is given, beyond an end; "" if never."""
+        """Returns the C condition that a slot's index is beyond an end; "" if it never is."""
         if slot.at is None or not self.groups[slot.name].ends:
             return ""
         target, shift = self.groups[slot.name], (slot.at - M).constant
@@ -133,8 +133,8 @@ class Carrying:
         return f"{at} < {self.places.index(target.lo)} || {at} > {self.places.index(target.hi)}"
 
     def slope(self, name: str, low: bool, change: bool = False) -> Iterator[tuple[Variable, Node]]:
-        """Yields the derivatives of a carried value (with `change` their rates) by the variables in
-        its definition. Unless `low`, the pieces of low places do not count."""
+        """Yields the derivatives of a recurrence value by the variables that define it; with
+        `change` the rates of these derivatives. Pieces at low indices are left out unless `low`."""
         [item] = [item for item in self.e.carried if item.group.name == name]
         pieces = [p for p in item.pieces if low or not self._is_low(item, p)]
         for slot in dict.fromkeys(z for piece in pieces for z in piece.by):
@@ -154,7 +154,7 @@ class Carrying:
             return f"{'beside' if array == 'cells' else 'beside_' + array}[{number}]"
         return f"{array}[{offset * self.width + number}]"
 
-    # -- along the members --------------------------------------------------------------------
+    # -- passes along the chain ----------------------------------------------------------------
 
     def _levels(self, mode: str) -> Iterator[Level]:
         found: dict[tuple[int, Affine, Affine], list[Carried]] = {}
@@ -175,8 +175,8 @@ class Carrying:
     def _values(
         self, item: Carried, mode: str
     ) -> Iterator[tuple[str, str, Callable[[Piece], Node]]]:
-        """Yields for each value of a mode: its destination in C, the condition under which it is 0,
-        and a function that returns its node in a piece."""
+        """Yields for each value that a mode computes: its C variable, the C condition under which
+        it is 0, and a function that returns its node in a piece."""
         what, name = MODES[mode], item.group.name
         texts = {"value": "q", "rate": "v", "coasting": "w", "own": "d"}
         for key, kind in texts.items():
@@ -201,16 +201,16 @@ class Carrying:
         inside = self.slots.inside
         return Row(tuple(Part(p.lo, p.hi, x, inside(x, carried)) for p, x in parts if x != ZERO))
 
-    # -- forces on carried values back to coordinates -------------------------------------------
+    # -- from forces on recurrence values to forces on coordinates -------------------------------
 
     def hung(self, low: bool) -> Block:
-        """Returns _gathered with `moving`, which also keeps the sums at the place's own values."""
+        """Returns the block of _gathered with `moving`, which here also stores its own sums."""
         return self._gathered(low, True, own=True)
 
     def _gathered(self, low: bool, moving: bool, own: bool = False) -> Block:
-        """Returns the block that passes a place's forces on carried values to the variables that
-        define them, by the chain rule. With `moving` it passes dL/dq and momenta; momenta add to
-        dL/dq too, since the rates of carried values depend on coordinates."""
+        """Returns the block that passes the forces on the recurrence values of one index on to the
+        variables that define these, by the chain rule. With `moving` it passes dL/dq and momenta;
+        these add to dL/dq too, since the rates of recurrence values depend on coordinates."""
         known: dict[str, Node] = {}
         changed: dict[str, None] = {}
 

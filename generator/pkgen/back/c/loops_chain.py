@@ -1,4 +1,4 @@
-"""The C blocks of carried values (recurrences along a chain), and the templates' view of them."""
+"""The C blocks of recurrence values, and their template variables."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .loops_elimination import Elimination, of_scalars
 from .loops_sets import Builder
 from .program import operations_text
 
-# The pass along the chain (see MODES) that each kernel needs.
+# By kernel: the pass along the chain (see MODES) that it needs.
 NEEDS = {"force": "force", "momenta": "force", "gradient": "motion", "canonical": "motion"}
 
 
 class Chain:
-    """The carried values of one model; this may add nodes to the graph."""
+    """The recurrence values of one model; may add nodes to the graph."""
 
     def __init__(self, e: LoopEquations, places: Places, make: Builder, hung: bool):
         self.carrying = Carrying(e, places, make)
@@ -29,7 +29,7 @@ class Chain:
 
     @property
     def operations(self) -> Iterator[str]:
-        """Yields the counts of operations per place."""
+        """Yields the counts of operations per member, as text."""
         rows = [level.rows.inner for level in self.carrying.levels["force"]]
         chain, solved = self.elimination, []
         if chain:
@@ -60,7 +60,7 @@ class Chain:
 
 
 def chain_context(chain: Chain | None) -> dict[str, Any] | None:
-    """Returns the templates' view of a chain."""
+    """Returns the template variables of a chain."""
     if chain is None:
         return None
     of = chain.carrying
@@ -86,8 +86,7 @@ def chain_context(chain: Chain | None) -> dict[str, Any] | None:
 
 
 def _group(of: Carrying, g: Group) -> dict[str, Any]:
-    """Returns a carried value's group, its number at a place, and the places of its hung_p,
-    hung_f."""
+    """Returns the template variables of a recurrence value: group, number, array indices."""
     found = of.places.group(g) | {"number": of.number[g.name]}
     for kind in ("hung_p", "hung_f"):
         found[kind] = of.places.index(of.places.carried(kind, g.name, M)[1])
@@ -95,7 +94,7 @@ def _group(of: Carrying, g: Group) -> dict[str, Any]:
 
 
 def _solved(chain: Chain) -> dict[str, Any]:
-    """Returns the templates' view of the elimination of M a = f."""
+    """Returns the template variables of the elimination of M a = f."""
     of, last = chain.carrying, chain.elimination
     return {
         "kept": len(last.kept),

@@ -1,9 +1,9 @@
-"""Solves M a = f of a chain by elimination, place by place: the formulas of one place, as C blocks.
+"""Solves M a = f of a chain by elimination, index by index: the formulas of one index, as C blocks.
 
-A place is an index. Each place passes a symmetric matrix `front` on to the next lower one, over the
-variables that both share: those of lower places, and scalar coordinates. Its pattern of nonzero
-entries is found by repeating the step until no entry is new. `bulk` is `front` with no elimination
-of coordinates: it yields the diagonal of M, relative to which a pivot must be positive.
+Each index passes a symmetric matrix `front` on to the index below. Its variables are those that
+both have: variables of lower indices, and scalar coordinates. The pattern of its nonzero entries is
+found by repeating the step until no entry is added. `bulk` is `front` without elimination of
+coordinates: its diagonal is that of M, relative to which a pivot must be positive.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ Pair = tuple[Variable, Variable]
 
 @dataclass
 class MassRows:
-    """The row of M~ of one group at a place: its entries with variables there or at lower
-    places."""
+    """The row of M~ of one family at one index: its entries in columns of this and lower
+    indices."""
 
     group: dict
     number: int
     set: RowSet
-    guards: list[tuple[str, int]]  # (C condition that an entry's other member is given, its number)
-    is_padded: bool  # whether it is a coordinate; outside its range the pivot is set to 1
+    guards: list[tuple[str, int]]  # (C condition: the column is out of range, entry's number)
+    is_padded: bool  # A coordinate: the pivot is 1 outside its range.
 
 
 class _Symmetric:
-    """A symmetric matrix of graph nodes, by pairs of variables."""
+    """A symmetric matrix of graph nodes, indexed by pairs of variables."""
 
     def __init__(self, g: Graph):
         self.g = g
@@ -55,7 +55,7 @@ class _Symmetric:
         self.entries = {pair: n for pair, n in self.entries.items() if a not in pair}
 
     def put(self, a: Variable, slopes: list[tuple[Variable, Node]]) -> None:
-        """Substitutes the sum of slope times x, over `slopes`, for a variable."""
+        """Substitutes the sum of slope * x over `slopes` for the variable `a`."""
         own, row = self(a, a), self.row(a)
         self.without(a)
         multiply = self.g.multiply
@@ -72,8 +72,8 @@ def _pair(a: Variable, b: Variable) -> Pair:
 
 
 class Elimination:
-    """The elimination of a place in two forms: one for low places, near the beginning, where
-    carried values have other pieces, and one for all others."""
+    """The elimination at one index, in two versions: for low indices, near the first member, where
+    other pieces define the recurrence values, and for all other indices."""
 
     def __init__(self, of: Carrying):
         self.of, self.g = of, of.g
@@ -87,7 +87,7 @@ class Elimination:
             while count != len(self.front) + len(self.bulk):
                 count = len(self.front) + len(self.bulk)
                 self._stepped(low)
-            if not low:  # entries that low places add do not occur at the others, which come first
+            if not low:  # Low indices may add entries; these come last.
                 self._common = len(self.front), len(self.bulk)
         self.steps = {low: self._step(low) for low in (False, True)}
         self.backs = {low: self._back(low) for low in (False, True)}
@@ -116,7 +116,7 @@ class Elimination:
             made = of.make.rows(f"inertia_{name}", group, own_row)
             yield MassRows(of.places.group(group), number, made, guards, not group.is_carried)
 
-    # -- one place ----------------------------------------------------------------------------
+    # -- elimination at one index ----------------------------------------------------------------
 
     def _incoming(self, low: bool) -> tuple[_Symmetric, _Symmetric]:
         front, bulk = _Symmetric(self.g), _Symmetric(self.g)
@@ -138,7 +138,7 @@ class Elimination:
         return k < self._common[name == "bulk"]
 
     def _stepped(self, low: bool) -> tuple[_Symmetric, _Symmetric, list[Target]]:
-        """Returns the matrices that a place passes on, and the stores of its other results."""
+        """Returns `front` and `bulk` for the next lower index, and the stores of other results."""
         of, g = self.of, self.g
         front, bulk = self._incoming(low)
         right: dict[Variable, Node] = {}
@@ -191,7 +191,7 @@ class Elimination:
         return Block(targets, INNER)
 
     def _back(self, low: bool) -> Block:
-        """Returns the block of a place's accelerations, given those of lower places."""
+        """Returns the block of the accelerations at one index; those at lower indices are known."""
         of, g = self.of, self.g
         known: dict[Variable, Node] = {}
 
@@ -222,7 +222,7 @@ class Elimination:
 
 
 def of_scalars(chain: Elimination) -> Block:
-    """Returns the block that solves for the scalar coordinates, after all else is eliminated."""
+    """Returns the block that solves for the scalar coordinates, the last unknowns."""
     of, g = chain.of, chain.g
     front, bulk = _Symmetric(g), _Symmetric(g)
     for name, matrix, places in (("front", front, chain.front), ("bulk", bulk, chain.bulk)):
@@ -262,7 +262,7 @@ def of_scalars(chain: Elimination) -> Block:
 
 
 def _next(at: Variable) -> Variable:
-    """Returns the variable with its offset as seen from the next lower place."""
+    """Returns the same variable with its offset relative to the next lower index."""
     offset, number = at
     return at if offset == BESIDE else (offset + 1, number)
 

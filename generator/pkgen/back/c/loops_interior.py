@@ -19,8 +19,8 @@ M = variable(ROW)
 
 
 class Interior:
-    """The interiors of a model's rows. It adds nodes to the graph, so it precedes Lowering, which
-    copies the graph."""
+    """The rows of a model away from their families' ends. This adds nodes to the graph, so it is
+    used before Lowering, which copies the graph."""
 
     def __init__(self, e: LoopEquations):
         self.e = e
@@ -28,10 +28,10 @@ class Interior:
         self.slots = Slots(self.g, e.slots)
 
     def fluxes(self, row: Row) -> tuple[list[Node], int, Node]:
-        """Splits the forces of bonds off a row: row(m) = sum of F_k(m) - F_k(m - s), and the rest.
+        """Splits off the forces of bonds: row(m) = sum of F_k(m) - F_k(m - s), plus a remainder.
 
-        By Newton's third law a term's derivatives at its two ends are opposite. Returns the F_k,
-        their common distance s, and the interior of the row in terms of them.
+        By Newton's third law the derivatives of a term at its two ends are opposite. Returns the
+        F_k, their common distance s, and the interior of the row as an expression in the F_k.
         """
         bulk = [part for part in row.parts if not part.is_point]
         found: list[Node] = []
@@ -65,8 +65,8 @@ class Interior:
     def interior(
         self, rows: Sequence[Row], group: Group | None
     ) -> tuple[list[Node], list[Affine], list[Affine]]:
-        """Returns each row's sum of parts where all conditions hold, with the lower and the upper
-        bounds of that range."""
+        """Returns for each row the sum of the parts whose conditions hold in the interior, and the
+        lower and the upper bounds of the interior."""
         lows: list[Affine] = [] if group is None else [group.lo]
         highs: list[Affine] = [] if group is None else [group.hi]
         nodes = []
@@ -80,7 +80,7 @@ class Interior:
                 lows.append(part.lo)
                 highs.append(part.hi)
             nodes.append(self.g.sum(bulk))
-        # `inner` omits rates and accelerations of given cells; the full parts bound where it holds.
+        # `inner` lacks rates and accelerations of prescribed cells, so the full parts bound these.
         ends = [part.node for row in rows for part in row.parts if part.node != part.inner]
         for kinds, found in ((REACHED, nodes), (("d", "w"), [*nodes, *ends])):
             for slot in (slot for node in found for slot in self.slots.below(node)):
@@ -104,18 +104,18 @@ class Interior:
             highs.append(part.lo - 1)
 
     def factored(self, node: Node) -> Node:
-        """Returns the shorter of a node and its factored form: d (k + b d^2) for k d + b d^3."""
+        """Returns a node or, if shorter, its factored form: d (k + b d^2) for k d + b d^3."""
         found = rewritten(self.g, [node], linear, WORK) or [node]
         return min(node, found[0], key=lambda n: operations(self.g, [n]))
 
     def scaled(self, node: Node) -> tuple[Node, Node]:
-        """Returns the factor that is equal in all rows (1 if it saves nothing), and the rest."""
+        """Returns a node's constant factor, or 1 if it saves no operation, and the rest."""
         scale, rest = self.g.split(node)
         return (ONE, node) if scale in (ONE, MINUS_ONE) or rest == ONE else (scale, rest)
 
 
 def _pruned(found: list[Affine], sign: int) -> list[Affine]:
-    """Returns the lower bounds (sign 1) or upper bounds (sign -1) that no other bound implies."""
+    """Returns those lower bounds (sign 1) or upper bounds (sign -1) that no other bound implies."""
     kept: list[Affine] = []
     for at in dict.fromkeys(found):
         if any((k - at).is_constant and (k - at).constant * sign >= 0 for k in kept):

@@ -1,4 +1,4 @@
-"""LoopEquations -> LoopProgram: the context, as text, of the templates of a model with loops."""
+"""Turns LoopEquations into a LoopProgram: the template variables of a model with loops, as text."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def lower_loops(
     wanted: frozenset[str] | None = None,
     plain: bool = False,
 ) -> LoopProgram:
-    """Returns the C of a model with loops, with the kernels wanted (None: all). Raises Unrolled if
-    an equation cannot be written as a loop."""
+    """Returns the C of a model with loops, with the kernels `wanted` (None: all). Raises Unrolled
+    if an equation cannot be written as a loop."""
     text = _Context(e, wanted, libm).text()
     return LoopProgram(e.model.name, text | {"plain": plain})
 
@@ -56,7 +56,7 @@ def lower_loops(
 class _Context:
     def __init__(self, e: LoopEquations, wanted: frozenset[str] | None, libm: bool):
         kernels = emitted(e, wanted)
-        # With carried values the acceleration calls the inner kernel whole_force, not `force`.
+        # With recurrence values the acceleration calls whole_force instead of the kernel `force`.
         unasked = {"force"} - wanted if e.carried and wanted is not None else frozenset()
         self.kernels = kernels - unasked
         self.with_multipliers = wanted is None or "multipliers" in wanted
@@ -64,7 +64,7 @@ class _Context:
         builder = Builder(e, self.places)
         self.plan = planned(e, builder, kernels)
         self.slots = builder.interior.slots
-        # The graph is complete here.
+        # No nodes are added to the graph after this.
         self.e = e = replace(e, slots=tuple(self.slots.all))
         self.given = {at: [_value(node, INNER) for node in nodes] for at, nodes in e.given.items()}
         self.defaults = [self._assigned(x, parameter=True) for x in e.defaults]
@@ -94,7 +94,7 @@ class _Context:
         self.lowering = Lowering(e, self.places, libm, blocks, self.before.kept, decided)
 
     def _observed(self) -> Iterator[Target]:
-        """Yields the stores of the outputs with a single value."""
+        """Yields the stores of outputs that are a single number."""
         for first, item in zip(self.places.observed, self.e.outputs, strict=False):
             if item.lo is None:
                 yield Target(STORE, f"out[{self.places.index(first)}]", (item.node,))
@@ -126,7 +126,7 @@ class _Context:
         fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried and not e.extended else acceleration
-        constant = e.facts.mass_constant and not e.carried  # carried values use the memory itself
+        constant = e.facts.mass_constant and not e.carried  # Recurrences use M's memory.
         inside = {
             kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
             for kernel, outputs in within(e).items()
@@ -142,7 +142,7 @@ class _Context:
         homed = {ids[g.name] for g in e.families}
         parameters = [loops_tables.parameter(e, self.places, k) for k in range(len(e.parameters))]
         system = self._system_kernels()
-        # struct pk_system gets other versions of these, with J^T lambda or with p = v, p' = a.
+        # struct pk_system gets other kernels for these, with J^T lambda, or p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
         answered = plan.slopes_of is not None and plan.slopes_of.answered
         accelerates = any(slot.kind == "acc" for slot in e.slots)
@@ -269,7 +269,7 @@ class _Context:
         return found
 
     def _system_kernels(self) -> dict[str, dict[str, Any]]:
-        """Returns the kernels of struct pk_system by name. M and the Jacobians are absent, since
+        """Returns the kernels of struct pk_system by name. M and the Jacobians are left out, since
         the struct's members for them write dense matrices."""
         e, out = self.e, ("out",)
         found = {"acceleration": ("a",)} | {k: VECTORS.get(k, ()) for k in self.kernels}
@@ -291,8 +291,8 @@ class _Context:
         return {"needs": self.places.index(limit.needs), "unless": unless}
 
     def _readers(self) -> Iterator[dict[str, Any]]:
-        """Yields functions that read one member of a family by its index, inside the range or
-        beyond an end; for each array (q, v, ...) that the code reads so."""
+        """Yields functions that read a member of a family by its index, which may be beyond an end.
+        There is one for each array (q, v, ...) that the code reads in this way."""
         places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
         for g in self.e.families:
             for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3, "a": 3, "acc": 2}.items():
@@ -312,7 +312,7 @@ class _Context:
                 yield places.group(g) | {"reader": name, "kind": kind, "given": ends}
 
     def _band(self) -> dict[str, Any]:
-        """Returns the shape of M: a band of members interleaved by index, bordered by scalars."""
+        """Returns the shape of M: a band of families interleaved by index, a border of scalars."""
         e, ids = self.e, self.places.ids
         return {
             **shape_of(e, self.places, self.plan.made),
@@ -332,7 +332,7 @@ class _Context:
 
 
 def _told(e: LoopEquations) -> Facts:
-    """Returns the facts for the runtime's table: if p = v, its M is the unit matrix."""
+    """Returns the facts for the runtime's table. In solved form, p = v and p' = a, M is 1."""
     one = {"mass_constant": True, "mass_diagonal": True, "quadratic": True}
     return replace(e.facts, **one) if e.solved else e.facts
 

@@ -1,4 +1,4 @@
-"""Plans the rows and totals that each kernel of a model with loops needs."""
+"""Determines the rows and totals that each kernel of a model with loops needs."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .loops_switches import terms
 from .recurrence_rows import made_of
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
-# Kernels with a value for each coordinate: their outputs, each with its field of LoopEquations.
+# Kernels with a value for each coordinate. By output: the field of LoopEquations with the rows.
 VECTORS = {
     "force": {"f": "force"},
     "canonical": {"momenta": "momenta", "pdot": "pdot"},
     "momenta": {"momenta": "momenta"},
     "gradient": {"dLdq": "gradient"},
 }
-# Kernels that write a value for each constraint row.
+# Kernels with a value for each constraint row.
 BOUND: dict[str, Callable[[Bound], Row | Total]] = {
     "constraint": lambda rows: rows.position,
     "constraint_rates": lambda rows: rows.rate,
@@ -34,29 +34,31 @@ BOUND: dict[str, Callable[[Bound], Row | Total]] = {
     "rate_size": lambda rows: rows.sizes[1],
 }
 OF_POSITIONS = ("constraint", "position_size")
-PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}  # outputs with pair forces
+# Outputs with pair forces, by kernel.
+PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}
 
 
 @dataclass
 class SlopeKernel:
-    """A kernel that writes matrices of derivatives. `stores` are the places (output, row, column)
-    in C to which the values of each row set are added, `corner` the entries of two scalars."""
+    """A kernel that writes matrices of derivatives. `stores` says where each value of a row set is
+    added, as (output, row, column) in C; `corner` are entries of two scalars, as (output, row,
+    column, name of the total)."""
 
     name: str
     outputs: tuple[str, ...]
     rows: list[RowSet] = field(default_factory=list)
-    stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # by row set
-    columns: list[str] = field(default_factory=list)  # the C function that gives a row's place
-    corner: list[tuple[str, str, str, str]] = field(default_factory=list)  # place, total's name
+    stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # for each row set
+    columns: list[str] = field(default_factory=list)  # C functions: a row's index
+    corner: list[tuple[str, str, str, str]] = field(default_factory=list)
 
 
 @dataclass
 class Rates:
-    """The rates of a first-order state, which C computes before the rows that use them."""
+    """The rates of a first-order state, computed before the rows that contain them."""
 
     group: dict
-    rows: RowSet | None  # for a family of states
-    total: TotalSet | None  # for a scalar state
+    rows: RowSet | None  # None for a scalar state.
+    total: TotalSet | None  # None for a family of states.
     pairs: list[PairSet]
 
     @property
@@ -67,8 +69,8 @@ class Rates:
 
 @dataclass
 class Alongside:
-    """`let`s of outputs that are recurrences: row sets evaluated member by member in order, the
-    places of their values, and the ends of their index ranges, in C."""
+    """Recurrent `let`s in outputs: row sets to evaluate member by member in order, the C variables
+    of their values, and the first and last indices of their ranges, in C."""
 
     rows: list[RowSet]
     stores: list[str]
@@ -82,7 +84,7 @@ class Alongside:
 
 @dataclass
 class Plan:
-    """The row sets and totals of all kernels, by kernel or by the name of a total."""
+    """The row sets by kernel, and the totals by name, of all kernels."""
 
     rows: dict[str, list[RowSet]] = field(default_factory=dict)
     band: list[RowSet] = field(default_factory=list)
@@ -91,17 +93,17 @@ class Plan:
     singularities: list[TotalSet] = field(default_factory=list)
     switches: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
-    made: tuple[Bound, ...] = ()  # the recurrences of carried values, as rows
-    jacobian: dict[str, RowSet] = field(default_factory=dict)  # J of rows within the band
-    border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family
-    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # kernel, rows
+    made: tuple[Bound, ...] = ()  # Recurrences, as constraint rows.
+    jacobian: dict[str, RowSet] = field(default_factory=dict)  # J of the rows in the band.
+    border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family.
+    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # By kernel, row.
     slopes: list[SlopeKernel] = field(default_factory=list)
     slopes_of: Slopes | None = None
-    reach: int = 0  # half bandwidth of the matrices of slopes, in places
-    observed: dict[int, RowSet] = field(default_factory=dict)  # outputs with a value per index
-    pull: list[RowSet] = field(default_factory=list)  # J^T lambda
-    along: dict[int, Alongside] = field(default_factory=dict)  # by number of the pass
-    rates: dict[str, Rates] = field(default_factory=dict)  # by state, if other rows use its rate
+    reach: int = 0  # Half bandwidth of the matrices in `slopes`.
+    observed: dict[int, RowSet] = field(default_factory=dict)  # Outputs with a value per index.
+    pull: list[RowSet] = field(default_factory=list)  # The rows of J^T lambda.
+    along: dict[int, Alongside] = field(default_factory=dict)  # Passes over members, by number.
+    rates: dict[str, Rates] = field(default_factory=dict)  # Rates that rows use, by state.
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -120,7 +122,7 @@ class Plan:
 
 
 def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
-    """Returns the kernels of `wanted` (None: all) that the model has, and those that they call."""
+    """Returns the kernels of `wanted` (None: all) that the model has, and the kernels they call."""
     named = {*VECTORS, *(k for k in TOTALS if getattr(e, k) is not None)}
     watched = {"momenta"} if watches_momenta(e) else set()
     if e.carried:
@@ -130,19 +132,19 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     named |= {"mass", "inertia", "jacobian", "advance"}
     if wanted is None:
         return frozenset(named)
-    alone = divides(e) and not e.force.pairs  # each row of the acceleration is one expression
+    alone = divides(e) and not e.force.pairs  # Each acceleration is one expression.
     solved = set() if alone else {"force"} if divides(e) else {"force", "mass"}
-    watched |= {"mass"} if e.pivots else set()  # the singularity kernel computes M's pivots
+    watched |= {"mass"} if e.pivots else set()  # The kernel `singularity` calls `mass`.
     return frozenset(named & wanted | solved | watched)
 
 
 def watches_momenta(e: LoopEquations) -> bool:
-    """Returns whether outputs contain momenta."""
+    """Returns whether an output contains a momentum."""
     return any(slot.kind == "p" for slot in e.slots)
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:
-    """Returns VECTORS; with carried values the chain rule for dL/dq needs the momenta as well."""
+    """Returns the vector kernels and their outputs; with recurrences `gradient` has momenta too."""
     return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
 
 
@@ -165,7 +167,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             )
             for g in e.rows
         ]
-    # The acceleration kernel needs the force on each scalar coordinate as a function of its own.
+    # The acceleration kernel calls a function for the force on each scalar coordinate.
     for what in sorted({"force", *(x for outputs in vectors.values() for x in outputs.values())}):
         for g in e.scalars:
             total(f"{what}_{ids[g.name]}", getattr(e, what).totals[g.name])
@@ -295,12 +297,12 @@ def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
 
 
 def singles(e: LoopEquations, g: Group) -> list[Bound]:
-    """Returns the single constraint rows that depend on the rates of a family."""
+    """Returns the single constraint rows that contain rates of a family."""
     return [rows for rows in e.bound if g.name in rows.border]
 
 
 def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> None:
-    """Plans the kernels of M and of the derivatives of p and p'; skipped if these are dense."""
+    """Plans the kernels of M and of the derivatives of p and p', unless the matrices are dense."""
     try:
         slopes = slopes_of(e, make.interior.slots)
     except Unrolled:
@@ -341,7 +343,7 @@ def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> Non
 
 
 def _reach(slopes: Slopes) -> int:
-    """Returns the half bandwidth of the matrices, in places."""
+    """Returns the half bandwidth of the matrices."""
     of = dict(slopes.families)
     at = {unknown: k for k, unknown in enumerate(of)}
     found = [0]
@@ -352,11 +354,11 @@ def _reach(slopes: Slopes) -> int:
 
 
 def apart(a: tuple[Group, int], b: tuple[Group, int], shift: int, slots: int) -> int:
-    """Returns the largest distance in places, `slots` per index, from member m of `a` (a family and
-    its slot) to member m + shift of `b`."""
+    """Returns the largest distance in the matrix between the rows of member m of `a` and of member
+    m + shift of `b`. Each is a family and its number among the `slots` rows of an index."""
     (own, i), (other, j) = a, b
     distance = abs(shift * slots + j - i)
-    # A ghost has its neighbour's place, an index away; this cancels if both have the same ends.
+    # A ghost cell shares its neighbour's unknown, one index away; with equal ends this cancels.
     alike = (own.lo, own.hi, _free(own)) == (other.lo, other.hi, _free(other))
     return distance + slots * bool((_free(own) or _free(other)) and not alike)
 
@@ -368,7 +370,7 @@ def _free(g: Group) -> tuple[Affine, ...]:
 def _of_row(
     matrix: Matrix, own: Unknown, column: dict[Unknown, str], scalar: dict[Unknown, str]
 ) -> Iterator[tuple[str, str, Row]]:
-    """Yields row, column and value of the entries in a family's row: of the band and the border."""
+    """Yields the entries in a family's row, in band and border, as (row, column, value)."""
     for (row, other, shift), value in matrix.entries.items():
         if row == own:
             yield "row", f"{column[other]}(p, m + {shift})", value
@@ -385,7 +387,7 @@ def _own(e: LoopEquations, g: Group) -> Row:
 
 
 def entries(e: LoopEquations, g: Group, ids: Mapping[str, str]) -> list[tuple[dict[str, Any], Row]]:
-    """Returns the entries of M in the rows of a family: with families, then with scalars."""
+    """Returns M's entries in the rows of a family: first family columns, then scalar columns."""
     found = [
         ({"other": ids[other], "shift": shift}, row)
         for (own, other, shift), row in e.mass.entries.items()

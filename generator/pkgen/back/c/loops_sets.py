@@ -1,4 +1,4 @@
-"""Rows and totals as blocks of code: a body for the interior, guarded parts for the ends."""
+"""Rows and totals as blocks of code: one for the interior, and guarded parts near the ends."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .loops_interior import Interior
 
 @dataclass
 class Guarded:
-    """The parts of rows with a common condition: r[k] += ... if lo <= m <= hi."""
+    """The parts of rows that have one condition: r[k] += ... if lo <= m <= hi."""
 
     lo: str
     hi: str
@@ -26,7 +26,7 @@ class Guarded:
 
 @dataclass
 class Summing:
-    """A sum computed once: its place, its index ranges in C, a term, and the sums inside a term."""
+    """A sum computed once: its C variable, its index ranges in C, its term, sums in the term."""
 
     place: str
     ranges: list[tuple[str, str, str]]
@@ -40,8 +40,8 @@ class Summing:
 
 @dataclass
 class Assignment:
-    """Assigns members lo..hi, or if these are "" one value. `before` are sums computed once, `each`
-    sums computed for each member."""
+    """Assigns the members lo..hi, or one value if these are "". The sums `before` are computed
+    once, the sums `each` for every member."""
 
     lo: str
     hi: str
@@ -56,9 +56,9 @@ class Assignment:
 
 @dataclass
 class RowSet:
-    """Rows of one family, several quantities per cell, or the terms of totals. Ranges are C text.
+    """Rows of one family, with several values per cell, or the terms of totals. Ranges are C text.
 
-    The interior is where m >= each of `lows` and <= each of `highs`.
+    The interior has m >= each of `lows` and m <= each of `highs`.
     """
 
     name: str
@@ -67,14 +67,14 @@ class RowSet:
     guarded: list[Guarded]
     lows: list[str]
     highs: list[str]
-    group: dict = field(default_factory=dict)  # the family's, see Places.group()
-    ghosts: bool = False  # the row of a ghost is added to the row of the cell that it copies
-    below: int = 0  # ghosts below the range
-    above: int = 0  # ghosts above the range
-    plain: bool = False  # r[1], a mass, is a positive number: it needs no check
-    scale: Block | None = None  # factor of the interior's r[0], the same in every row
-    flux: Block | None = None  # forces of bonds into flux[k * stride], before the rows
-    span: int = 0  # distance in members between the ends of a bond
+    group: dict = field(default_factory=dict)  # Template variables of the family.
+    ghosts: bool = False  # Ghost cells' rows are added to the rows of the cells they copy.
+    below: int = 0  # Number of ghost cells below the range.
+    above: int = 0  # Number of ghost cells above the range.
+    plain: bool = False  # The mass r[1] is a positive number: no check.
+    scale: Block | None = None  # Common factor of r[0] in all interior rows.
+    flux: Block | None = None  # Computes the bond forces, flux[k * stride].
+    span: int = 0  # Length of a bond, in members.
 
     @property
     def blocks(self) -> list[Block]:
@@ -91,7 +91,7 @@ class RowSet:
 
     @property
     def bonds(self) -> bool:
-        """Returns whether the bonds' forces of a whole block are computed before its rows."""
+        """Returns whether all bond forces of a block of rows are computed before the rows."""
         return bool(self.flux) and not self.flux_trig
 
     @property
@@ -109,21 +109,21 @@ class RowSet:
 
 @dataclass
 class PairSet:
-    """A double loop over pairs (m, j). For a force `own` are the places, in C, of the values that
-    are summed over j, and `other` of those that are added at j."""
+    """A double loop over pairs (m, j). For a force, `own` are the array elements that get the sums
+    over j, and `other` those to which the value for each j is added, in C."""
 
     lo: str
     hi: str
     first: str
     last: str
     block: Block
-    own: dict[int, str] = field(default_factory=dict)  # by the value's index in the block
+    own: dict[int, str] = field(default_factory=dict)  # number in the block -> array element
     other: dict[int, str] = field(default_factory=dict)
 
 
 @dataclass
 class TotalSet:
-    """A total as a C function: a constant block, loops, pair loops."""
+    """A total as a C function: a constant, loops over members, loops over pairs."""
 
     name: str
     constant: Block
@@ -137,7 +137,7 @@ class TotalSet:
 
 
 class Builder:
-    """Makes sets of blocks from rows, pairs and totals; this may add nodes to the graph."""
+    """Makes blocks from rows, pairs and totals; may add nodes to the graph."""
 
     def __init__(self, e: LoopEquations, places: Places):
         self.e, self.places = e, places
@@ -146,8 +146,8 @@ class Builder:
     def rows(
         self, name: str, group: Group, rows: list[Row], quotient: bool = False, ghosts: bool = True
     ) -> RowSet:
-        """Returns a set of rows. With `quotient` the rows are a force and a mass, and the
-        interior's r[0] is their quotient."""
+        """Returns the set of `rows`. With `quotient` the rows are a force and a mass, and r[0] in
+        the interior is force / mass."""
         interior = self.interior
         nodes, lows, highs = interior.interior(rows, group)
         flux: list[Node] = []
@@ -162,8 +162,8 @@ class Builder:
         number = interior.g.value(mass)
         below, above = self._beyond(group)
         mapped = group.periodic or any(end.kind == "free" for _, end in group.ends)
-        found = self._set(name, rows, nodes, lows, highs)  # not expanded: differences of neighbours
-        found.group = self.places.group(group)  # would lose digits
+        found = self._set(name, rows, nodes, lows, highs)  # not expanded, since that would lose
+        found.group = self.places.group(group)  # digits in differences of neighbours
         found.below, found.above = below, above
         found.ghosts = ghosts and mapped and bool(below or above)
         found.plain = number is not None and number > 0
@@ -176,7 +176,7 @@ class Builder:
         return found
 
     def _beyond(self, group: Group) -> tuple[int, int]:
-        """Returns the numbers of ghosts below and above a family's range."""
+        """Returns the numbers of ghost cells below and above a family's range."""
         below = above = self.e.wraps.get(group.name, 0)
         for at, _ in group.ends:
             low, high = group.lo - at, at - group.hi

@@ -1,4 +1,4 @@
-"""The tables in C of the singularities of families kept as loops."""
+"""The C tables of singularities in models whose families are loops."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .loops import Places
 
 
 def described(e: LoopEquations, places: Places) -> Iterator[dict[str, str]]:
-    """Yields each singularity's row of the tables; the pivots of M come first."""
+    """Yields a row of the table for each singularity; pivots of M come first."""
     for g in e.coordinates if e.pivots else ():
         name = f"the pivot of {indexed(g.shown, 'i' if g.is_family else None)}"
         yield _singularity(places, name, "COORDINATES", (g.lo, g.hi) if g.is_family else ())

@@ -1,4 +1,4 @@
-"""The templates' view of matrices of derivatives: their unknowns and their kernels."""
+"""Template variables of matrices of derivatives: their unknowns and the kernels that write them."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ def slopes_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, An
 
 
 def _hung(e: LoopEquations, plan: Plan, places: Places) -> list[dict[str, Any]]:
-    """Returns for each carried value the row C of its recurrence, with the C text of the places of
-    the row and of the unknowns in it."""
+    """Returns the matrix row of each recurrence, with C text for the indices of the row and of its
+    columns."""
     families = [unknown for unknown, _ in plan.slopes_of.families]
     carried = {g.name for g in e.carried_groups}
 

@@ -1,4 +1,4 @@
-"""Fused steps of splitting methods for families kept as loops: if they apply, and block sizes."""
+"""Fused steps of splitting methods on families that are loops: when they apply, and block sizes."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ...middle.loops.slots import Slots
 from .loops import BLOCK, CHUNK, Places
 from .loops_plan import Plan
 
-LINE = 8  # members per cache line: chunks of rows begin at its boundary
-STAGES = 32  # stages in one pass over memory: their data and a block fit in 32 KiB of cache
+LINE = 8  # Members per cache line; chunks of rows start at line boundaries.
+STAGES = 32  # Stages per pass over memory: their data and a block fit in 32 KiB of cache.
 
 
 def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[str, Any] | None:
-    """Returns the templates' view of fused steps, or None if there are none. They need rows of the
-    acceleration that depend on t and on q of near cells only."""
+    """Returns the template variables of fused steps, or None if they do not apply. They need rows
+    of the acceleration that depend only on t and on q of nearby cells."""
     rows, index = plan.rows["acceleration"], places.index
     if not e.facts.separable or e.scalars or e.model.inputs:
         return None
@@ -26,11 +26,11 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         return None
     cells = [s.at for s in below if s.kind == "q" and s.at is not None]
     if not all(at.factor(ROW) for at in cells):
-        return None  # a single member acts on all rows
+        return None  # All rows depend on this one member.
     reach = max((abs(at.constant) for at in cells), default=0)
     if reach > CHUNK or not all((g.lo - e.families[0].lo).is_constant for g in e.families):
         return None
-    # Drifts trail kicks: the next rows read cells in their reach, or ghosts, that must not drift
+    # Drifts lag behind kicks: cells that the next rows read, also as ghost cells, must not drift
     # yet.
     reach = max([1, reach, *(s.span for s in rows)]) + max(max(s.below, s.above) for s in rows)
     trail = -(-reach // LINE) * LINE
@@ -43,7 +43,7 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         "line": LINE,
         "trail": trail,
         "together": together,
-        # If rows read lower cells only through bond forces, a cell drifts right after its kick.
+        # If only bond forces link rows to lower cells, a cell drifts right after its kick.
         "merged": len(rows) == 1
         and bool(rows[0].flux)
         and not rows[0].trig

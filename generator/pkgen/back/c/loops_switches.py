@@ -1,4 +1,4 @@
-"""Switches of families kept as loops: the switch that decides each call, and their tables."""
+"""Switches of families that are loops: the switch that decides a call, and the C tables."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .loops import Places
 
 
 def terms(e: LoopEquations) -> Iterator[Total]:
-    """Yields the values of each switch as a total. A switch of members has a part over all indices
-    from the least of its ranges to the greatest."""
+    """Yields the switching function of each switch as a total. In a family it has one term for each
+    index, from the least of its ranges to the greatest."""
     for k, x in enumerate(e.switches):
         if x.ranges[0]:
             lo, hi = (Affine(0, ((f"{which}{k}'", 1),)) for which in ("least", "most"))
@@ -28,8 +28,9 @@ def terms(e: LoopEquations) -> Iterator[Total]:
 
 
 def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, tuple[Symbol, int]]:
-    """Returns for each call on one side throughout a step: the slot of the side that decides it,
-    and 1 or -1 if its argument has the sign of the switch or the opposite. May add nodes."""
+    """Returns for each call that stays on one side during a step: the symbol of the side that
+    decides it, and 1 or -1 if its argument has the sign of the switch or the opposite. May add
+    nodes."""
     found: dict[Node, tuple[Symbol, int]] = {}
     if not e.switches:
         return found
@@ -51,7 +52,7 @@ def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, t
 
 
 def described(e: LoopEquations, places: Places) -> Iterator[dict[str, Any]]:
-    """Yields each switch's row of the tables."""
+    """Yields a row of the table for each switch."""
     for x in e.switches:
         ranges = [r or (Affine(), Affine()) for r in x.ranges]
         yield {

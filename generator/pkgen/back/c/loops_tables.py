@@ -1,4 +1,4 @@
-"""The tables in C of a model with loops: names, parameters, outputs, rotations."""
+"""The C tables of a model with loops: names, parameters, outputs, rotations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .loops_plan import Plan
 
 
 def names(e: LoopEquations) -> dict[str, Any]:
-    """Returns the names, units and descriptions of all quantities that a run names, by table."""
+    """Returns for each table the names, units and descriptions that a run can use."""
     return {
         "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
         "rates": [_quantity(g, "{}'", "rate_unit", own="rate") for g in e.coordinates],
@@ -29,7 +29,7 @@ def names(e: LoopEquations) -> dict[str, Any]:
 
 
 def outputs_of_members(e: LoopEquations, places: Places, plan: Plan) -> dict[str, Any]:
-    """Returns the outputs with a value per index, and the total length of all outputs."""
+    """Returns the outputs that have a value per index, and the total length of all outputs."""
     index, count = places.index, places.observed[-1]
     rows = [
         {
@@ -48,7 +48,7 @@ def outputs_of_members(e: LoopEquations, places: Places, plan: Plan) -> dict[str
 
 
 def parameter(e: LoopEquations, places: Places, k: int) -> dict[str, Any]:
-    """Returns the table's row of parameter k."""
+    """Returns the row of parameter k in the C table."""
     group, bounds = e.parameters[k], e.bounds[k]
     item = group.declared
     return places.group(group) | {
@@ -64,8 +64,8 @@ def parameter(e: LoopEquations, places: Places, k: int) -> dict[str, Any]:
 
 
 def rotations(e: LoopEquations, places: Places) -> Iterator[dict[str, str]]:
-    """Yields for each declared rotation its count, and the places of the first member's body rate
-    and quaternion."""
+    """Yields for each declared rotation the number of members, and the array indices of the first
+    member's body rate and quaternion."""
     for rotation in e.model.rotations:
         turn, number = (e.group(x[0]) for x in (rotation.turns, rotation.quaternion))
         first = (places.index(places.first[g.name]) for g in (turn, number))
@@ -79,8 +79,8 @@ def _multiplier(rows: Bound) -> Quantity:
 
 
 def _quantity(g: Group, form: str, unit: str, of_state: str = "{}", own: str = "") -> Quantity:
-    """Returns a name by the format `form` (for a state `of_state`), with the unit in field `unit`.
-    For a body rate the name is the field `own` of its declaration."""
+    """Returns a quantity, named by the format `form` (for a state `of_state`) or, for a body rate,
+    by the field `own` of its declaration; `unit` is the field with the unit."""
     form, unit = (of_state, "unit") if g.is_state else (form, unit)
     name = getattr(g.declared, own) if own and g.is_turn else form.format(g.name)
     return Quantity(name, getattr(g.declared, unit), g.declared.description)

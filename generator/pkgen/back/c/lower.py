@@ -1,8 +1,8 @@
-"""Equations -> Program: straight-line code of every kernel as text, with counts of operations.
+"""Turns Equations into a Program: straight-line C of every kernel as text, and operation counts.
 
 Expressions of parameters alone are hoisted: `prepare` computes them once, into members of the
-parameter struct. The rest of the work is in `rewrite.py` (powers, products), `schedule.py`
-(order, names, sharing), `expressions.py` (C text) and `chunk.py` (very long kernels).
+parameter struct. `rewrite.py` handles powers and products, `schedule.py` order, names and sharing,
+`expressions.py` C text, and `chunk.py` very long kernels.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .schedule import Schedule
 
 __all__ = ["Program", "lower"]
 
-LONG = 1000  # an acceleration of more operations solves M a = f in a loop, in embedded C
+LONG = 1000  # Operations: in embedded C a longer acceleration solves M a = f by a loop.
 _ARGUMENT = {
     Kind.COORDINATE: "q",
     Kind.RATE: "v",
@@ -47,31 +47,31 @@ def lower(
     kept: frozenset[int] | None = None,
     plain: bool = False,
 ) -> Program:
-    """Returns straight-line code of the named kernels (None: all that the model has). With `libm`
-    sine and cosine are the library's. The parameters are those `kept` (None: all). `plain` means C
-    to be embedded, without the tables for the runtime."""
+    """Returns straight-line code of the kernels named (None: all that the model has). With `libm`
+    sine and cosine are those of the C library. `kept`: indices of the parameters (None: all).
+    `plain`: C to be embedded, without the tables for the runtime."""
     made = _Lowering(equations, structure, libm, kept, plain).program(kernels)
     solve = made.kernel("acceleration") if plain and not equations.constraints else None
     if solve is None or solve.operations.total() <= LONG or "mass" not in (kernels or {"mass"}):
         return made
-    # For 20 links straight-line code is twice as fast, but half of all text.
+    # For 20 links straight-line code is twice as fast as a loop, but half of the file.
     by_loop = replace(equations, acceleration=None)
     return _Lowering(by_loop, structure, libm, kept, plain).program(kernels)
 
 
 def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> frozenset[int]:
-    """Returns the indices of the parameters that these kernels and the initial values read."""
+    """Returns the indices of the parameters in the named kernels and the initial values."""
     specs = (KERNELS[name] for name in (*needed_kernels(equations, kernels), "start"))
     nodes = [x for spec in specs for t in spec.targets(equations) for x in t.nodes]
     return _parameters_in(equations.graph, nodes)
 
 
 def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int]:
-    """Returns `read` with the parameters that their defaults depend on, and with the other members
-    of their families."""
+    """Returns `read`, with all members of families in it, and with the parameters on which the
+    defaults of all these depend."""
     slots, kept = equations.parameters, set(read)
     families = {slots[k].family for k in kept}
-    for k in reversed(range(len(slots))):  # each is computed from earlier ones
+    for k in reversed(range(len(slots))):  # A default depends on earlier parameters only.
         if k in kept or slots[k].family in families:
             kept.add(k)
             more = _parameters_in(equations.graph, [slots[k].default])
@@ -86,8 +86,8 @@ def _parameters_in(g: Graph, nodes: Iterable[Node]) -> frozenset[int]:
 
 @record
 class _Draft:
-    """A kernel with rewritten expressions but without statements: hoisted constants have no places
-    yet."""
+    """A kernel with rewritten expressions but no statements yet; they need the hoisted constants'
+    names."""
 
     spec: KernelSpec
     targets: list[Target]
@@ -204,7 +204,7 @@ class _Lowering(Hoisting):
             return variable(f"p->side_[{symbol.index}]")
         return variable(self.symbols[symbol])
 
-    # Functions of the parameters alone
+    # Functions that depend on parameters alone
 
     def _start(self) -> Kernel:
         spec, e = KERNELS["start"], self.equations
@@ -212,7 +212,7 @@ class _Lowering(Hoisting):
         return self._finished("start", spec.result, spec.outputs(e), code, {})
 
     def _fixed_code(self, targets: list[Target]) -> Schedule:
-        """Returns the code of targets that depend on parameters alone, without hoisting."""
+        """Returns code, without hoisting, for targets that depend on parameters alone."""
         new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
         return self.scheduled(rewritten(targets, new), self._names(), fixed=True)
 
@@ -230,7 +230,7 @@ class _Lowering(Hoisting):
 
 
 def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
-    """Returns the members of struct NAME_params, and the C text of each scalar parameter."""
+    """Returns the members of struct NAME_params, and C text for each scalar parameter."""
     names = Names(FIELD_RESERVED, (), equations.model.name + "_")
     fields: list[Field] = []
     scalars: list[str] = []
@@ -243,13 +243,13 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
 
 
 def _local_names(equations: Equations) -> dict[Symbol, str]:
-    """Returns the local names of coordinates, rates, inputs, accelerations and momenta."""
+    """Returns local names of coordinates, rates, inputs, accelerations and momenta."""
     names = Names(LOCAL_RESERVED, (), equations.model.name + "_")
     own = equations.own
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
     accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
     rows = [
-        (Kind.COORDINATE, equations.coordinates[:own]),  # nothing depends on a state's integral
+        (Kind.COORDINATE, equations.coordinates[:own]),  # No equation uses the integral of a state.
         (Kind.RATE, equations.rates),
         (Kind.INPUT, equations.inputs),
         (Kind.ACCELERATION, accelerations),

@@ -1,8 +1,8 @@
-"""Makes C names of a model's names, distinct from macros, keywords and each other.
+"""Makes C names from a model's names, distinct from macros, keywords and each other.
 
-A macro of any header that a user may include before ours would rewrite a struct member or a
-local variable, so such names get a trailing underscore in C. The tables that a program can read
-at run time keep the author's spelling.
+A macro of a header that a user includes before the model's would rewrite a struct member or a local
+variable, so such names get a trailing underscore in C. The tables that a program reads at run time
+keep the author's spelling.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Iterable
 
 from ...indices import parted
 
-# C99 and C++17 keywords. Models cannot use them as names, but a derived name may become one here.
+# C99 and C++17 keywords. A model cannot use them, but a name derived from the model's may be one.
 _KEYWORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t
     class compl const const_cast constexpr continue decltype default delete do double dynamic_cast
@@ -23,11 +23,11 @@ _KEYWORDS = """
     using virtual void volatile wchar_t while xor xor_eq
 """
 
-# Most macros are in capitals, so a name of three or more capitals gets an underscore. _MACROS lists
-# the others: of the standard and system headers, of gcc's gnu modes, of platforms.
+# Most macros are in capitals, so a name of three or more capitals gets an underscore. _MACROS are
+# all others: macros of standard and system headers, of gcc's gnu modes, of platforms.
 _CAPITALS = re.compile(
     r"(?![A-Z](_[0-9]+)+$)[A-Z][A-Z0-9_]+[A-Z0-9](f|l|q|f[0-9]+x?)?|(PRI|SCN)[a-z]\w*[^_]"
-)  # the first alternative excepts pkgen's own names, like M_0_1
+)  # Names like M_0_1, made by pkgen, are excluded.
 _MACROS = """
     I B0 HZ SP IN PI AF_DECnet PF_DECnet L_ctermid L_cuserid L_tmpnam P_tmpdir
     and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq
@@ -46,7 +46,7 @@ _MACROS = """
     atomic_fetch_sub_explicit atomic_fetch_xor_explicit
 """
 
-# Functions of <math.h> and POSIX: a local variable of the same name would hide them.
+# Functions of <math.h> and POSIX: a local variable of that name would hide the function.
 _FUNCTIONS = """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
     fdim floor fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log
@@ -55,7 +55,7 @@ _FUNCTIONS = """
     abs labs div rand exit abort memcpy printf main
 """
 
-# Names of arguments, loop variables and members in the templates.
+# Names of arguments, loop variables and struct members in the templates.
 _OURS = """
     p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v r_q r_v r_t out given lo hi c_ i j k n
     status bad pass sc m_out r_out v_out a_out phi_out J_out residual_out phi_size residual_size
@@ -63,15 +63,15 @@ _OURS = """
 """
 _MEMBERS = " c_ side_ factors_ inverse_ block_"  # of struct NAME_params
 
-# The functions' names for float, long double and quad too.
+# Also the names of the float, long double and quad versions.
 _LIBM = " ".join(name + end for name in _FUNCTIONS.split() for end in ("", "f", "l", "q"))
 FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS + _MEMBERS).split())
 LOCAL_RESERVED = frozenset((_KEYWORDS + _MACROS + _LIBM + _OURS).split())
 
 
 class Names:
-    """Allocates C identifiers: the wished name if it is free, else the name with underscores.
-    Names that begin with `prefix` are reserved for the model's global symbols."""
+    """Allocates C identifiers: a name if it is free, else the name with underscores appended. Names
+    that begin with `prefix` are reserved for the model's global symbols."""
 
     def __init__(
         self, reserved: frozenset[str], taken: Iterable[str] = (), prefix: str = "pk_"
@@ -81,8 +81,8 @@ class Names:
         self._next: dict[str, int] = {}
 
     def take(self, wish: str) -> str:
-        """Returns a free name: `I` becomes `I_`; reserved names (`_X`, `__x`, `pk_x`) get an `x`
-        in front."""
+        """Returns a free name: `I` becomes `I_`; names reserved by C or pkgen (`_X`, `__x`, `pk_x`)
+        get an `x` in front."""
         name = re.sub(r"\W", "_", wish, flags=re.ASCII)
         if not name or name[0] in "_0123456789" or name.lower().startswith(self._prefixes):
             name = "x" + name
@@ -92,7 +92,7 @@ class Names:
         return name
 
     def number(self, stem: str) -> str:
-        """Returns the next free name of stem1, stem2, ..."""
+        """Returns the next free name of the form stem1, stem2, ..."""
         count = self._next.get(stem, 0) + 1
         while not self.is_free(f"{stem}{count}"):
             count += 1
@@ -107,8 +107,8 @@ class Names:
 
 
 def local_wish(name: str) -> str:
-    """Returns the wished name of a quantity in a kernel: theta1_dot for theta1', q3 for q[3], x1_3
-    for x1[3], r_x for r.x."""
+    """Returns the preferred local name of a quantity: theta1_dot for theta1', q3 for q[3], x1_3 for
+    x1[3], r_x for r.x."""
     primes = len(name) - len(name.rstrip("'"))
     stem = re.sub(r"\d\[(-?\d+)\]", lambda m: m[0][0] + "_" + m[1], name.replace("'", ""))
     stem = re.sub(r"\[(-?\d+)\]", r"\1", stem).replace("-", "m").replace(".", "_")
@@ -121,5 +121,5 @@ def dots(primes: int) -> str:
 
 
 def family_of(name: str) -> str:
-    """Returns the declared name of a member: q for q[3], r.x for r[3].x."""
+    """Returns the family's name of a member: q for q[3], r.x for r[3].x."""
     return parted(name)[0]

@@ -1,4 +1,4 @@
-"""C functions of the parameters: defaults, derived defaults, prepare, bounds, initial values."""
+"""C functions of the parameters: default values, prepare, bounds, initial values."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ NOT_FINITE = Return("PK_FAILED(PK_FAILURE_DERIVED, 0)")
 
 @record
 class ParameterCode:
-    """The code of one parameter or family: its default, whether that follows from other parameters,
-    the check of its bounds, and the stores of the bounds."""
+    """The code of a parameter or family: its default value, whether this depends on other
+    parameters, the check of its bounds, and the stores of the bounds."""
 
     default: Sequence[Node]
     follows: bool
@@ -47,7 +47,7 @@ def ends(index: int, bounds: Interval) -> list[Node]:
 
 
 def derived(rows: Iterable[ParameterCode]) -> list[Node]:
-    """Returns the assignments of defaults that follow from others, if they are not given."""
+    """Returns the assignments of defaults that use other parameters, unless these are given."""
     return [If(f"!given || !given[{k}]", row.default) for k, row in enumerate(rows) if row.follows]
 
 
@@ -58,7 +58,7 @@ def checks(rows: Iterable[ParameterCode]) -> Iterator[Node]:
 
 
 def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
-    """Yields the code that fills the array of `count` constants and checks that they are finite."""
+    """Yields code that computes the array of `count` constants and checks that they are finite."""
     if not count:
         yield Assign("p->c_[0]", "0")
         return
@@ -67,11 +67,11 @@ def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
     yield Loop(f"k = 0; k < {count}; k++", [If("!(0 * p->c_[k] == 0)", [NOT_FINITE])])
 
 
-# -- of straight-line code -----------------------------------------------------------------------
+# -- models without loops --------------------------------------------------------------------------
 
 
 def _scoped(needs: Sequence[Statement], nodes: list[Node]) -> list[Node]:
-    """Returns the nodes in a scope of their own if they need local constants."""
+    """Returns the nodes, in a scope of their own if they need local constants."""
     return [Scope(nodes)] if needs else nodes
 
 

@@ -1,7 +1,7 @@
 """The result of `lower`: straight-line code as text, ready for the templates.
 
-Expressions are text (`expressions.py` writes it); the templates and `tree.py` write everything
-around them, from declarations to comments. Nothing here refers to the expression graph.
+Expressions are C text, made by `expressions.py`; templates and `tree.py` make everything else, from
+declarations to comments. Nothing here refers to the expression graph.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG
 from .constants import Constant
 from .expressions import Code, base
 
-LANES = ("lanes", "members")  # many states side by side, with one set of parameters or many
+LANES = ("lanes", "members")  # Kernels for many states, with one parameter set or one for each.
 
 _SHOWN = {
     LOCAL: "{target} = {text}",
@@ -61,7 +61,7 @@ class Statement(NamedTuple):
 
     @property
     def defines(self) -> tuple[str, ...]:
-        """Returns the local constants that the statement defines."""
+        """Returns the local variables that the statement declares."""
         made = self.targets if self.kind in (LOCAL, LOAD, TRIG) else ()
         return tuple(name for name in made if name != "NULL")
 
@@ -71,11 +71,11 @@ class Statement(NamedTuple):
 
 @record
 class Block:
-    """A sequence of statements. Each block of a kernel but the last becomes a function, which
-    passes values through a work array, since compilers are superlinear on straight-line code."""
+    """A sequence of statements. Each block of a kernel but the last becomes a function, to limit
+    compile time; the functions pass values through a work array."""
 
     statements: tuple[Statement, ...]
-    uses: frozenset[str]  # the arguments (p t q v u w ...) and outputs that it uses
+    uses: frozenset[str]  # arguments (p t q v u w ...) and outputs in use
 
     @property
     def checks(self) -> bool:
@@ -85,12 +85,12 @@ class Block:
 @record
 class Kernel:
     name: str
-    result: str  # the C type it returns
+    result: str  # C type of the return value
     outputs: tuple[Output, ...]
     blocks: tuple[Block, ...]
-    work: int  # length of the array through which blocks pass values
+    work: int  # Length of the array in which blocks pass values.
     operations: Counter[str] = field(default_factory=Counter)
-    solves: bool = False  # whether a loop solves M a = f; there are no statements then
+    solves: bool = False  # A loop solves M a = f; the kernel has no statements.
 
     @property
     def uses(self) -> frozenset[str]:
@@ -113,17 +113,17 @@ class Kernel:
 
 @record
 class Assignment:
-    """The default of one parameter, computed from earlier ones."""
+    """The default of one parameter, computed from earlier parameters."""
 
-    statements: tuple[Statement, ...]  # locals that the value needs
+    statements: tuple[Statement, ...]  # Declarations that `text` needs.
     text: str
 
 
 @record
 class Interval:
-    """The bounds of one parameter; None is infinite."""
+    """The bounds of one parameter, as C text; None: infinite."""
 
-    statements: tuple[Statement, ...]  # locals that the bounds need
+    statements: tuple[Statement, ...]  # Declarations that the bounds need.
     lo: str | None
     hi: str | None
 
@@ -134,12 +134,12 @@ class Interval:
 
 @record
 class Field:
-    """A member of struct NAME_params: a parameter, or with `length` a family of them."""
+    """A member of struct NAME_params: a parameter, or an array of `length` family members."""
 
     c_name: str
     name: str
-    length: int  # 0 for a plain parameter
-    first: int  # index of the (first) parameter
+    length: int  # 0 for a single parameter.
+    first: int  # Index of the parameter or of the first member.
 
 
 @record
@@ -147,17 +147,17 @@ class Program:
     equations: Equations
     structure: Structure
     fields: tuple[Field, ...]
-    parameter_names: tuple[str, ...]  # the C text of each scalar parameter: "m1", "k[2]"
+    parameter_names: tuple[str, ...]  # C text of each scalar parameter: "m1", "k[2]"
     defaults: tuple[Assignment, ...]
     bounds: tuple[Interval, ...]
-    prepare: Kernel  # fills the hoisted constants
-    constants: tuple[Constant, ...]  # the hoisted constants, with names
+    prepare: Kernel  # Computes the hoisted constants.
+    constants: tuple[Constant, ...]  # The hoisted constants.
     start: Kernel
     kernels: tuple[Kernel, ...]
-    float_too: bool  # whether the constants are in the range of float
-    helpers: tuple[str, ...]  # functions that the C file must define: "min", "step", ...
-    lanes: tuple[str, ...] = ()  # forms of the acceleration of many states, out of LANES
-    plain: bool = False  # whether it is to be embedded, without tables for the runtime
+    float_too: bool  # All constants are in the range of float.
+    helpers: tuple[str, ...]  # Functions that <math.h> lacks: "min", "step", ...
+    lanes: tuple[str, ...] = ()  # A subset of LANES.
+    plain: bool = False  # C to be embedded, without the runtime's tables.
 
     def kernel(self, name: str) -> Kernel | None:
         return next((k for k in self.kernels if k.name == name), None)
@@ -168,12 +168,12 @@ class Program:
 
     @property
     def has_sincos(self) -> bool:
-        """Returns whether any kernel calls the inline pair of sine and cosine."""
+        """Returns whether a kernel calls the runtime's inline function of sine and cosine."""
         return any(s.kind == TRIG for kernel in self.kernels for s in kernel.statements)
 
     @property
     def factored(self) -> bool:
-        """Returns whether prepare() factors M: M is constant and a loop solves M a = f."""
+        """Returns whether prepare() factors M: if it is constant and a loop solves M a = f."""
         return self.structure.mass_constant and any(k.solves for k in self.kernels)
 
     def __str__(self) -> str:
@@ -186,14 +186,14 @@ class Program:
 
 @record
 class LoopProgram:
-    """The templates' context of a model with loops: strings, numbers and lists of them."""
+    """The template variables of a model with loops: strings, numbers and lists of these."""
 
     name: str
     context: dict[str, Any]
 
 
 def operations_in(statements: Iterable[Statement]) -> Counter[str]:
-    """Returns the counts of operations in the text of statements, without loads."""
+    """Returns the numbers of operations in statements, except loads."""
     operations: Counter[str] = Counter()
     for statement in statements:
         if statement.kind != LOAD:
@@ -205,7 +205,7 @@ def operations_in(statements: Iterable[Statement]) -> Counter[str]:
 
 
 def operations_text(operations: Counter[str]) -> str:
-    """Returns '31 operations: 5 +, 4 -, 20 *, 1 /, 1 sin', in a fixed order."""
+    """Returns the counts as '31 operations: 5 +, 4 -, 20 *, 1 /, 1 sin', in a fixed order."""
     total = sum(operations.values())
     if not total:
         return "no operations"

@@ -1,7 +1,7 @@
-"""Rows that state the recurrences of carried values: X'' - sum Phi_z z'' = 0.
+"""Matrix rows of recurrences: X'' - sum Phi_z z'' = 0 for recurrence values X.
 
-If M a = f of a chain is not eliminated place by place, the accelerations of carried values X are
-unknowns of the band like those of coordinates. Each has such a row, C, besides constraint rows J:
+If M a = f of a chain is not eliminated index by index, the accelerations X'' are unknowns of the
+band like those of coordinates. Each has such a row, C, besides constraint rows J:
 
     K = [M + C^T W C  C^T  J^T; C 0 0; J 0 0]
 
@@ -23,7 +23,7 @@ from .loops import Places
 
 
 def made_of(e: LoopEquations, places: Places, slots: Slots) -> tuple[Bound, ...]:
-    """Returns the row C of each carried value, ordered by level like their computation."""
+    """Returns the row C of each recurrence value, in the order of their computation."""
     return tuple(_row(e, item, places, slots) for item in e.carried)
 
 

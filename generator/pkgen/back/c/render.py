@@ -1,5 +1,4 @@
-"""Program -> {file name: text}. This module makes the templates' context of strings, ints and
-lists; the templates hold the C around it."""
+"""Turns a Program into the text of C files; computes the variables of the templates."""
 
 from __future__ import annotations
 
@@ -36,13 +35,13 @@ from .program import Kernel, LoopProgram, Program, operations_text
 if TYPE_CHECKING:
     import jinja2
 
-# The fields of Structure that correspond to enum pk_fact, in its order.
+# The fields of Structure that have a bit in enum pk_fact, in the order of the enum.
 FACTS = """
     mass_constant mass_diagonal quadratic separable autonomous conservative variational smooth
     affine switched linear_drag affine_rates fast
 """
 
-# Kernels in struct pk_system, each with its member there: of the struct itself, or of a part.
+# Kernel -> member of struct pk_system, or of a part of that struct.
 _IN_CORE = """
     acceleration mass force canonical gradient jacobian energy kinetic potential observe conserve
     linear unconstrained inertia fast
@@ -62,7 +61,7 @@ SYSTEM_KERNELS = {
     "particles": "particles.at",
 }
 
-# The files, besides the model's header and source, that connect the model to the runtime.
+# Files that connect a model's header and source to the runtime, and their templates.
 GLUE = {"_system.h": "glue.h.j2", "_system.c": "glue.c.j2"}
 
 _TESTED = """
@@ -73,9 +72,9 @@ _TESTED = """
 def render(
     program: Program, *, self_test: bool = False, report: Report | None = None
 ) -> dict[str, str]:
-    """Returns NAME.h and NAME.c, and the glue for the runtime unless they are to be embedded; with
-    `self_test` also NAME_selftest.c, a program that checks them. The header lists the lines of
-    `report`, the simplifications of a scene."""
+    """Returns NAME.h and NAME.c; unless they are to be embedded, also the files that connect them
+    to the runtime; with `self_test` also NAME_selftest.c, which tests the kernels. `report`: a
+    scene's simplifications, which the header lists."""
     lines = report.lines if report else ()
     context = _context(program) | {"reductions": [str(line) for line in lines]}
     templates = {".h": "header.h.j2", ".c": "source.c.j2", **GLUE}
@@ -88,7 +87,7 @@ def render(
 
 
 def render_loops(program: LoopProgram) -> dict[str, str]:
-    """Returns the files of a model whose families are kept as loops."""
+    """Returns the C files of a model whose families are loops."""
     context = program.context | {"loops": LoopCode(program.name, program.context["before"])}
     templates = {".h": "loop_header.h.j2", ".c": "loop_source.c.j2"}
     return _files(program.name, context, templates if context["plain"] else templates | GLUE)
@@ -104,7 +103,7 @@ def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dic
     return {name: _embedded(text) for name, text in files.items()}
 
 
-# Embedded C has few of pkgen's names: it calls <tgmath.h> and returns plain numbers for failures.
+# Replacements for embedded C, which calls <tgmath.h> and returns numbers for failures.
 _EMBEDDED = (
     (r"PK_F\((\w+)\)", r"\1"),
     (r"PK_RESTRICT ", ""),
@@ -129,15 +128,15 @@ PORTABLE = "#define PK_PORTABLE 1 /* no fused multiply-add: the same bits with a
 
 @cache
 def _order() -> list[str]:
-    """Returns the members of struct pk_system and of its parts, like "events.table", in the order
-    of their declaration."""
+    """Returns the members of struct pk_system, and of its parts, such as "events.table", in the
+    order of declaration."""
     headers = sorted(Path(pkgen_runtime.__file__).parent.glob("include/pk/system*.h"))
     text = "".join(path.read_text(encoding="utf-8") for path in headers)
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     members = {}
     for struct, body in re.findall(r"struct (pk_\w+) \{(.*?)\n\};", text, re.DOTALL):
         members[struct] = [
-            (declared.split()[1], name)  # the struct's name, in a member declared by `struct`
+            (declared.split()[1], name)  # (name of its struct, if it is one; name of the member)
             for declared in body.split(";")[:-1]
             for name in re.findall(r"\(\*(\w+)\)", declared)
             or re.findall(r"(\w+)(?=,|$)", declared)
@@ -150,8 +149,8 @@ def _order() -> list[str]:
 
 
 def in_order(text: str) -> str:
-    """Returns the initializers `.events.n = 1,` of struct pk_system in the form that C++ requires:
-    in the order of declaration, with a part's members in braces."""
+    """Returns the initializers `.events.n = 1,` of struct pk_system as C++ requires them: in the
+    order of declaration, with the members of a part in braces."""
     found = dict(re.findall(r"^ {4}\.([\w.]+) = (.*?),$(?=\n {4}\.|\s*\Z)", text, re.DOTALL | re.M))
     assert len(found) == len(re.findall(r"^ {4}\.", text, re.M)), text
     order = {name: k for k, name in enumerate(_order())}
@@ -168,7 +167,7 @@ def in_order(text: str) -> str:
 
 
 def portable(files: dict[str, str]) -> dict[str, str]:
-    """Returns the C files without use of fused multiply-add, as if compiled by -DPK_PORTABLE."""
+    """Returns the files with fused multiply-add switched off, as if compiled with -DPK_PORTABLE."""
     return {
         name: text.replace("#include ", f"{PORTABLE}#include ", name.endswith(".c"))
         for name, text in files.items()
@@ -180,7 +179,7 @@ def is_portable(files: dict[str, str]) -> bool:
 
 
 def _refuse_parts(program: Program) -> None:
-    """Raises ValueError if kernels are missing: a self-test compares all of them."""
+    """Raises ValueError if a kernel that the self-test needs is missing."""
     e = program.equations
     missing = [n for n in _TESTED.split() if KERNELS[n].exists(e) and program.kernel(n) is None]
     if missing:
@@ -211,7 +210,7 @@ def _environment() -> jinja2.Environment:
         for name in made.list_templates():
             made.get_template(name)
 
-    # The bytecode is cached, since translating the templates takes longer than a short run.
+    # The templates' bytecode is cached: translating them takes longer than a short run.
     with suppress(BuildError):
         folder = cached("templates", hashlib.sha256(made_by.encode()).hexdigest()[:24], translate)
         made.bytecode_cache = jinja2.FileSystemBytecodeCache(str(folder))
@@ -231,7 +230,7 @@ def frame(
     parameters: list[dict[str, Any]],
     names: dict[str, Sequence[Quantity | Definition]],
 ) -> dict[str, Any]:
-    """Returns the template context that all models share. `kernels` are the model's kernels,
+    """Returns the template variables that all models have. `kernels` are the model's kernels,
     `proved` its facts, `names` the tables of quantities."""
     return {
         "version": __version__,
@@ -272,7 +271,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_first_order": equations.n_first_order,
         "n_unread": equations.n_unread,
         "states": [q.name for q in equations.rates[equations.own :]],
-        # Whether p is dL/dv and the energy h is v.p - L, so that a self-test can compare them.
+        # Whether p is dL/dv and h is v.p - L: the self-test can then compare them.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
         "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
@@ -333,12 +332,12 @@ typedef double pk_real;
 """
 
 
-# Embedded C replaces real.h by REAL, the few names of pkgen that it needs.
+# Embedded C has the type REAL instead of the header real.h.
 EMBEDDED = {"embedded": True, "real_header": REAL}
 
 
 def _functions(program: Program) -> str:
-    """Returns all functions of the C file, separated by blank lines."""
+    """Returns all C functions of the file, separated by blank lines."""
     names = {"name": program.equations.model.name, "n": len(program.equations.coordinates)}
     dense = _environment().get_template("dense.j2").make_module(names)
     solve = str(dense.acceleration(program.factored))

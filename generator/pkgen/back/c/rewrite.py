@@ -22,21 +22,21 @@ from .constant_range import Constants, Tables
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
-SIDE = "side"  # the kind of a symbol, of this back end only: the side of a switch
+SIDE = "side"  # The kind of a symbol that is the side of a switch; only used here.
 
 
 class Workspace(Tables):
-    """A growing private copy of the expression graph; hash-consed, but without simplification."""
+    """A private copy of the expression graph, to which nodes are added without simplification."""
 
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
         self._known = graph.tables()
-        self.sides: dict[Node, Node] = {}  # calls that a switch decides, each with its side
+        self.sides: dict[Node, Node] = {}  # call that a switch decides -> its side
         self._side_leaves: dict[Symbol, Node] = {}
         self.constants = Constants(self)
 
     def side(self, call: Node, switch: Symbol, sign: int) -> None:
-        """Makes a call depend on the side of a switch (sign > 0) or on the opposite side."""
+        """Makes a call depend on the side of a switch (sign > 0), or on the opposite side."""
         if switch not in self._side_leaves:
             leaf = self._side_leaves[switch] = len(self.op)
             self.op.append(Op.SYMBOL)
@@ -86,7 +86,7 @@ class Workspace(Tables):
         return None
 
     def reachable(self, roots: Iterable[Node]) -> list[Node]:
-        """Returns the roots and all nodes below them, arguments before their users."""
+        """Returns the roots and all nodes below them; arguments come before their users."""
         seen: set[Node] = set()
         found = set(roots)
         while found:
@@ -105,7 +105,7 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
     new: dict[Node, Node] = {}
     for node in order:
         if node in absorbed or (gather and fixed[node]):
-            # Unchanged: its user takes it apart, or it is hoisted as a whole without its sign.
+            # The node stays unchanged: its user takes it apart, or it is hoisted without its sign.
             new[node] = node
             if node not in absorbed and ops[node] is not Op.NUMBER:
                 sign, plain = signed[node]
@@ -130,8 +130,8 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
 
 
 def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: bool) -> set[Node]:
-    """Returns the sums used once, in a sum, and the products and reciprocals used once, in a
-    product; their users take them apart."""
+    """Returns the nodes with one user that takes them apart: a sum takes sums apart, a product
+    takes products and reciprocals."""
     uses: dict[Node, int] = dict.fromkeys(order, 0)
     user: dict[Node, Node] = {}
     for root in roots:
@@ -156,8 +156,8 @@ def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: boo
 
 
 def _normal_signs(work: Workspace, order: Iterable[Node]) -> dict[Node, tuple[int, Node]]:
-    """Returns a sign and a node for each constant: x and -x have the same node, as do a - b and
-    b - a. The first term of a sum has a plus."""
+    """Returns for each constant a sign and a node: x and -x have the same node, as do a - b and b -
+    a. The first term of a sum is positive."""
     signed: dict[Node, tuple[int, Node]] = {}
     for node in order:
         if not work.fixed[node]:
@@ -201,7 +201,7 @@ def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
 
 
 def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
-    """Yields the factors of a product, left to right, each with whether it is a divisor."""
+    """Yields the factors of a product, left to right, as (node, whether it is a divisor)."""
     stack = [(node, False)]
     while stack:
         x, divides = stack.pop()
@@ -247,7 +247,7 @@ def _product(
             (below if divides else above).append(x)
     number = [] if magnitude is _ONE or magnitude == 1 else [work.number(magnitude)]
     if fixed:
-        # They are sorted, so that the same constants in another order give the same node.
+        # Sorted, so that products of the same constants in any order are the same node.
         above.insert(0, _chain(work.multiply, number + sorted(fixed)))
     elif number or not (above or below):
         above.insert(0, work.number(magnitude))
@@ -265,7 +265,7 @@ def _chain(join, items: list[Node]) -> Node:
 
 
 def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
-    """Returns base^exponent by multiplication, division, sqrt, or else pow."""
+    """Returns base^exponent, made of multiplications, a reciprocal and sqrt, or by pow."""
     if exponent < 0:
         return work.reciprocal(power(work, base, -exponent))
     if exponent.denominator > 2:
@@ -273,7 +273,7 @@ def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
     whole = int(exponent)
     root = work.node(Op.CALL, (base,), "sqrt") if exponent.denominator == 2 else None
     result = root
-    # Binary powering, from the highest bit down.
+    # Binary powering, which starts with the exponent's highest bit.
     power_so_far: Node | None = None
     for bit in bin(whole)[2:] if whole else "":
         if power_so_far is not None:
@@ -282,5 +282,5 @@ def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
             power_so_far = base if power_so_far is None else work.multiply(base, power_so_far)
     if power_so_far is not None:
         result = power_so_far if root is None else work.multiply(power_so_far, root)
-    assert result is not None  # the exponent is not 0
+    assert result is not None  # None only if the exponent is 0.
     return result

@@ -1,8 +1,9 @@
-"""Schedules the statements of one kernel: their order, the names of locals, inline expressions.
+"""Schedules the statements of one kernel: their order, local variables, inline expressions.
 
-A value used twice (a common subexpression), or too long for a line, becomes a local constant;
-others are written where they are used. A local comes just before its first use, a sine with the
-cosine of the same angle (one call of the inline pair gives both), an output as soon as it is known.
+A value used twice (a common subexpression), or too long for a line, becomes a local constant; any
+other value is written where it is used. A local comes just before its first use, a sine together
+with the cosine of the same angle (one call of the inline function gives both), an output as soon as
+its value is known.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from .names import Names
 from .program import Statement
 from .rewrite import Workspace
 
-# Longest text, in characters, of an expression, of a part in brackets, and of a local's name.
+# Longest texts, in characters: an expression, a part in brackets, a local variable's name.
 _LONGEST = 150
 _LONGEST_PART = 64
 _LONGEST_NAME = 32
@@ -44,25 +45,25 @@ _LONGEST_NAME = 32
 
 @dataclass
 class Schedule:
-    """Builds the statements of one kernel. `leaf` returns the text of symbols and of hoisted
-    values, None for nodes to be computed; `hints` are names for nodes that become locals."""
+    """Builds the statements of one kernel. `leaf` returns the C text of symbols and hoisted values,
+    None for nodes to be computed; `hints` are preferred names of local variables."""
 
     work: Workspace
     names: Names
     prefix: str
     leaf: Callable[[Node], Code | None]
     hints: Mapping[Node, str] = field(default_factory=dict)
-    kept: frozenset[Node] = frozenset()  # must become locals
-    known_after: frozenset[str] = frozenset()  # outputs that later statements may read
-    inline_sincos: bool = False  # sine and cosine by the runtime's inline pair, not by libm
+    kept: frozenset[Node] = frozenset()  # Nodes that must become locals.
+    known_after: frozenset[str] = frozenset()  # Outputs that later statements may read.
+    inline_sincos: bool = False  # Sines are computed inline, not by libm.
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
     _forms: dict[Node, Form] = field(default_factory=dict)
     _local: set[Node] = field(default_factory=set)
-    _angles: dict[Node, None] = field(default_factory=dict)  # leaves whose sines are not taken yet
+    _angles: dict[Node, None] = field(default_factory=dict)  # Angles still to compute.
 
     def __post_init__(self) -> None:
-        self.leaf = cache(self.leaf)  # called several times for each node
+        self.leaf = cache(self.leaf)  # Called several times for each node.
 
     def run(self, targets: Iterable[Target]) -> None:
         targets = list(targets)
@@ -89,7 +90,7 @@ class Schedule:
                 self._forms[target.nodes[0]] = atom(variable(target.where))
 
     def _locals(self, targets: list[Target]) -> set[Node]:
-        """Returns the nodes that become locals: with several uses (of x or -x), `kept`, or trig."""
+        """Returns the nodes that become locals: `kept`, used several times (also as -x), sines."""
         work, leaf = self.work, self.leaf
         uses: dict[Node, int] = {}
         pending = [node for target in targets for node in target.nodes]
@@ -107,24 +108,25 @@ class Schedule:
         for node in uses:
             if work.op[node] is Op.CALL and (self._partner(node) in uses or self._is_trig(node)):
                 local.add(node)
-        if self.known_after:  # an output can be read back: it needs no local
+        if self.known_after:  # The code can read these outputs.
             local -= {node for target in targets for node in target.nodes}
         return {node for node in local if self.leaf(node) is None}
 
     def _partner(self, node: Node) -> Node | None:
-        """Returns the node of the cosine of a sine's angle, or of the sine of a cosine's."""
+        """Returns the node of the cosine of a sine's angle, or of the sine of a cosine's, if
+        any."""
         if self.work.op[node] is not Op.CALL:
             return None
         other = SQUARES.get(str(self.work.data[node]))
         return other and self.work.find(Op.CALL, self.work.args[node], other)
 
     def _is_trig(self, node: Node) -> bool:
-        """Returns whether the inline pair computes the node."""
+        """Returns whether the runtime's inline function computes the node, a sine or cosine."""
         call = self.work.op[node] is Op.CALL and str(self.work.data[node]) in SQUARES
         return call and self.inline_sincos
 
     def _compute(self, root: Node) -> None:
-        """Computes the forms of the root and of all nodes below it, arguments first."""
+        """Computes the forms of the root and all nodes below it; arguments come first."""
         work, forms = self.work, self._forms
         stack = [root]
         while stack:
@@ -160,8 +162,8 @@ class Schedule:
                 self._finish(x)
 
     def _take_sines(self, angle: Node) -> None:
-        """Adds one call of the inline pair for the needed sine and cosine of an angle. It includes
-        another angle if one is at hand, since a call computes two angles in one SIMD vector."""
+        """Adds a call of the inline function for the sine and cosine of an angle. It also computes
+        another known angle, if there is one, since two angles fit in one SIMD vector."""
         self._promote(angle, _LONGEST_PART)
         self._angles.pop(angle, None)
         angles = [angle]
@@ -208,7 +210,7 @@ class Schedule:
         for a in args:
             self._promote(a, _LONGEST_PART)
         if op is Op.POWER:
-            assert self.work.data[node] == Fraction(-1)  # the rest is rewritten
+            assert self.work.data[node] == Fraction(-1)  # All other powers are rewritten.
             return inverted(forms[args[0]])
         function = str(self.work.data[node])
         row = FUNCTIONS[function.removeprefix(SIDE)]
@@ -221,17 +223,17 @@ class Schedule:
         return called(name, [_typed(forms[a]) for a in args], counted)
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
-        """Makes locals of the longer arguments until all fit on a line."""
+        """Makes locals of the longest arguments until all together fit on a line."""
         for a in sorted(args, key=lambda a: -self._forms[a].length):
             if sum(self._forms[b].length for b in args) > longest:
                 self._promote(a, 0)
 
     def _promote(self, node: Node, longest: int) -> None:
-        """Makes a local of a value whose text is longer than `longest`."""
+        """Makes a local of a node whose text is longer than `longest`."""
         form = self._forms[node]
         if form.length <= longest or self.leaf(node) is not None:
             return
-        # The local has a positive sign, and its uses get the minus: -a - b is stored as a + b.
+        # The local's sign is positive, and its uses get the minus: -a - b is stored as a + b.
         sign = form.sign if not form.is_sum else max(sign for sign, _ in form.terms)
         form = negated(form) if sign < 0 else form
         value = code(form)
@@ -247,7 +249,7 @@ class Schedule:
         self._forms[node] = negated(local) if sign < 0 else local
 
     def _name(self, node: Node, form: Form, function: str = "") -> str:
-        """Returns a name for a node, whose value is `form`, or `function` of `form`."""
+        """Returns a local's name for a node; its value is `form`, or `function` of `form`."""
         wish = self.hints.get(node) or _described(form, function)
         if wish and len(wish) <= _LONGEST_NAME and self.names.is_free(wish):
             return self.names.take(wish)
@@ -255,13 +257,13 @@ class Schedule:
 
 
 def _typed(form: Form) -> Form:
-    """Returns a form, an integer as a real: for an int <tgmath.h> would choose double."""
+    """Returns a form; an integer becomes a real, since <tgmath.h> takes an int as a double."""
     text = code(form)
     return constant(f"PK_C({text}.0)") if text.isdigit() else form
 
 
 def _at_hand(value: Code) -> bool:
-    """Returns whether the text is a number, a name, or a member of a struct."""
+    """Returns whether the text needs no local: a number, a name or a struct member."""
     if value.operations:
         return False
     is_name = value in value.reads and ("[" not in value or value.startswith("p->"))
@@ -269,13 +271,13 @@ def _at_hand(value: Code) -> bool:
 
 
 def _is_named(part: Code) -> bool:
-    """Returns whether the text is a local with a descriptive name, unlike t7."""
+    """Returns whether the text is a local variable with a descriptive name, unlike t7."""
     numbered = part[0] == "t" and part[1:].isdigit()
     return part.reads == (part,) and part.isidentifier() and part[0].islower() and not numbered
 
 
 def _described(form: Form, function: str) -> str | None:
-    """Returns a descriptive name: sin_theta1, theta1_minus_theta2, theta1_dot_sq; or None."""
+    """Returns a name: sin_theta1, theta1_minus_theta2, theta1_dot_sq; None if there is none."""
     if function:
         argument = code(form)
         return f"{function}_{argument}" if argument.isidentifier() else None
@@ -291,6 +293,6 @@ def _described(form: Form, function: str) -> str | None:
 
 
 def number_text(value: object) -> Code:
-    """Returns the C text of a number, with its sign."""
+    """Returns a number, with its sign, as C text."""
     assert isinstance(value, Fraction)
     return Code(("-" if value < 0 else "") + literal(abs(value)))

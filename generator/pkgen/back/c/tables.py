@@ -1,4 +1,4 @@
-"""The templates' view of a model's quantities: tables of names, indices, parameters."""
+"""Template variables of a model's quantities: tables of names, indices, parameters."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .program import Program
 
 
 def tables(program: Program) -> dict[str, Sequence[Quantity]]:
-    """Returns the quantities of each table of names, units and descriptions, by table."""
+    """Returns the quantities in each table of names, units and descriptions."""
     e = program.equations
     found = {
         "coordinates": e.coordinates,
@@ -28,7 +28,7 @@ def tables(program: Program) -> dict[str, Sequence[Quantity]]:
     return {name: row if _has(program, name) else () for name, row in found.items()}
 
 
-# The kernels that write the quantities in these tables.
+# Table -> the kernel that writes its quantities.
 _WRITTEN = {
     "momentum_names": "momenta",
     "observed": "observe",
@@ -40,13 +40,14 @@ _WRITTEN = {
 
 
 def _has(program: Program, table: str) -> bool:
-    """Returns whether the C has a table; embedded C has none for quantities it does not compute."""
+    """Returns whether the C has a table; embedded C has only tables of quantities that it
+    computes."""
     kernel = _WRITTEN.get(table)
     return not program.plain or kernel is None or program.kernel(kernel) is not None
 
 
 def counts(program: Program) -> list[tuple[str, int, str]]:
-    """Returns the counts of quantities: the end of a C constant's name, its value, a comment."""
+    """Returns the numbers of quantities, as (end of the C constant's name, value, comment)."""
     e, names = program.equations, tables(program)
     rows = [
         ("N", len(e.coordinates), "degrees of freedom"),
@@ -63,7 +64,7 @@ def counts(program: Program) -> list[tuple[str, int, str]]:
 
 
 def singularities(program: Program) -> list[dict[str, Any]]:
-    """Returns the rows of the table of singularities, none without the kernel."""
+    """Returns the rows of the table of singularities; [] without the kernel `singularity`."""
     if program.kernel("singularity") is None:
         return []
     return [
@@ -83,7 +84,7 @@ def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
 
 
 def indices(program: Program) -> list[dict[str, Any]]:
-    """Returns the named indices: one per plain quantity, one for the first member of a family."""
+    """Returns the names of indices, of each plain quantity and of each family's first member."""
     e, names = program.equations, tables(program)
     own = e.own
     parameters = [] if program.plain else [slot.quantity for slot in e.parameters]
@@ -132,6 +133,6 @@ def parameters(program: Program) -> list[dict[str, Any]]:
 
 
 def input_rates(inputs: Sequence[Quantity]) -> list[int]:
-    """Returns for each input the index of its time derivative, or -1 if that is not an input."""
+    """Returns for each input the index of the input that is its time derivative, or -1."""
     places = {quantity.name: i for i, quantity in enumerate(inputs)}
     return [places.get(quantity.name + "'", -1) for quantity in inputs]

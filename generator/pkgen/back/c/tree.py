@@ -1,6 +1,6 @@
-"""A small syntax tree of C: statements and functions, and their text, folded and indented.
+"""A small syntax tree of C, statements and functions, and their text, folded and indented.
 
-Kernels, loops and checks are built of these nodes; Jinja2 templates hold the frames of files.
+Kernels, loops and checks are built of these nodes; the rest of a file is in Jinja2 templates.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Assign:
 
 @record
 class Call:
-    """An expression statement, mostly a call."""
+    """An expression statement, usually a function call."""
 
     text: str
 
@@ -58,7 +58,7 @@ class Loop:
 
 @record
 class Scope:
-    """Statements in braces of their own."""
+    """Statements in a block of their own, { ... }."""
 
     body: Sequence[Node]
 
@@ -80,7 +80,7 @@ Node = Declare | Assign | Call | Return | Comment | If | Loop | Scope | Blank | 
 
 @record
 class Function:
-    """A function; `says` is its comment, `before` a line before its type, such as PK_INLINE."""
+    """A function. `says` is its comment; `before` a line before its type, such as PK_INLINE."""
 
     signature: str
     body: Sequence[Node]
@@ -95,7 +95,7 @@ class Function:
 
 
 def rendered(nodes: Iterable[Node], indent: int = 4) -> list[str]:
-    """Returns the nodes' lines of C; a folded statement is one entry with several lines."""
+    """Returns the C lines of the nodes; a folded statement is one entry with several lines."""
     return [line for node in nodes for line in _lines(node, indent)]
 
 
@@ -126,7 +126,7 @@ def _lines(node: Node, indent: int) -> list[str]:
 
 
 def _headed(head: str, body: Sequence[Node], indent: int) -> list[str]:
-    """Returns the lines of a head and its body, in braces if the body has several statements."""
+    """Returns a head, such as `if (x)`, and its body; braces are left out around one statement."""
     if len(body) == 1 and isinstance(body[0], Scope):
         body = body[0].body
     lines = rendered(body, indent + 4)

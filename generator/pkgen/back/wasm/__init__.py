@@ -1,4 +1,4 @@
-"""A model as WebAssembly, and the JavaScript that calls it: for live pages and ES modules."""
+"""A model as WebAssembly, and the JavaScript that calls it, for live pages and ES modules."""
 
 from pathlib import Path
 

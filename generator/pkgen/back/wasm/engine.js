@@ -3,12 +3,12 @@
  * in the order of the description; q has the coordinates, v the rates and behind them the
  * first-order variables; y is both. All numbers are in SI. */
 const Engine = (() => {
-  /* What wasi-libc imports: nothing is written anywhere, and nothing is read. */
+  /* Stubs of the system calls that wasi-libc imports: no file is read or written. */
   const WASI = { fd_close: () => 0, fd_seek: () => 70, fd_write: () => 0, fd_fdstat_get: () => 0,
     proc_exit: (code) => { throw new Error("the model's code ended with " + code); } };
-  const BUDGET = 20000;    /* steps between two looks at the clock */
-  const PATIENCE = 1500;   /* milliseconds that one advance may take */
-  const KEPT = 16;         /* sets of parameters that nobody uses */
+  const BUDGET = 20000;    /* integration steps between two checks of the time */
+  const PATIENCE = 1500;   /* longest time of a call of advance, in ms */
+  const KEPT = 16;         /* parameter sets kept in memory while unused */
   const [ACCELERATIONS, ENERGY, OUTPUTS, CLAIMS, MOMENTA] = [0, 1, 2, 3, 4]; /* enum pk_host_kind */
 
   async function load(bytes, description) {
@@ -35,7 +35,7 @@ const Engine = (() => {
       this.room = c.malloc(8 * (1 + this.nq + this.n + this.inputs + Math.max(this.nOut, this.claims, this.n, 1)));
     }
 
-    /* Views die when memory grows, so each is made anew. */
+    /* Makes a new view each time: views become invalid when WebAssembly's memory grows. */
     reals(at, length) {
       return new Float64Array(this.c.memory.buffer, at, length);
     }

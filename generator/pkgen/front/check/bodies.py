@@ -1,10 +1,9 @@
-"""Expands `body`, `joint` and `gravity`, a tree of bodies, into coordinates, definitions and
-energies. They are made as text of the language, so that later stages see an ordinary model. Their
-places in messages are those of the body or joint.
+"""Expands `body`, `joint` and `gravity` into coordinates, definitions and energies.
 
-Velocities are in each body's own frame, computed from parent to child, so that second derivatives
-of L can be propagated along the tree (graph/pushed.py). Reference: R. Featherstone, Rigid Body
-Dynamics Algorithms, Springer 2008, chapters 4 and 7.
+These are generated as text of the language, so that later stages see an ordinary model. Messages
+about them point to the body or joint. Velocities are in each body's own frame, computed from parent
+to child, so that second derivatives of L can be propagated along the tree (graph/pushed.py).
+Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapters 4 and 7.
 """
 
 from __future__ import annotations
@@ -35,12 +34,12 @@ class Bodies(BodyJoints):
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared, run, file)
         self.expressions.columns = self.columns
-        self.wrong: set[Span] = set()  # statements with an error, possibly in another member
+        self.wrong: set[Span] = set()  # Statements with an error, perhaps in another member.
         self.bodies: dict[str, st.Body] = {}
-        self.joints: dict[str, st.Joint] = {}  # by child body
-        self.waiting: list[st.Joint] = []  # joints whose bodies are not placed or declared yet
+        self.joints: dict[str, st.Joint] = {}  # By child body.
+        self.waiting: list[st.Joint] = []  # Joints whose bodies are not known yet.
         self.placed: list[str] = []
-        self.bad: set[str] = set()  # bodies with an error, or with such an ancestor
+        self.bad: set[str] = set()  # Bodies with an error in them or in an ancestor.
         self.gravity_at: Span | None = None
 
     # statements
@@ -72,7 +71,7 @@ class Bodies(BodyJoints):
         self._advance()
 
     def _declared(self, left: st.Left) -> bool:
-        """Declares a body or a family's member; returns whether its name was free."""
+        """Declares a body or a member of a family; returns False if the name is taken."""
         entry, index = self.names.table.get(left.name), left.index
         members = None if index is None else Members((int(index.value),) * 2)
         if members is None or entry is None or entry.kind != "body" or entry.members is None:
@@ -127,7 +126,7 @@ class Bodies(BodyJoints):
     # definitions and energies
 
     def _advance(self) -> None:
-        """Places all bodies whose parents are placed."""
+        """Computes the position of each body whose parent's position is known."""
         ready = True
         while ready:
             known = {GROUND, *self.placed}
@@ -149,7 +148,7 @@ class Bodies(BodyJoints):
             self._say(f"{child}.{member}", text, joint.span)
 
     def _members(self, joint: st.Joint, child: str, parent: str) -> Iterator[tuple[str, str]]:
-        """Yields the members of a joint's child body, as (name, text)."""
+        """Yields the members of a joint's child body, such as R and origin, as (name, text)."""
         kind, name = KINDS[joint.kind[0]], joint.name[0]
         axis, turned, e, f = self.texts[name]
         words = dict(a=axis, u=f"{axis}/norm({axis})", e=e, f=f)
@@ -186,7 +185,7 @@ class Bodies(BodyJoints):
         return " + ".join(filter(None, terms)) or _REST
 
     def finish(self) -> None:
-        """Reports errors of the whole tree, and adds the energies."""
+        """Reports errors of the tree of bodies, and adds the energies."""
         self._tree()
         if self.gravity_at is not None and not self.bodies:
             self.report.error("gravity acts on bodies, and there is none", self.gravity_at)
@@ -201,8 +200,8 @@ class Bodies(BodyJoints):
                 self._say(what, text, self.bodies[name].span)
 
     def _energies(self, name: str, slides: bool) -> Iterator[tuple[str, str]]:
-        """Yields energies, as (statement, text). `slides`: a single body moves in coordinates of
-        space; com' makes its mass matrix constant."""
+        """Yields a body's energies, as (statement, text). `slides`: it has no child, and a joint to
+        the ground that translates; com' then makes its mass matrix constant."""
         speed = f"{name}.com'" if slides else f"{name}.speed"
         if name in self.carriers:
             terms = self.held_energy(name, self.carriers[name])
@@ -228,7 +227,7 @@ class Bodies(BodyJoints):
         self.names.table[name].used = True
 
     def columns(self, name: str) -> tuple[str, ...]:
-        """Returns the names of the columns of a family of rotations; defines them if needed."""
+        """Returns the column names of a family of rotations; defines the columns if needed."""
         found = tuple(f"{name.rpartition('.')[0]}.{column}" for column in COLUMNS)
         entry = self.names.table[name]
         there = self.names.table.get(found[0])
@@ -242,7 +241,7 @@ class Bodies(BodyJoints):
         self._poisoned(f"{child}.{member}" for member in SHOWN)
 
     def _poison_coordinates(self, joint: st.Joint) -> None:
-        """Poisons the names in a wrong joint's clauses, which may be its coordinates."""
+        """Declares names in a wrong joint's clauses as poisoned: they may be its coordinates."""
         given = (e for word, _, items in joint.clauses if word != "turned" for e in items)
         self._poisoned([joint.left.name, *(e.id for e in given if isinstance(e, Name))])
 
@@ -250,9 +249,7 @@ class Bodies(BodyJoints):
         for name in names:
             own = parted(name)[0]
             entry = self.names.table.setdefault(own, Entry(own, "poisoned", UNKNOWN, Span(0, 0)))
-            entry.periodic |= own != name  # no errors about its indices
-
-    # errors of the tree
+            entry.periodic |= own != name  # Avoids errors about its index.
 
     def _tree(self) -> None:
         names = [*self.bodies]
@@ -286,6 +283,6 @@ class Bodies(BodyJoints):
         while joint not in found:
             found.append(joint)
             if joint.parent[0] not in self.joints:
-                return []  # its parent is no body, which is reported already
+                return []  # The parent is not a declared body, which is reported already.
             joint = self.joints[joint.parent[0]]
         return found[found.index(joint) :]

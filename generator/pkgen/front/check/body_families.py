@@ -1,6 +1,6 @@
 """Expands families of bodies and joints: `body link[1..N] …`, `joint j[i = 2..N]: link[i-1] to
-link[i] …` become one statement for each member, with numbers as indices. The tree consists of
-members, so these families cannot stay loops."""
+link[i] …` become one statement for each member, with numbers as indices. The tree of bodies needs
+every single body, so these families cannot stay loops."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def written_out(
     taken: Container[str],
     tell: Callable[[str, Span, str], None],
 ) -> st.File:
-    """Returns the file with one statement for each member. Reports errors of indices by `tell` and
-    drops the statement. `given`: sizes of the command line; `taken`: names forbidden for loops."""
+    """Returns the file with one statement for each member. Reports a wrong index by `tell` and
+    drops the statement. `given`: sizes of the command line; `taken`: forbidden loop variables."""
     if not any(indices(s) for s in file.statements):
         return file
     sizes = _sizes(file, given)
@@ -66,7 +66,7 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
     found: dict[str, int] = {}
     for statement in file.statements:
         if isinstance(statement, st.Define) and statement.keyword == "size":
-            with suppress(NotAnInteger):  # reported by its own check
+            with suppress(NotAnInteger):  # The check of `size` reports the error.
                 found[statement.left.name] = integer(statement.value, found)
             found |= {k: v for k, v in given.items() if k == statement.left.name}
     return found
@@ -75,7 +75,8 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
 def _members(
     statement: OfBodies, sizes: Mapping[str, int], taken: Container[str], most: int, shared: bool
 ) -> list[OfBodies]:
-    """Returns one statement for each member. `shared`: others add members, so 2..1 is allowed."""
+    """Returns one statement for each member. `shared`: an empty range is allowed, since other
+    statements add members."""
     left = statement.left
     if left.range is None:
         return [_with_numbers(statement, sizes)]
@@ -97,7 +98,7 @@ def _members(
 
 
 def _with_numbers(statement: OfBodies, sizes: Mapping[str, int]) -> OfBodies:
-    """Returns the statement with numbers as its indices and those of its ends."""
+    """Returns the statement with its indices, also those of the joint's two bodies, as numbers."""
 
     def number(index: Expr | None) -> Number | None:
         return None if index is None else Number(Fraction(integer(index, sizes)), index.span)
@@ -110,7 +111,7 @@ def _with_numbers(statement: OfBodies, sizes: Mapping[str, int]) -> OfBodies:
 
 
 def _at(part: object, variable: str, number: Number) -> object:
-    """Returns a statement, or a part of it, with a number for the loop variable."""
+    """Returns a statement, or a part of it, with the loop variable replaced by a number."""
     if isinstance(part, Expr):
         return of_member(part, variable, number)
     if isinstance(part, tuple):
@@ -122,11 +123,11 @@ def _at(part: object, variable: str, number: Number) -> object:
 
 
 def family(statements: tuple[st.Statement, ...], kind: type, name: str) -> list[int]:
-    """Returns the indices of a family's members, sorted; [] for no family."""
+    """Returns the sorted indices of a family's members; [] if the name is not a family."""
     found = (s.left for s in statements if isinstance(s, kind) and s.left.name == name)
     return sorted(int(left.index.value) for left in found if isinstance(left.index, Number))
 
 
 def with_number(name: str, of: st.Left) -> str:
-    """Returns a name with the index of `of`, if it has one: `phi[3]`."""
+    """Returns `name` with the index of the left side `of`, if any: `phi[3]`."""
     return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None)

@@ -1,4 +1,4 @@
-"""Checks a `joint`: its kind, its coordinates, families of joints, its place, its limits."""
+"""Checks a `joint`: its kind, coordinates, families, position and limits."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from .shared import Shared
 
 
 class BodyJoints(BodyParts):
-    """Checks joints; `run` checks the statements made of them."""
+    """Checks joints; `run` checks the statements generated from them."""
 
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared)
         self.run, self.statements = run, file.statements
-        self.families: dict[str, st.Joint] = {}  # the first member of each family of joints
-        self.texts: dict[str, list[str]] = {}  # by the joint: axis, rotation, e, f; "" without
+        self.families: dict[str, st.Joint] = {}  # family name -> its first joint
+        self.texts: dict[str, list[str]] = {}  # joint -> axis, rotation, e and f of plane.py
 
     def kind_of(self, statement: st.Joint) -> Kind | None:
         word, span = statement.kind
@@ -83,8 +83,8 @@ class BodyJoints(BodyParts):
             self.run(st.Declare(word, (item,), said, span))
 
     def _family(self, statement: st.Joint, pairs) -> tuple[Number, Number] | None:
-        """Returns the first and last index of a family at its first joint, None at the others. The
-        joint's coordinates are then declared as families of all members."""
+        """Returns the first and last index of a family when its first joint is checked, else None.
+        The first joint declares the coordinates of all members, as families."""
         name, at = statement.left.name, statement.left.span
         first = self.families.setdefault(name, statement)
         if first is not statement:
@@ -114,7 +114,7 @@ class BodyJoints(BodyParts):
     def parts_of(self, statement: st.Joint, kind: Kind) -> None:
         name = statement.name[0]
         given = self.clauses(statement, CLAUSES["joint"], f"the joint '{name}'")
-        self.texts[name] = texts = ["", "", "", ""]  # axis, rotation, and e, f of plane.py
+        self.texts[name] = texts = ["", "", "", ""]
         if statement.axis is not None:
             values = self.axis(name, statement.axis)
             if None in values and len(kind.coordinates) > 1:
@@ -130,7 +130,7 @@ class BodyJoints(BodyParts):
             self._limits(statement, kind, given["limits"])
 
     def _limits(self, statement: st.Joint, kind: Kind, value: Expr) -> None:
-        """Adds two events that stop a run: j_lower and j_upper for joint j, j_3_lower for j[3]."""
+        """Adds the events j_lower and j_upper (j_3_lower, j_3_upper for j[3]), which stop a run."""
         name, before = statement.name[0], len(self.report.errors)
         if len(kind.coordinates) != 1 or kind.coordinates[0][1] == "rotation":
             message = f"a {statement.kind[0]} joint has no limits"
@@ -186,7 +186,7 @@ def _infinite(value: Expr) -> int:
 
 
 def _moved(part: object, span: Span) -> object:
-    """Returns an expression, or a part of it, with all places replaced by `span`."""
+    """Returns an expression, or a part of it, with all source positions set to `span`."""
     if isinstance(part, Span):
         return span
     if isinstance(part, tuple):

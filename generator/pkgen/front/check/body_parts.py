@@ -1,5 +1,5 @@
-"""Checks the values of `body` and `joint`: masses, inertias, places, axes. Each becomes a hidden
-definition, so that numbers without units are in SI where they are used."""
+"""Checks the values of `body` and `joint`: masses, inertias, positions, axes. Each value becomes a
+hidden definition, so that numbers without units are in SI."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .names import Entry, Facts, Members, joined
 from .scope import PLACES, Scope
 from .shared import Checks, Shared
 
-Value = Fraction | float | None  # None: not known at compile time
+Value = Fraction | float | None  # None: the value is not known at compile time.
 
 _INERTIAS = "[Ixx, Iyy, Izz], [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] or three rows of three"
 
@@ -29,13 +29,13 @@ class BodyParts(Checks):
         super().__init__(shared)
         self.united = self.expressions.time_dimension != NONE
         self.masses: dict[str, Value] = {}
-        self.inertias: dict[str, tuple[Value, ...]] = {}  # tensor elements by body
-        self.carriers: dict[str, str] = {}  # of a body fixed to another: the body that carries both
+        self.inertias: dict[str, tuple[Value, ...]] = {}  # body -> elements of its tensor
+        self.carriers: dict[str, str] = {}  # fixed body -> the body that carries it
 
     def clauses(
         self, statement: st.Body | st.Joint, words: tuple[str, ...], what: str
     ) -> dict[str, Expr]:
-        """Returns the value of each clause by its word; of `coord` only the first name."""
+        """Returns the value of each clause, by its word; for `coord` the first name only."""
         found: dict[str, Expr] = {}
         for word, span, items in statement.clauses:
             if word not in words:
@@ -57,7 +57,7 @@ class BodyParts(Checks):
             self.report.error("a mass is not negative", value.span)
 
     def place(self, name: str, value: Expr | None, of: st.Body) -> None:
-        """Checks `at` of a body, the place of its centre of mass in the body's frame."""
+        """Checks a body's `at`, the position of its centre of mass in the body's frame."""
         self.given(f"{name}.at", value or _zero(of.name_span), "a place needs [m]", LENGTH)
 
     def moving_place(self, name: str, value: Expr | None, of: st.Joint) -> None:
@@ -65,14 +65,14 @@ class BodyParts(Checks):
         self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place="joint")
 
     def inertia(self, name: str, value: Expr | None) -> None:
-        """Checks the inertia tensor about the centre of mass; elements off the diagonal have the
-        sign that they have in the tensor."""
+        """Checks the inertia tensor about the centre of mass. Off-diagonal elements are those of
+        the tensor: Ixy = -sum m x y."""
         self.inertias[name] = ()
         if value is None:
             return
         items = self._elements(value)
         needs = "an inertia needs [kg*m^2]"
-        if items is None:  # the name of a vector
+        if items is None:  # The value is the name of a vector.
             self.given(f"{name}.inertia", value, needs, INERTIA)
             self.inertias[name] = (None,) * len(AXES)
             return
@@ -92,7 +92,7 @@ class BodyParts(Checks):
         self.inertias[name] = values
 
     def _elements(self, value: Expr) -> tuple[Expr, ...] | None:
-        """Returns the elements of a literal vector or of three rows, each with the common unit."""
+        """Returns the elements of a literal vector or of three rows; each gets the common unit."""
         if isinstance(value, Quantity):
             inner = self._elements(value.of)
             unit = value.unit, value.unit_span
@@ -124,7 +124,7 @@ class BodyParts(Checks):
         return values or (None,)
 
     def turning(self, name: str, value: Expr) -> bool:
-        """Checks `turned rot(...)` and defines NAME.turn; returns whether it is a rotation."""
+        """Checks `turned rot(...)` and defines NAME.turn; returns False if it is no rotation."""
         _, facts = self.expressions.factor(value, Scope(PLACES["body"]))
         if facts.known and not facts.turns:
             text = self.expressions.mismatch.text(value)
@@ -150,8 +150,8 @@ class BodyParts(Checks):
         vector: bool = True,
         place: str = "body",
     ) -> tuple[Value, ...]:
-        """Checks a value and adds it as a definition; returns its numbers as far as they are
-        known, () after an error."""
+        """Checks a value and adds it as a definition. Returns its components, None for each that is
+        not known at compile time; () after an error."""
         dimension = dimension if self.united else NONE
         target, scope = Target(dimension, needs, bare=True), Scope(PLACES[place])
         before = len(self.report.errors)
@@ -176,7 +176,7 @@ class BodyParts(Checks):
 
     def keep(self, name: str, facts: Facts, span: Span) -> None:
         """Declares a member of a body or a joint. `link[3].R` is a member of the family `link.R`,
-        whose entry has the joined facts of all members."""
+        whose table entry joins the facts of all members."""
         own, index = parted(name)
         entry = self.names.table.get(own)
         if index is None or entry is None:
@@ -198,8 +198,8 @@ class BodyParts(Checks):
         return self.masses[name] != 0
 
     def held(self, child: str, parent: str, turn: str, at: str) -> Iterator[tuple[str, str]]:
-        """Yields the members of a body fixed to another one, as (name, text): its rotation and
-        place in the carrier's frame, and the carrier's axes in its own frame."""
+        """Yields the members of a body fixed to a carrier body, as (name, text): its rotation and
+        position in the carrier's frame, and the carrier's axes in its own frame."""
         on = parent in self.carriers
         self.carriers[child] = self.carriers.get(parent, parent)
         yield "held", f"{parent}.held*{turn}" if on else turn
@@ -208,7 +208,7 @@ class BodyParts(Checks):
             yield member, f"inverse({child}.held)*{axis}"
 
     def held_energy(self, name: str, carrier: str) -> Iterator[str]:
-        """Yields kinetic energies of a body fixed to a carrier, in velocities of the carrier."""
+        """Yields the kinetic energies of a body fixed to a carrier, in the carrier's velocities."""
         if self.massive(name):
             at = f"{name}.place + {name}.held*{name}.at"
             speed = f"{carrier}.velocity + cross({carrier}.omega, {at})"
@@ -225,7 +225,7 @@ class BodyParts(Checks):
                 yield f"({terms}){half}*{carrier}.omega.{'xyz'[i]}*{carrier}.omega.{'xyz'[k]}"
 
     def turning_energy(self, name: str) -> Iterator[str]:
-        """Yields the terms of w.I.w/2, one for each element that is not known to be 0."""
+        """Yields the terms of w.I.w/2; elements of I that are known to be 0 are left out."""
         for half, element, (a, b) in self._elements_of(name):
             yield f"{name}.{element}{half}*{name}.omega.{a}*{name}.omega.{b}"
 

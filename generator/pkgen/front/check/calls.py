@@ -23,7 +23,7 @@ class Calls(RotationCalls):
         function = expr.function
         if function in ("drift", "time") and scope.place is PLACES["expect"]:
             return self._of_run(expr)
-        if function in ROTATIONS:  # their arguments may be rotations
+        if function in ROTATIONS:  # Its arguments may be rotations.
             return self.rotation_call(expr, [self.factor(x, scope) for x in expr.arguments])
         if len(expr.arguments) == WRITTEN_OUT.get(function):
             return self.call(_written_out(expr), scope)
@@ -43,7 +43,7 @@ class Calls(RotationCalls):
         return Call(function, tuple(e for e, _ in parts), expr.span), found(expr, facts)
 
     def _of_run(self, expr: Call) -> Checked:
-        """Checks drift(X) and time(EVENT), numbers of a whole run, for `expect`."""
+        """Checks drift(X) and time(EVENT), functions of a whole run that only `expect` may call."""
         if len(expr.arguments) != 1:
             raise Wrong(f"{expr.function} takes one argument")
         (argument,) = expr.arguments

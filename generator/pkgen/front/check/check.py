@@ -1,8 +1,8 @@
-"""Makes a Model of a file's statements and reports all semantic errors in one run: names, kinds,
+"""Builds a Model from a file's statements and reports all semantic errors in one run: names, kinds,
 bounds, units.
 
-The checks of statements are in the other files of this folder, of expressions in `check/expr.py`,
-of indices in `check/indices.py`. Here are the order of the checks and the limit of reported errors.
+This file has the order of the checks and the limit of reported errors. The other files of this
+folder check the statements, `check/expr.py` expressions, `check/indices.py` indices.
 """
 
 from __future__ import annotations
@@ -46,19 +46,19 @@ _INERTIA = ("kinetic", "potential", "lagrangian")
 def check_text(
     source: Source, sizes: Mapping[str, int] = {}
 ) -> tuple[m.Model, tuple[Diagnostic, ...]]:
-    """Returns model and warnings of a text; raises one ModelError with all errors."""
+    """Returns the model and the warnings of a text; raises one ModelError with all errors."""
     return check(parse_all(source), sizes)
 
 
 def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
-    """Returns the model and its warnings; `sizes` are those of the command line."""
+    """Returns the model and its warnings; `sizes` are set on the command line."""
     given = tuple(sorted(sizes.items()))
     brings = any(isinstance(s, st.Method) or _brings(s) for s in file.statements)
     return (_checked.__wrapped__ if brings else _checked)(file, given)
 
 
 def _brings(statement: st.Statement) -> bool:
-    """Whether a scene reads a tableau file; it may change, so the model is not cached."""
+    """Whether a scene reads a tableau file. The file may change, so the model is not cached."""
     return isinstance(statement, st.Scene) and any(
         isinstance(clause, st.Method) and clause.file for clause in statement.clauses
     )
@@ -66,13 +66,13 @@ def _brings(statement: st.Statement) -> bool:
 
 @record(eq=False)
 class Seen:
-    """The result of a check, also of a wrong file: model, names and findings."""
+    """The result of checking a file; `model` is None after an error."""
 
     model: m.Model | None
     names: Names
-    parts: Mapping[str, list]  # what statements made, by field of Model
+    parts: Mapping[str, list]  # Results of the checks, by field of Model.
     sizes: Mapping[str, int]
-    errors: tuple[Diagnostic, ...]  # sorted by place, without duplicates
+    errors: tuple[Diagnostic, ...]  # Sorted by position, without duplicates.
     warnings: tuple[Diagnostic, ...]
 
 
@@ -87,7 +87,7 @@ def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
     return Seen(model, *known, tuple(errors), tuple(warnings))
 
 
-@lru_cache(maxsize=4)  # a command may compile one file once for each scene
+@lru_cache(maxsize=4)  # A command may compile a file once for each of its scenes.
 def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ...]]:
     seen = see(file, dict(sizes))
     if seen.errors:
@@ -96,7 +96,7 @@ def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ..
 
 
 def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
-    """Returns a ModelError with the first errors and the number of the others."""
+    """Returns a ModelError with the first errors and the number of further ones."""
     shown = errors[: limits.DIAGNOSTICS]
     return ModelError(source, shown, more=len(errors) - len(shown))
 
@@ -105,7 +105,7 @@ class _Checker:
     def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
         self.report = Report()
         counted = (expr for s in file.statements for expr in indices(s))
-        self.counting = frozenset().union(*map(names, counted))  # in indices of bodies
+        self.counting = frozenset().union(*map(names, counted))  # Names in indices of bodies.
         taken = {*dict(_declarations(file.statements)), *CONSTANTS}
         self.file, self.given = written_out(file, given, taken, self.report.error), dict(given)
         file = self.file
@@ -148,7 +148,7 @@ class _Checker:
         if not self.broken & {"", "body", "joint"}:
             self.bodies.finish()
         for statement in self.file.statements:
-            if isinstance(statement, st.Scene):  # now that all names are known
+            if isinstance(statement, st.Scene):  # Scenes are checked last: all names are known.
                 self.scenes.check(statement)
         self.expressions.indices.finish()
         if "rate" not in self.broken:
@@ -177,8 +177,8 @@ class _Checker:
         return replace(model, scenes=tuple(scenes))
 
     def _misfits(self) -> dict[str, list[Diagnostic]]:
-        """Takes errors of scenes out of the report, by scene, if the command line sets sizes: a
-        scene may name members that are missing then. They are reported if the scene is run."""
+        """Moves errors of scenes from the report to the result, by scene, if the command line sets
+        sizes: a scene may be wrong with these sizes alone. Its errors are reported if it is run."""
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
         for scene in scenes if self.given else ():
@@ -226,7 +226,7 @@ _UNUSED = ("parameter", "constant", "size", "input", "definition")
 
 
 def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
-    """Returns the names that the keyword `coord`, `state` or `rotation`, or a joint, declares."""
+    """Returns the names declared by `keyword` (`coord`, `state` or `rotation`) or by joints."""
     found = {item.name for s in statements if s.keyword == keyword for item in s.items}
     joints = [s for s in statements if isinstance(s, st.Joint)]
     for name, what in (pair for joint in joints for pair in joint_names(joint)):
@@ -236,11 +236,11 @@ def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]
 
 
 def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
-    """Yields every name that the statements declare, with its place."""
+    """Yields every name that the statements declare, with its source position."""
     for statement in statements:
         match statement:
             case st.Define(keyword="rate" | "force"):
-                pass  # these refer to a name that is declared elsewhere
+                pass  # `rate` and `force` declare no name.
             case st.Param(left=left) | st.Define(left=left):
                 yield left.name, left.span
             case st.Declare(items=items):

@@ -1,4 +1,4 @@
-"""State and helpers shared by all parts of the check of expressions."""
+"""State and helpers shared by the classes that check expressions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Checked = tuple[Expr, Facts]
 
 
 class Checking:
-    """Base of Operators, Calls and Quantities, which `Expressions` combines."""
+    """Base class of Operators, Calls and Quantities, which `Expressions` combines."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class Checking:
     def constant(
         self, expr: Expr, facts: list[Facts], compute: Callable, *more: object
     ) -> Fraction | float | None:
-        """Returns `compute` of the parts' values; None if one is unknown, or after an error."""
+        """Applies `compute` to the parts' values; None if one is unknown, or after an error."""
         if any(f.value is None for f in facts):
             return None
         try:
@@ -63,7 +63,7 @@ class Checking:
 
     @staticmethod
     def parsed(text: str) -> units.Unit | None:
-        """Parses a unit; None if it is wrong, which is not reported."""
+        """Parses a unit; returns None for a wrong unit, without a report."""
         try:
             return units.parse_unit(text)
         except UnitError:

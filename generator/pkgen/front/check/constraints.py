@@ -1,7 +1,7 @@
 """Checks `constraint NAME: A = B` and `rolling NAME: A = B`; each row has a multiplier.
 
-The generalized force along q is lambda d(A-B)/dq, and for a rolling lambda d(A-B)/dq', with the
-multiplier lambda_NAME. So its unit is an energy, for a rolling a power, over the unit of A.
+The generalized force along q is lambda d(A-B)/dq for a constraint, lambda d(A-B)/dq' for a rolling,
+with the multiplier lambda_NAME. So its unit is an energy, for a rolling a power, over that of A.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from .vectors import component, component_name
 
 
 class Constraints(Checks):
-    """Makes a `m.Constraint` of each statement, for vectors one of each component. Declares NAME,
-    and its multipliers, which outputs and events may use."""
+    """Makes a `m.Constraint` of each statement, three for a vector equation. Declares NAME and its
+    multipliers, which outputs and events may use."""
 
     def equation(self, statement: st.Equation) -> None:
-        """Checks an equation; reports sides of different rank or unit, and quantities that it must
-        not contain. After an error it only declares the names."""
+        """Checks an equation; reports sides of different rank or unit, and quantities that are not
+        allowed. After an error it only declares the names."""
         left = statement.left
         scope, members = self.shared.left_scope(left, "constraint")
         before = len(self.report.errors)
@@ -67,8 +67,7 @@ class Constraints(Checks):
 
     @staticmethod
     def _rows(name: str, difference: Add, vector: bool) -> list[tuple[str, Expr]]:
-        """Returns the names and values A - B of the rows: one for a number, one for each component
-        of a vector."""
+        """Returns (name, A - B) for each row: one row for a number, three for a vector."""
         if not vector:
             return [(name, difference)]
         rows = [tuple(component(x, k) for x in difference.terms) for k in range(len(AXES))]

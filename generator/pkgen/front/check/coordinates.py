@@ -1,4 +1,4 @@
-"""Checks `coord`, `state`, `rotation`, `input`, and ends: `fixed`, `free`, `periodic`."""
+"""Checks `coord`, `state`, `rotation`, `input`, and families' ends: `fixed`, `free`, `periodic`."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class Coordinates(Checks):
             "rotation": rotations.declare,
             "input": self._input,
         }
-        self.own_ends: dict[tuple[str, int | None], Span] = {}  # declared ends and their places
+        self.own_ends: dict[tuple[str, int | None], Span] = {}  # Positions of families' ends.
 
     def declare(self, statement: st.Declare) -> None:
-        # A unit applies to all names since the last unit, so this loop goes backwards.
+        # The unit of `a, b [m]` applies to both names, so this loop goes backwards.
         given: list[units.Unit] = []
         unit: units.Unit | None = units.ONE
         for item in reversed(statement.items):
@@ -84,7 +84,7 @@ class Coordinates(Checks):
             self._end(keyword, left, entry, value, statement)
 
     def _fixed_value(self, value: Expr | None, entry: Entry) -> Expr | tuple[Expr, ...] | None:
-        """Returns the checked value of an end, a quaternion for a rotation, None for a free end."""
+        """Returns an end's checked value: a quaternion for a rotation, None for a free end."""
         if value is None:
             return None
         scope, target = Scope(PLACES["fixed"]), as_is(entry.name, entry.facts.dimension)

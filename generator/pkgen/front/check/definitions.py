@@ -18,7 +18,7 @@ from .scope import PLACES, Scope
 from .shared import Checks, as_is, name_span
 from .vectors import by_component
 
-_UNKNOWN = "?"  # stands for a bound with an error; no name in a model is "?"
+_UNKNOWN = "?"  # Stands for a bound with an error; no name can be "?".
 
 
 class Definitions(Checks):
@@ -57,7 +57,7 @@ class Definitions(Checks):
         if value is None:
             self.shared.poison(left)
             return
-        # A size is a number in expressions too.
+        # Expressions may use a size as a number.
         facts = Facts(NONE, False, Fraction(value), bare=True)
         if self.names.declare(Entry(left.name, "size", facts, left.span)):
             self.shared.sizes[left.name] = value
@@ -156,11 +156,11 @@ class Definitions(Checks):
         entry = self.names.table.get(left.name)
         new = entry is None or entry.kind != "definition" or entry.members is None
         if new:
-            # Declared before its value is checked, since the value may use lower members. Their
-            # facts are UNKNOWN then; the first member sets them.
+            # The family is declared before its value is checked, since the value may use lower
+            # members. Its facts are UNKNOWN until the first member sets them.
             entry = Entry(left.name, "definition", UNKNOWN, name_span(left), Members())
             self.names.declare(entry)
-        if not members.intervals:  # its range or index has an error
+        if not members.intervals:  # The range or index has an error.
             entry.periodic = True
         self.indices.defining = (left.name, left.range) if scope.loops else None
         value, facts = self.expressions.check(statement.value, scope)
@@ -196,7 +196,7 @@ class Definitions(Checks):
 
 
 def _declared(facts: Facts, written: Expr) -> Facts:
-    """Returns the facts of a defined name: those of its value, but never of a bare number."""
+    """Returns the facts of a defined name: those of its value, but not marked as a bare number."""
     dimension = NONE if facts.dimension is None and facts.known else facts.dimension
     united = isinstance(written, Quantity) or facts.united or dimension != NONE
     return replace(facts, dimension=dimension, bare=False, united=united)

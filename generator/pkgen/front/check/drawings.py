@@ -1,4 +1,4 @@
-"""Checks `draw` and `view`. All places of a model's drawing have the dimension of the first."""
+"""Checks `draw` and `view`. All positions in a drawing have the dimension of the first one."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from .vectors import applied, component
 class Drawings(Checks):
     def __init__(self, shared: Shared) -> None:
         super().__init__(shared)
-        self.length: Dimension | None = None  # dimension of the first place
-        self.first = 0  # line of the first place
+        self.length: Dimension | None = None  # Dimension of the first position.
+        self.first = 0  # Source line of the first position.
 
     def draw(self, statement: st.Draw) -> None:
         scope: Scope | None = Scope(PLACES["drawing"])
@@ -57,8 +57,8 @@ class Drawings(Checks):
         self._add("drawings", statement, parts, axes, members, name, form)
 
     def _of_body(self, statement: st.Draw) -> st.Draw:
-        """Completes `draw body upper box [..]`, if upper is a body, with its rotation upper.R and,
-        without `at`, its centre of mass as place."""
+        """Completes `draw body upper box [..]` for a body `upper`: adds its rotation upper.R and,
+        without `at`, its centre of mass as position."""
         name = statement.subject.id if isinstance(statement.subject, Name) else ""
         entry = self.names.table.get(name)
         if statement.shape != "body" or entry is None or entry.kind != "body":
@@ -68,7 +68,7 @@ class Drawings(Checks):
         return replace(statement, subject=turn, parts=(*at, *statement.parts))
 
     def _part(self, what: str, word: str, value: Expr, scope: Scope) -> tuple[Expr, ...]:
-        """Checks a part; () for parts that are checked with the subject (scale, level's `in`)."""
+        """Checks a clause; returns () for `scale` and `in`, which are checked with the subject."""
         if what == shapes.PLACE:
             return self._place(value, scope)
         if word in shapes.FORMS:
@@ -119,10 +119,8 @@ class Drawings(Checks):
         ]
         self._add("views", statement, parts, axes)
 
-    # the set of parts
-
     def _fits(self, statement: st.Draw) -> bool:
-        """Whether a drawing has the subject and the parts of its shape; reports errors."""
+        """Whether a drawing has the subject and clauses that its shape needs; reports errors."""
         name, shape = statement.shape, shapes.SHAPES[statement.shape]
         before = len(self.report.errors)
         form = f"the form is: {shape.form}"
@@ -189,7 +187,7 @@ class Drawings(Checks):
         return _components(found)
 
     def _lengths(self, needs: str = "it is a length") -> Target:
-        """Returns the target of a number with the dimension of places."""
+        """Returns the Target of a number that has the dimension of positions."""
         length = self.length
         if length is None and self.expressions.time_dimension != NONE:
             length = LENGTH
@@ -215,7 +213,7 @@ class Drawings(Checks):
         return (found,) if facts.known else ()
 
     def _arrow(self, vector: Expr, scale: Expr, scope: Scope) -> tuple[Expr, ...]:
-        """Returns the components of an arrow, scaled to its drawn length."""
+        """Returns the components of an arrow, multiplied by its scale."""
         found, facts = self.expressions.check(vector, scope)
         if facts.known and not facts.vector:
             self.report.error(

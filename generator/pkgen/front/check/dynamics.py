@@ -1,4 +1,4 @@
-"""Checks energies, forces, starts and events."""
+"""Checks energies, forces, starts (initial values) and events."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Dynamics(Checks):
         self.parts[row.fills].append(value)
 
     def _rate_of_a_state(self, value: Expr) -> Span:
-        """Returns the shortest part that contains a state's rate, also through a definition."""
+        """Returns the span of the shortest part with a state's rate, also through a definition."""
         found = [value.span]
         for part in within(value):
             entry = self.names.table.get(part.id) if isinstance(part, Name) else None
@@ -97,8 +97,8 @@ class Dynamics(Checks):
     def start_item(
         self, item: st.StartItem, around: Scope | None = None
     ) -> tuple[m.Start, ...] | None:
-        """Checks a start; returns one Start, for a rotation one for each of its numbers, None
-        after an error. `around` is the scope of the values if they are in a swarm's loop."""
+        """Checks an initial value. Returns one Start, for a rotation one for each of its numbers,
+        None after an error. `around`: the scope of the value in a swarm's loop."""
         left = item.left
         entry = self.shared.named(left, "a start", self.shared.moving)
         around = around or Scope(PLACES["start"])
@@ -154,7 +154,7 @@ class Dynamics(Checks):
 
 
 def _step_of(value: Expr) -> Call | None:
-    """Returns a call of step that is the whole expression or a factor of it, else None."""
+    """Returns the call of step if it is the whole expression or a factor of it, else None."""
     parts = [value]
     for part in parts:
         if isinstance(part, Call) and part.function == "step":

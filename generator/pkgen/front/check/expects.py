@@ -14,7 +14,7 @@ from .settings import Settings
 from .shared import Checks, Shared
 from .vectors import component
 
-OF_RUN = frozenset(("drift", "time"))  # functions of a whole run
+OF_RUN = frozenset(("drift", "time"))  # Functions whose value is that of a whole run.
 
 
 class Expects(Checks):
@@ -23,7 +23,7 @@ class Expects(Checks):
         self.settings = settings
 
     def check(self, clause: st.Expect) -> tuple[m.Expect, ...]:
-        """Returns one Expect, for vectors one of each component, none after an error."""
+        """Returns one Expect, for vectors one for each component; () after an error."""
         before = len(self.report.errors)
         scope = Scope(PLACES["expect"])
         (a, of_a), (b, of_b) = (self.expressions.check(e, scope) for e in (clause.a, clause.b))
@@ -61,7 +61,7 @@ class Expects(Checks):
         return a == b and (not a or clause.relation == "=")
 
     def _dimension(self, clause: st.Expect, a: Facts, b: Facts) -> Dimension:
-        """Returns the common dimension; a bare number takes that of the other side."""
+        """Returns the dimension of both sides; a number without a unit takes the other side's."""
         for bare, other in ((a, b), (b, a)):
             if bare.bare and bare.dimension in (None, NONE) and other.dimension is not None:
                 return other.dimension
@@ -92,7 +92,7 @@ class Expects(Checks):
         return value
 
     def _when(self, at: Expr | None) -> tuple[Expr | None, str]:
-        """Returns (time, "") or (None, event)."""
+        """Returns (time, "") if `at` is a time, (None, event) if it is an event."""
         if at is None:
             return None, ""
         table = self.names.table

@@ -1,7 +1,7 @@
-"""Checks expressions: every name is known, every unit consistent, every `[unit]` folded in.
+"""Checks expressions, names and units, and replaces each `[unit]` by its factor.
 
-`Expressions.check` returns the expression in SI and its Facts. An error gives the facts UNKNOWN,
-which fit anything, so that one mistake is reported once.
+`Expressions.check` returns the expression in SI and its Facts. After an error the facts are
+UNKNOWN, which match anything, so that one mistake is reported once.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from .vectors import EXAMPLE, output_vector
 
 @record
 class Target:
-    """The required dimension of a value (None: any), as words `needs` for messages, and whether a
-    `bare` number, without a unit, is a value in SI."""
+    """The required dimension of a value (None: any); `needs` says it in messages. `bare`: a number
+    without a unit is taken as a value in SI."""
 
     dimension: Dimension | None
     needs: str
@@ -37,7 +37,7 @@ class Target:
 
 
 class Expressions(Operators, Calls, Quantities):
-    """Checks each class of `tree.Expr` by the method with its name in lower case."""
+    """Checks expressions. The method for a class of `tree.Expr` has its name in lower case."""
 
     def __init__(self, *given, lagrangian: bool) -> None:
         super().__init__(*given)
@@ -54,7 +54,7 @@ class Expressions(Operators, Calls, Quantities):
         return expr, UNKNOWN
 
     def factor(self, expr: Expr, scope: Scope) -> Checked:
-        """Checks an expression that may be a rotation; if so, only its facts (`turns`) count."""
+        """Checks an expression; if it is a rotation, only `turns` in the returned facts is set."""
         try:
             return getattr(self, type(expr).__name__.lower())(expr, scope)
         except Wrong as wrong:
@@ -63,7 +63,7 @@ class Expressions(Operators, Calls, Quantities):
             return expr, UNKNOWN
 
     def wanted_vector(self, expr: Expr, scope: Scope, target: Target) -> Checked:
-        """Checks a vector of a given dimension; of a literal [x, y, z] each item."""
+        """Checks a vector of a given dimension; in a literal [x, y, z] checks each item."""
         if isinstance(expr, Vector) and len(expr.items) == len(AXES):
             parts = [self.wanted(item, scope, target) for item in expr.items]
             facts = joined(target.dimension, True, [f for _, f in parts])
@@ -79,7 +79,7 @@ class Expressions(Operators, Calls, Quantities):
         return new, facts
 
     def wanted(self, expr: Expr, scope: Scope, target: Target) -> Checked:
-        """Checks a number of a given dimension; of a sum each term."""
+        """Checks a number of a given dimension; in a sum checks each term."""
         if isinstance(expr, Add) and not target.bare:
             parts = [self.wanted(term, scope, target) for term in self.terms(expr)]
             return self.summed(expr, parts, target.dimension)
@@ -133,10 +133,10 @@ class Expressions(Operators, Calls, Quantities):
             return expr, self._turning(expr, entry)
         return expr, entry.facts
 
-    columns: Callable[[str], tuple[str, ...]]  # set by check/bodies.py: names of R's columns
+    columns: Callable[[str], tuple[str, ...]]  # Set by check/bodies.py.
 
     def _turning(self, expr: Name, entry: Entry) -> Facts:
-        """Returns the facts of a family's member; if a loop variable is its index, by columns."""
+        """Returns the facts of a member, with the index in `expr`, of a family of rotations."""
         try:
             member = entry.turning.get(integer(expr.index, self.sizes))
             if member is None:
@@ -194,7 +194,7 @@ class Expressions(Operators, Calls, Quantities):
             facts = replace(facts, dimension=units.over(action, of.facts.dimension))
         if of is not None and of.kind == "rotation":
             facts = replace(facts, vector=True)
-        members = Members(of.own) if of is not None and of.own else None  # an end has no momentum
+        members = Members(of.own) if of is not None and of.own else None  # Ends have no momentum.
         return Entry(name, "built-in", facts, expr.span, members)
 
     def _once(self, name: str, message: str, span: Span, help: str = "") -> None:

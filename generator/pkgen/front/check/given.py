@@ -1,4 +1,4 @@
-"""Checks what a scene sets: parameters and inputs, starts, held coordinates, a swarm."""
+"""Checks the values that a scene gives: parameters, inputs, starts, held coordinates, a swarm."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .names import KIND_TEXT, Entry, Members
 from .scope import DECLARED, PLACES, Scope
 from .shared import Checks, Shared, as_is, name_span
 
-Taken = dict[str, Members]  # members by coordinate; a single coordinate has the member 0
+Taken = dict[str, Members]  # coordinate -> indices; a single coordinate has index 0
 
 
 class Given(Checks):
-    """One instance for each scene; takes its clauses in order, then `finish`."""
+    """Collects the values of one scene: receives its clauses in order, then `finish`."""
 
     def __init__(self, shared: Shared, dynamics: Dynamics, swarm: Range | None) -> None:
         super().__init__(shared)
@@ -26,23 +26,23 @@ class Given(Checks):
         self.holds: list[m.Hold] = []
         self.started: Taken = {}
         self.held: Taken = {}
-        self.given: dict[str, set[tuple[int, int]]] = {}  # the member ranges of each value given
+        self.given: dict[str, set[tuple[int, int]]] = {}  # name -> index ranges
         self.wrong_start = False
         self.members = swarm
         self.around = self._swarm(swarm) if swarm is not None else None
 
     def swarm(self, clause: st.Swarm) -> None:
-        """Does nothing: __init__ has checked the swarm already."""
+        """Does nothing: __init__ has checked the swarm."""
 
     def _swarm(self, swarm: Range) -> Scope | None:
-        """Returns the scope of the members' starts, in the swarm's loop; None after an error."""
+        """Returns the scope of starts within the swarm's loop; None after an error."""
         scope = Scope(PLACES["start"])
         lo, hi = (self.indices.value(end, scope) for end in (swarm.lo, swarm.hi))
         inside = None
         if lo is not None and hi is not None and self._swarm_fits(swarm, lo, hi):
             inside = self.indices.enter((swarm,), scope)
         if inside is None:
-            self.names.reported.add(swarm.variable)  # no unknown name is reported in starts
+            self.names.reported.add(swarm.variable)  # Avoids further errors in starts.
         return inside
 
     def _swarm_fits(self, swarm: Range, lo: int, hi: int) -> bool:
@@ -57,7 +57,7 @@ class Given(Checks):
         return 0 < hi - lo + 1 <= limits.SWARM
 
     def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
-        """Reports the swarm's variable in clauses other than `start`; returns whether it occurs."""
+        """Reports expressions that wrongly contain the swarm's variable; returns whether any do."""
         if self.members is None:
             return False
         wrong = [e for e in expressions if e is not None and self.members.variable in names(e)]
@@ -129,7 +129,7 @@ class Given(Checks):
         self.report.error(message, span, f"say where it is held: hold {name} = …")
 
     def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
-        """Reports a value that is wholly overridden; a member's may override its family's."""
+        """Reports a value that is set twice; a member's value may override the family's."""
         given, (lo, hi) = self.given.setdefault(name, set()), members
         if members in given or (lo < hi and any(lo <= a and b <= hi for a, b in given)):
             shown = f"a member of '{name}'" if lo < hi else f"'{name}'"
@@ -206,7 +206,7 @@ class Given(Checks):
         return " and ".join(kind for kind, names in kinds.items() if names)
 
     def _holds_all(self) -> bool:
-        if self.names.rotations:  # `hold` takes no rotations
+        if self.names.rotations:  # `hold` does not accept rotations.
             return False
         for coordinate in (*self.parts["coordinates"], *self.parts["states"]):
             whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)

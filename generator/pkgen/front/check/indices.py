@@ -1,10 +1,9 @@
 """Checks that indices and ranges are integers, and that every indexed member exists.
 
 The ends of a family of coordinates may be declared below their use, so indices of coordinates are
-checked in `finish`. Members of a `let` must be defined above, so their indices are checked at once.
-
-An index is first bounded by interval arithmetic over its loops, which proves nearly every one
-valid. For the others the loops are enumerated point by point.
+checked in `finish`. Members of a `let` must be defined above their use, so their indices are
+checked at once. Interval arithmetic over the loops first bounds an index, which proves nearly every
+one valid. Otherwise the loops are enumerated point by point.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ class Indices:
     def __init__(self, source: Source, report: Report, names: Names, sizes: dict[str, int]) -> None:
         self.source, self.report, self.names, self.sizes = source, report, names, sizes
         self.waiting: list[tuple[Name, Entry, Scope]] = []
-        self.defining: tuple[str, Range] | None = None  # the `let` family being defined
+        self.defining: tuple[str, Range] | None = None  # The `let` family being defined.
 
     def valid(self, index: Expr, scope: Scope) -> bool:
         """Whether an index is an integer expression; reports one that is not."""
@@ -49,7 +48,7 @@ class Indices:
         return integer(expr, self.sizes) if self.valid(expr, scope) else None
 
     def _samples(self, scope: Scope) -> dict[str, int]:
-        """Returns a value for each loop variable, enough to see if an index is an integer."""
+        """Returns a value for each size and loop variable, to test whether indices are integers."""
         return {**self.sizes, **{x.range.variable: x.interval[0] for x in scope.loops}}
 
     def _names_known(self, index: Expr, scope: Scope) -> bool:
@@ -79,7 +78,7 @@ class Indices:
     # ranges
 
     def around(self, expr: Sum, scope: Scope) -> Scope:
-        """Returns a sum's scope; `points` counts only outer loops whose variable it uses."""
+        """Returns a sum's scope; `points` counts the iterations of outer loops that affect it."""
         used = names(expr)
         lengths = (
             max(0, loop.interval[1] - loop.interval[0] + 1)
@@ -129,7 +128,7 @@ class Indices:
         return loop
 
     def family(self, lo: Expr, hi: Expr, span: Span, scope: Scope) -> tuple[int, int] | None:
-        """Returns the ends of a family's range; None after an error, such as an empty range."""
+        """Returns the first and last index of a range; None after an error, e.g. an empty range."""
         if not (self.valid(lo, scope) & self.valid(hi, scope)):
             return None
         first, last = integer(lo, self.sizes), integer(hi, self.sizes)
@@ -146,7 +145,7 @@ class Indices:
     # members
 
     def member(self, expr: Name, entry: Entry, scope: Scope) -> bool:
-        """Whether a family has an integer index and any other name has none; reports errors."""
+        """Whether a family has an integer index, or any other name has no index; reports errors."""
         if expr.index is None:
             if entry.members is not None:
                 self._no_index(expr, entry, scope)
@@ -206,7 +205,7 @@ class Indices:
             self._outside(expr, entry, *found, recursive)
 
     def _defined_before(self, value: int, at: dict[str, int]) -> bool:
-        """Whether a member of `let x[i = lo..hi]` is below the one being defined."""
+        """Whether `value` is an index below the current i of the definition `let x[i = lo..hi]`."""
         own = self.defining[1]
         return integer(own.lo, self.sizes) <= value < at[own.variable]
 
@@ -230,7 +229,7 @@ class Indices:
         )
 
     def exponent(self, expr: Expr, scope: Scope) -> None:
-        """Reports an exponent made of loop variables that exceeds the limit."""
+        """Reports an exponent with loop variables that exceeds the limit."""
         try:
             integer(expr, self._samples(scope))
         except NotAnInteger:
@@ -247,7 +246,7 @@ class Indices:
 
 
 def bound(expr: Expr, variables: Mapping[str, Interval]) -> Interval:
-    """Returns the interval of an index expression that `indices.integer` accepts."""
+    """Returns an interval that contains an index expression; `variables` has those of its names."""
     match expr:
         case Number(value=value):
             return int(value), int(value)
@@ -279,7 +278,7 @@ def intervals(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> dict[str, In
 
 
 def points(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> Iterator[dict[str, int]]:
-    """Yields each assignment of the loop variables, with the sizes, up to limits.UNROLLED."""
+    """Yields the values of sizes and loop variables at each iteration, at most limits.UNROLLED."""
     ranges = tuple(loop.range for loop in loops)
     for number, values in enumerate(assignments(ranges, sizes)):
         if number == limits.UNROLLED:
@@ -290,7 +289,7 @@ def points(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> Iterator[dict[s
 def first_outside(
     index: Expr, sizes: Mapping[str, int], loops: tuple[Loop, ...], inside
 ) -> tuple[int, dict[str, int]] | None:
-    """Returns the first index value that `inside(value, variables)` refuses, and its variables."""
+    """Returns the first index value for which `inside` is False, and the loop variables there."""
     for values in points(sizes, loops):
         value = integer(index, values)
         if not inside(value, values):
@@ -299,7 +298,7 @@ def first_outside(
 
 
 def at_text(variables: Mapping[str, int]) -> str:
-    """Returns ` at i = 3, j = 4`, or ""."""
+    """Returns the values as text, ` at i = 3, j = 4`; "" without variables."""
     if not variables:
         return ""
     return " at " + ", ".join(f"{name} = {value}" for name, value in variables.items())

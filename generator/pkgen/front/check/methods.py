@@ -1,4 +1,4 @@
-"""Checks methods that a model adds: `method NAME tableau FILE`."""
+"""Checks integration methods that a model adds: `method NAME tableau FILE`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Methods(Checks):
         self.source = source
 
     def declare(self, statement: st.Method) -> None:
-        """Checks a `method` statement outside of scenes, which only adds the method."""
+        """Checks a `method` statement outside of scenes: it adds a method, but selects none."""
         for value, word in ((statement.step, "step"), (statement.rtol, "rtol")):
             if value is not None:
                 message = f"'{word}' is of a scene that the method is used in"
@@ -34,7 +34,7 @@ class Methods(Checks):
             self.bring(statement)
 
     def bring(self, statement: st.Method) -> None:
-        """Reads the tableau and adds the method. Raises ModelError, placed in the tableau file."""
+        """Reads the tableau and adds the method. Raises ModelError at a place in the file."""
         name, help = statement.name, _FORM
         why = reserved(name)
         if name in METHODS:

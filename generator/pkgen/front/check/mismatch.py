@@ -40,7 +40,7 @@ class Mismatch:
         where: str = "a sum",
         numbers: bool = False,
     ) -> Dimension | None:
-        """Returns the dimension of most parts; reports parts with another one."""
+        """Returns the dimension that most parts have; reports the parts with a different one."""
         dims = [f.dimension for f in facts if f.dimension is not None]
         if not dims:
             return None
@@ -84,7 +84,7 @@ class Mismatch:
         numbers: bool,
         within: bool = False,
     ) -> str:
-        """Returns a hint. `within`: the expression is a part, so its unit needs brackets."""
+        """Returns a hint. `within`: the expression is part of another, so a unit needs brackets."""
         if self.report.full:
             return ""
         text = self.text(expr)
@@ -116,7 +116,7 @@ class Mismatch:
         return f"{kind} [{si_text(factor)}] is missing as a factor" if kind else ""
 
     def _fitting(self, ratio: Dimension, expr: Expr, needs: str, numbers: bool) -> str | None:
-        """Returns a declared name of dimension `ratio`, if possible with the same last digit."""
+        """Returns a name of dimension `ratio`, preferably with a digit at its end as in `expr`."""
         if ratio == NONE:
             return None
         own = _names(expr)
@@ -138,7 +138,7 @@ class Mismatch:
             height = entry.name[0] in _HEIGHTS and moving
             order = _HEIGHTS.index(entry.name[0]) if height else len(_HEIGHTS)
             near = any(entry.name.endswith(d) for d in digits)
-            # A height is a coordinate or a definition; other factors are parameters.
+            # A potential may need a height, a coordinate; other missing factors are parameters.
             return (moving != potential, not near, order if potential else 0)
 
         best = min(fitting, key=liking, default=None)

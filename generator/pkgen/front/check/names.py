@@ -28,16 +28,16 @@ SPECIAL = ROTATIONS | {"sum", "drift", "time"}
 
 
 def callable_names() -> frozenset[str]:
-    """Returns the functions that a model may call, without SPECIAL."""
+    """Returns the names of the functions that a model may call, except those in SPECIAL."""
     rows = (name for name, row in FUNCTIONS.items() if not row.internal)
     return frozenset(rows) | VECTOR_FUNCTIONS.keys() | WRITTEN_OUT.keys()
 
 
 @record
 class Turn:
-    """A factor of a product of rotations, in one of four forms: rot(axis, angle); the `quaternion`
-    w, x, y, z of a declared rotation (`name`, `index` are set unless it is inverted); the vectors
-    that are the `columns` of its matrix; or the `rows` (an inverted matrix)."""
+    """A factor of a product of rotations, in one of four forms: `axis` and `angle` of a rot(...);
+    the `quaternion` of a declared rotation (with `name`, `index` unless inverted); the `columns` of
+    its matrix, as vectors; or the `rows` of an inverted matrix."""
 
     axis: Expr | None = None
     angle: Expr | None = None
@@ -53,23 +53,23 @@ Turns = tuple[Turn, ...]
 
 @dataclass(slots=True)
 class Facts:
-    """Properties of an expression. Treated as immutable, since expressions share them."""
+    """Properties of an expression; treated as immutable, since expressions share them."""
 
-    dimension: Dimension | None  # None fits any: a literal 0, or a name with an error
-    vector: bool | None = False  # None: unknown
-    value: Fraction | float | None = None  # if it is a constant
-    bare: bool = False  # contains only literals, pi, sizes and loop variables
-    united: bool = False  # something in it was declared with a unit
-    known: bool = True  # False after an error: its properties are unknown
-    time: bool = False  # t occurs
+    dimension: Dimension | None  # None: any dimension fits (a literal 0; a name with an error).
+    vector: bool | None = False  # None: unknown.
+    value: Fraction | float | None = None  # The value of a constant.
+    bare: bool = False  # Contains only literals, pi, sizes and loop variables.
+    united: bool = False  # Contains a name or number with a declared unit.
+    known: bool = True  # False: the expression has an error.
+    time: bool = False  # Contains t.
     coordinates: frozenset[str] = NOTHING
     rates: frozenset[str] = NOTHING
-    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # highest derivative of each
+    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # input -> highest derivative
     states: frozenset[str] = NOTHING
     state_rates: frozenset[str] = NOTHING
-    rough: str = ""  # its first function that is not smooth and depends on the motion
-    turns: Turns = ()  # the factors, if it is a rotation
-    accelerations: bool = False  # contains accelerations, or second derivatives of states
+    rough: str = ""  # The first non-smooth function in it that depends on the motion.
+    turns: Turns = ()  # The factors of a rotation.
+    accelerations: bool = False  # Contains accelerations, or second derivatives of states.
 
     @property
     def moves(self) -> bool:
@@ -80,7 +80,7 @@ UNKNOWN = Facts(None, None, known=False)
 
 
 def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts]) -> Facts:
-    """Returns the facts of an expression made of `parts`, without its value."""
+    """Returns the facts of an expression made of `parts`; its value stays None."""
     found = Facts(dimension, vector, bare=True)
     for part in parts:
         found.bare &= part.bare
@@ -110,7 +110,7 @@ class Members:
             self.add(lo, hi)
 
     def add(self, lo: int, hi: int) -> None:
-        # Intervals that overlap or adjoin lo..hi are merged with it; they are consecutive.
+        # The intervals that overlap or adjoin lo..hi are consecutive; they are merged with it.
         first = bisect_left(self.intervals, lo - 1, key=lambda x: x[1])
         last = bisect_right(self.intervals, hi + 1, key=lambda x: x[0])
         for a, b in self.intervals[first:last]:
@@ -141,11 +141,11 @@ class Entry:
     kind: str
     facts: Facts
     span: Span
-    members: Members | None = None  # of a family, including its declared ends
-    own: tuple[int, int] | None = None  # of a family of coordinates, without the ends
-    periodic: bool = False  # any index is valid; also set after an error
+    members: Members | None = None  # Indices of a family, including its ends.
+    own: tuple[int, int] | None = None  # Range without the ends.
+    periodic: bool = False  # Any index is valid (also after an error).
     used: bool = False
-    turning: dict[int, Facts] | None = None  # facts by member, of bodies' rotations
+    turning: dict[int, Facts] | None = None  # Facts of a body's rotation, by member.
 
 
 KIND_TEXT = {
@@ -170,12 +170,12 @@ KIND_TEXT = {
     "time": "the time",
     "built-in": "built in",
 }
-MOVING = ("coordinate", "state", "rotation")  # kinds whose families have ends
+MOVING = ("coordinate", "state", "rotation")  # Kinds of names whose families have ends.
 
 
 class Wrong(Exception):
-    """An error in the current expression, or in its part at `span`; without a message it has been
-    reported already. The expression's facts become UNKNOWN."""
+    """An error in the current expression, or in its part at `span`. An empty message means that the
+    error has been reported. The expression's facts become UNKNOWN."""
 
     def __init__(self, message: str = "", help: str = "", span: Span | None = None) -> None:
         self.message, self.help, self.span = message, help, span
@@ -193,7 +193,7 @@ class Report:
 
     @property
     def full(self) -> bool:
-        """Whether there are more errors than are shown, so that hints would only cost time."""
+        """Whether there are more errors than will be shown; further hints are then not computed."""
         return len(self.errors) > limits.DIAGNOSTICS
 
     def warn(self, message: str, span: Span, help: str = "") -> None:
@@ -201,19 +201,19 @@ class Report:
 
 
 class Names:
-    """The table of names, filled in the order of the file."""
+    """The table of a model's names, filled in the order of the file."""
 
     def __init__(self, report: Report, line_of, later: dict[str, Span], poisoned: Iterable[str]):
         self.report = report
-        self.line_of = line_of  # returns the line of a span, for messages
-        self.later = later  # every name that the file declares, with its place
+        self.line_of = line_of  # Returns the line number of a span.
+        self.later = later  # All names of the file, with source positions.
         self.table: dict[str, Entry] = {}
         self.reported: set[str] = set()
         for name in poisoned:
             self.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
 
     def declare(self, entry: Entry) -> bool:
-        """Adds a name; reports one that is taken, reserved or misleading. False if not usable."""
+        """Adds a name; reports a taken, reserved or misleading one. Returns False if not usable."""
         name, span = entry.name, entry.span
         why = reserved(name)
         before = self.table.get(name)
@@ -231,14 +231,14 @@ class Names:
         self.table[name] = entry
         return not why
 
-    coordinates: frozenset[str] = NOTHING  # all of the file, set before checking
-    states: frozenset[str] = NOTHING  # likewise
-    rotations: frozenset[str] = NOTHING  # likewise
-    loose: frozenset[str] = NOTHING  # bodies not connected to the ground, reported elsewhere
+    coordinates: frozenset[str] = NOTHING  # Names in the file, set before the checks.
+    states: frozenset[str] = NOTHING
+    rotations: frozenset[str] = NOTHING
+    loose: frozenset[str] = NOTHING  # Bodies not connected to the ground.
 
     @property
     def moving(self) -> frozenset[str]:
-        """The names with a second-order equation of motion."""
+        """The names of coordinates and rotations, which have a second-order equation of motion."""
         return self.coordinates | self.rotations
 
     missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # the last hint
@@ -252,9 +252,9 @@ class Names:
         missing: str = "",
         built_in: bool = False,
     ) -> None:
-        """Reports an unknown name, once, with a similar name as hint (also `built_in` ones).
-        `missing` is the hint if no name is similar; with it (in scenes) no product of two names is
-        suggested."""
+        """Reports an unknown name, once. The hint is a similar name (with `built_in` also p_q and
+        the like), else `missing`. If `missing` is set (in scenes), the hint is no product of two
+        names."""
         if name in self.reported or name.partition(".")[0] in self.loose:
             return
         self.reported.add(name)
@@ -304,7 +304,7 @@ class Names:
         return (missing or self.missing).format(name=name)
 
     def _rate(self, name: str) -> str:
-        """Returns a hint for `xdot`, `x_dot`, or `dx` and `dt` of `dx/dt`, else ""."""
+        """Returns a hint for a misspelt derivative (`xdot`, `x_dot`, `dx`, `dt`), else ""."""
         moving = self.moving | self.states
         if name == "dt" and moving:
             return f"a rate is written with a prime: {min(moving)}'"
@@ -317,7 +317,7 @@ class Names:
         return ""
 
     def _product(self, name: str) -> str:
-        """Returns `m*g` for `mg` if m and g are names, else ""."""
+        """Returns `m*g` for the unknown name `mg` if m and g are names, else ""."""
         for i in range(1, len(name)):
             if name[:i] in self.table and name[i:] in self.table:
                 return f"{name[:i]}*{name[i:]}"

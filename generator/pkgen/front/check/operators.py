@@ -1,4 +1,4 @@
-"""Checks primes, components, signs, sums, products and powers."""
+"""Checks derivatives (primes), components, signs, sums, products and powers."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Operators(Checking):
         return component(of, expr.axis), replace(facts, vector=False, value=None)
 
     def _of_rotation(self, expr: Component, facts: Facts) -> Checked:
-        """Checks R.w, R.x, R.y, R.z, the quaternion of a declared rotation."""
+        """Checks R.w, R.x, R.y, R.z, the components of a declared rotation's quaternion."""
         turn, *more = facts.turns
         if more or not turn.name:
             message = f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector"

@@ -1,6 +1,6 @@
-"""Parses values and names in options of the command line: `30 [cm]`, `pi/2 + 0.1`, `q[1]'`.
+"""Parses values and names in options of the command line: `30 [cm]`, `q[1]'`.
 
-It uses the lexer, parser and units of models, so that a text has the same meaning as there.
+It uses the lexer, parser and units of models, so that a text has the same meaning as in a model.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from .scope import PLACES, Scope
 from .shared import as_is
 from .values import NoValue, checked, evaluate
 
-_LONGEST = 1_000  # characters of one option
+_LONGEST = 1_000  # Longest option, in characters.
 _COMPONENT = re.compile(rf"(.*)(\.[{COMPONENTS}])('*)\s*")
 
 
 class OptionError(Exception):
-    """An option that cannot be parsed; `text()` shows the place, as for a model."""
+    """An option cannot be parsed; `text()` shows the error as errors of a model are shown."""
 
     def __init__(self, source: Source, diagnostic: Diagnostic):
         super().__init__(diagnostic.message)
         self.source, self.diagnostic = source, diagnostic
 
     def text(self) -> str:
-        """Returns the message, the option with a caret, and the hint, without a file and line."""
+        """Returns the message, the option with a caret at the error, and the hint."""
         _, line, caret, *help = self.diagnostic.text(self.source).split("\n")
         shown = (part.partition("| ")[2] for part in (line, caret))
         return "\n".join([self.diagnostic.message, *(f"   {s}" for s in shown), *help])
@@ -67,8 +67,8 @@ def quantity(
     values: Mapping[str, int] = {},
     name: str = "the value",
 ) -> Fraction | float:
-    """Returns a value in SI. A number without a unit is in `unit`, an SI unit as in a Model;
-    `values` are the usable sizes; `name` names the value in messages. Raises OptionError."""
+    """Returns a value in SI. A number without a unit is taken in `unit`, an SI unit. `values`: the
+    sizes that it may use; `name`: its name in messages. Raises OptionError."""
     source = _source(text)
     setting = _parsed(source, [Token("UNTIL", "until", start_pos=0, end_pos=0)], [])
     dimension = NONE if dimensionless else parse_unit(unit).dimension if unit else NONE
@@ -90,7 +90,7 @@ def quantity(
 
 
 def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
-    """Parses the target of `--start`: NAME or NAME[index], with primes. Raises OptionError."""
+    """Parses the target of `--start`, such as `a`, `q[1]` or `q[1]'`. Raises OptionError."""
     component = _COMPONENT.fullmatch(text)
     if component:
         side = left_side(component[1] + component[3], sizes)
@@ -142,7 +142,7 @@ def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
     except UnexpectedToken as error:
         found = explain(source, lexed, error)
         message, help = found.message, found.help
-        if message.endswith("takes one item"):  # about the statement wrapped around the value
+        if message.endswith("takes one item"):  # Not about the user's text.
             message, help = "one value is needed here", ""
         elif help.startswith(("the form", "e.g.")):
             help = ""

@@ -1,4 +1,4 @@
-"""Checks that default values are within their bounds, evaluated as in the generated C."""
+"""Checks that default values are within their bounds; both are evaluated as in the generated C."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def check_bounds(
     sizes: Mapping[str, int],
     report: Report,
 ) -> None:
-    """Reports defaults that are not finite or out of bounds, and empty bounds."""
+    """Reports defaults that are not finite or out of bounds, and bounds that admit no value."""
     values: dict[object, object] = {}
     items = sorted([*parameters, *definitions], key=lambda x: x.span.start)
     for item in items:
@@ -33,7 +33,7 @@ def check_bounds(
             try:
                 value = evaluate(item.default, values, inner)
             except KeyError:
-                break  # it depends on a parameter with an error
+                break  # The default depends on a parameter with an error.
             except NoValue as error:
                 report.error(f"the default of {shown}: {error}", item.default.span)
                 value = Fraction(1)
@@ -46,11 +46,11 @@ def check_bounds(
                     item.default.span,
                     f"a bound without a unit is in [{item.unit}]" if item.unit else "",
                 )
-                bounds = None  # one member of a family is enough
+                bounds = None  # One error for each family is enough.
 
 
 def _constant(item: m.Definition, values: dict, sizes: Mapping[str, int]) -> None:
-    with suppress(NoValue, KeyError):  # a `let` that is no constant, or reported already
+    with suppress(NoValue, KeyError):  # The `let` is not constant, or has an error.
         values[item.name] = evaluate(item.value, values, sizes)
 
 
@@ -60,12 +60,12 @@ def _indices(item: m.Parameter, sizes: Mapping[str, int]):
     lo, hi = integer(item.range.lo, sizes), integer(item.range.hi, sizes)
     if hi - lo < limits.SAMPLED:
         return range(lo, hi + 1)
-    half = limits.SAMPLED // 2  # of a longer family, half at each end
+    half = limits.SAMPLED // 2  # Only the first and last members of a long family are checked.
     return [*range(lo, lo + half), *range(hi - half + 1, hi + 1)]
 
 
 def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Report):
-    """Returns the values (lo, hi), None for an infinite one; one None after an error."""
+    """Returns the values (lo, hi), each None if infinite; None instead of a pair after an error."""
     ends = []
     for end in (item.bounds.lo, item.bounds.hi):
         try:

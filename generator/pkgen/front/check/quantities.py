@@ -1,4 +1,4 @@
-"""Decides to what a `[unit]` applies, and folds it in.
+"""Decides to which expression a `[unit]` applies, and multiplies this by the unit's factor.
 
 A unit applies to the whole expression before it if that is a pure number or has the unit already
 (`1/2 [m]`, `l/2 [m]`). Otherwise it applies to the longest sequence of numbers and constants before
@@ -32,7 +32,7 @@ class Quantities(Checking):
         return self._measured(expr, of, facts, unit)
 
     def terms(self, expr: Add) -> tuple[Expr, ...]:
-        """Returns the terms of a sum; a unit within it applies also to the numbers before it."""
+        """Returns the terms of a sum; a unit after a term applies to plain numbers before it."""
         terms = list(expr.terms)
         for j in range(len(terms) - 1, 0, -1):
             found = terms[j]
@@ -61,7 +61,7 @@ class Quantities(Checking):
         return self._measured(expr, *whole, unit)
 
     def _is_plain(self, expr: Expr) -> bool:
-        """Whether an expression contains only numbers and constants without a unit."""
+        """Whether an expression contains only constants and numbers without a unit."""
         if isinstance(expr, Number):
             return True
         if isinstance(expr, Name):
@@ -102,7 +102,7 @@ class Quantities(Checking):
         return of, facts
 
     def _factor(self, expr: Quantity, of: Expr, facts: Facts, unit: units.Unit) -> Checked:
-        """Applies the unit to the last factors of a product, if these are numbers."""
+        """Applies the unit to the last factors of a product, which must be numbers."""
         product = expr.of
         factors = product.factors if isinstance(product, Multiply) else ()
         count = len(factors)
@@ -124,15 +124,15 @@ class Quantities(Checking):
 
 
 def _is_pure(facts: Facts, unit: units.Unit) -> bool:
-    """Whether a unit scales the whole expression: 0.3 [m], 0.3*sin(theta) [m]. An angle declared in
-    radians is not: [deg] after it must not convert it."""
+    """Whether a unit applies to the whole expression: 0.3 [m], 0.3*sin(theta) [m]. An angle
+    declared in radians is excluded: a [deg] after it must not convert it."""
     if facts.dimension is None:
         return True
     return facts.dimension == NONE and (unit.dimension != NONE or not facts.united)
 
 
 def _scaled(of: Expr, unit: units.Unit, span: Span) -> Expr:
-    """Returns `of` times the unit's factor."""
+    """Returns the expression `of` times the unit's factor."""
     if unit.is_si:
         return of
     if isinstance(of, Number) and not unit.pi:

@@ -1,4 +1,4 @@
-"""Checks that a model has all it needs, after all of its statements have been checked."""
+"""Checks that a model has the statements it needs, after all statements have been checked."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .shared import Shared
 
 
 class Required:
-    """`broken`: keywords of statements that did not parse, "" for one without a keyword."""
+    """`broken`: keywords of statements that did not parse; contains "" for an unknown keyword."""
 
     def __init__(self, file: st.File, shared: Shared, broken: set[str]) -> None:
         self.file, self.shared, self.report, self.broken = file, shared, shared.report, broken
@@ -20,7 +20,7 @@ class Required:
 
     def _required(self) -> None:
         if not self.file.statements:
-            if not self.file.diagnostics:  # else there are statements that did not parse
+            if not self.file.diagnostics:  # Otherwise all statements have syntax errors.
                 self.report.error(
                     "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
                 )
@@ -33,7 +33,7 @@ class Required:
             self.report.error("the model has no name", at, "the first statement is 'model NAME'")
         elif parts["name"] and first is not parts["name"][0]:
             self.report.error("'model' must be the first statement", at)
-        if "" in broken:  # a line that starts with no known word may have been any of these
+        if "" in broken:  # A line without a known keyword may be the missing statement.
             return
         names = self.shared.names
         if not names.moving | names.states and not broken & {
@@ -56,11 +56,11 @@ class Required:
             )
 
     def _bodies(self) -> bool:
-        """Whether there are bodies; if they have no errors they have kinetic energies."""
+        """Whether the model has bodies; bodies without errors have kinetic energies."""
         return any(isinstance(s, st.Body) for s in self.file.statements)
 
     def _states_alone(self) -> None:
-        """Reports energies in a model of states, where nothing has a second derivative."""
+        """Reports energies in a model that has states but no coordinates."""
         for statement in self.file.statements:
             if isinstance(statement, st.Single):
                 self.report.error(
@@ -82,7 +82,7 @@ class Required:
                 self.report.error(message, self._first_line(), help)
 
     def inertia(self) -> None:
-        """Reports coordinates whose rate is in no energy; `derive` checks M itself."""
+        """Reports coordinates whose rate is in no energy; `derive` checks the mass matrix."""
         energies = self.shared.energies
         has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
         if not has_kinetic or not all(f.known for f in energies):

@@ -1,7 +1,7 @@
-"""Checks `rotation`, and forces, starts and ends of rotations.
+"""Checks `rotation`, and forces, starts (initial values) and ends of rotations.
 
-In a Model a rotation is three coordinates, whose rates are its body rates, and four states, its
-quaternion: see check/rotations.py. So a torque is three forces, and a start is four starts.
+In a Model a rotation is three coordinates, whose rates are the body rates, and four states, the
+quaternion: see check/rotations.py. So a torque is three forces, an initial attitude four starts.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from .scope import Scope
 from .shared import Checks
 from .vectors import component
 
-TURNS = 5  # factors of a start or an end: the terms of their product multiply
+TURNS = 5  # Most factors in a product; its terms multiply.
 
 
 class Rotations(Checks):
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        """Checks `rotation NAME`; reports a unit, and ignores `unit`."""
+        """Checks `rotation NAME`; reports a unit. The argument `unit` is not used."""
         if item.unit is not None:
             self.report.error("a rotation has no unit", item.unit.span, f"rotation {item.name}")
         own, turns = frozenset((item.name,)), (attitude(item.name, None, item.span),)
@@ -44,7 +44,7 @@ class Rotations(Checks):
         self.parts["rotations"].append(rotation)
 
     def force(self, statement: st.Define) -> Iterable[m.Force]:
-        """Checks a torque, a vector of body components; returns three forces."""
+        """Checks a torque, a vector of components in the body frame; returns three forces."""
         left = statement.left
         found = self.shared.wanted_of(left, statement.value, "a force", ("rotation",), "force")
         if found is None:
@@ -65,8 +65,8 @@ class Rotations(Checks):
     def start(
         self, item: st.StartItem, entry: Entry | None, around: Scope
     ) -> tuple[m.Start, ...] | None:
-        """Returns `start R = rot(...)` as four starts of its quaternion, `start omega(R) = [...]`
-        as three starts of rates; None after an error."""
+        """Returns four starts of the quaternion for `start R = rot(...)`, three starts of the rates
+        for `start omega(R) = [...]`; None after an error."""
         left = item.left
         before = len(self.report.errors)
         if item.function not in ("", "omega"):
@@ -80,7 +80,7 @@ class Rotations(Checks):
             help = f"start omega({left.name}) = [x, y, z]"
             self.report.error(f"the rates of a rotation are omega({left.name})", item.span, help)
         scope = self.shared.member_scope(left, entry, around) or around
-        of_rates = item.function or item.order  # R' is reported; its value is checked as rates
+        of_rates = item.function or item.order  # R' is reported as an error above.
         values = self._rates(item, scope) if of_rates else self._attitude(item, scope)
         if len(self.report.errors) > before or entry is None or not values:
             return None
@@ -102,7 +102,7 @@ class Rotations(Checks):
     def numbers(
         self, what: str, example: str, value: Expr, around: Scope
     ) -> tuple[tuple[Expr, ...] | None, Facts]:
-        """Returns the quaternion of rot(AXIS, ANGLE)*…, None after an error, and its facts."""
+        """Returns the quaternion of a product of rot(...), None after an error, and its facts."""
         _, facts = self.expressions.factor(value, around)
         if not facts.turns:
             if facts.known:
@@ -113,7 +113,7 @@ class Rotations(Checks):
             self.report.error(f"{what} of more than {TURNS} turns", value.span)
             return None, facts
         if any(turn.quaternion is not None for turn in facts.turns):
-            return None, facts  # it names a declared rotation, which is reported already
+            return None, facts  # A declared rotation in it is reported elsewhere.
         if any(turn.angle is None for turn in facts.turns):
             self.report.error(f"{what} is a product of rot(AXIS, ANGLE)", value.span)
             return None, facts
@@ -122,7 +122,7 @@ class Rotations(Checks):
 
 def ends_of(end: m.End, numbers: tuple[Expr, ...] | None) -> Iterable[m.End]:
     """Yields the ends of the states and coordinates of a family of rotations. `numbers` is the
-    quaternion of a fixed end; its body rates follow from it, so their value is None."""
+    quaternion of a fixed end; the coordinates get None there, since the rates follow from it."""
     for k, number in enumerate(quaternion_names(end.name)):
         yield replace(end, name=number, value=numbers and numbers[k])
     for turn in turn_names(end.name):
@@ -146,6 +146,6 @@ def states_of(rotation: m.Rotation) -> Iterable[m.State]:
 
 
 def identity(rotation: m.Rotation) -> m.Start:
-    """Returns the default start: the quaternion w = 1 of the identity."""
+    """Returns the default start, the identity quaternion (1, 0, 0, 0)."""
     one = Number(Fraction(1), rotation.span)
     return m.Start(rotation.quaternion[0], None, rotation.range, 0, one, rotation.span)

@@ -1,8 +1,8 @@
-"""Checks the functions of rotations: rot, inverse, omega, euler and tait_bryan; and defines the
+"""Checks the functions of rotations, rot, inverse, omega, euler and tait_bryan, and defines the
 scalars of a declared rotation R.
 
 R is an attitude in SO(3), body to space, given by the unit quaternion R.w, R.x, R.y, R.z. Its rates
-are the body rates omega(R). A checked model has only their scalars: the four quaternion components
+are the body rates omega(R). A checked model contains only scalars: the four quaternion components
 are states, and the body rates are the rates of three hidden coordinates turn(R).x, .y and .z, on
 which nothing depends (quasi-coordinates: Whittaker, Analytical Dynamics, section 30)."""
 
@@ -21,7 +21,7 @@ from .vectors import EXAMPLE, applied, component
 
 
 def quaternion_names(rotation: str) -> tuple[str, ...]:
-    """Returns the names of its quaternion's states, in their order."""
+    """Returns the names of the four quaternion states: R.w, R.x, R.y, R.z."""
     return tuple(f"{rotation}.{axis}" for axis in "wxyz")
 
 
@@ -31,19 +31,19 @@ def rate_names(rotation: str) -> tuple[str, ...]:
 
 
 def turn_names(rotation: str) -> tuple[str, ...]:
-    """Returns the names of the coordinates of the body rates, which no model can write."""
+    """Returns the names of the hidden coordinates whose rates are the body rates."""
     return tuple(f"turn({rotation}).{axis}" for axis in AXES)
 
 
 def attitude(name: str, index: Expr | None, span: Span) -> Turn:
-    """Returns the Turn of a declared rotation or of a family's member."""
+    """Returns the Turn of a declared rotation or of a member of a family of rotations."""
     numbers = tuple(Name(number, index, span) for number in quaternion_names(name))
     return Turn(quaternion=Vector(numbers, span), name=name, index=index)
 
 
 def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """Returns the unit quaternion w, x, y, z of a product of rot(AXIS, ANGLE). For a factor it is
-    cos(angle/2), sin(angle/2) axis/|axis|. Returns () for no factors."""
+    """Returns the unit quaternion w, x, y, z of a product of rot(AXIS, ANGLE). The quaternion of a
+    factor is cos(angle/2), sin(angle/2) axis/|axis|. Returns () for no factors."""
 
     def times(a: Expr, b: Expr) -> Expr:
         return Multiply((a, b), (1, 1), span)
@@ -62,7 +62,7 @@ def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
 
 
 def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tuple[Expr, ...]:
-    """Returns the product of two quaternions: i j = k, j k = i, k i = j."""
+    """Returns the product of two quaternions, with i j = k, j k = i, k i = j."""
 
     def row(*terms: tuple[int, int, int]) -> Expr:
         return Add(tuple(times(a[i], b[j]) for _, i, j in terms), tuple(s for s, *_ in terms), span)
@@ -77,8 +77,8 @@ def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tup
 
 class RotationCalls(Checking):
     def rotation_call(self, expr: Call, parts: list[Checked]) -> Checked:
-        """Checks a call with its checked arguments `parts`. If it is a rotation, only the `turns`
-        of its facts count, not the expression."""
+        """Checks a call whose arguments `parts` have been checked. If the result is a rotation,
+        only `turns` of its facts is valid, and the returned expression is not used."""
         if expr.function == "rot":
             return self._rot(expr, parts)
         if len(parts) != 1:
@@ -156,8 +156,7 @@ def _tait_bryan(turns: Turns, span: Span) -> tuple[Expr, ...]:
 
 
 def _column(turns: Turns, axis: str, span: Span) -> list[Expr]:
-    """Returns a column of a rotation's matrix, the rotated unit vector. A column of the inverse is
-    a row of the matrix."""
+    """Returns a column of a rotation's matrix: the rotated unit vector along `axis`."""
     unit = Vector(tuple(Number(Fraction(int(axis == x)), span) for x in AXES), span)
     whole = applied(turns, unit, span)
     return [Component(whole, k, span) for k in range(len(AXES))]
@@ -168,7 +167,7 @@ def _inverse(turns: Turns) -> Turns:
 
 
 def _of_no_name(turns: Turns) -> str:
-    """Returns a hint how to get the rates of a rotation that is not declared."""
+    """Returns a hint about the rates of a rotation that has no name."""
     if len(turns) > 1:
         return "of a product of rotations the rates are in several frames: add them as vectors"
     if turns[0].quaternion is not None:

@@ -1,4 +1,4 @@
-"""Values of a model's parameters and constants, and of a scene's expressions in them."""
+"""Computes the values of a model's parameters and constants, and of expressions in a scene."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ...tree import Expr
 from .params import within
 from .values import NoValue, evaluate
 
-BYTES = 20  # size of a number as text
+BYTES = 20  # Bytes of a number as text.
 Number = Fraction | float
-Key = tuple[str, int | None]  # a name and the index of a member
+Key = tuple[str, int | None]  # name, index of a family member
 
 
 def has_row(t: float, every: float | None, until: float) -> bool:
-    """Whether a swarm's member has a row at t: at both ends, and at multiples of `every`."""
+    """Whether a run in a swarm writes a row at t: at both ends, and at multiples of `every`."""
     if t in (0, until):
         return True
     if every is None:
@@ -31,7 +31,7 @@ def has_row(t: float, every: float | None, until: float) -> bool:
 
 
 def too_much(rows: float, numbers: int, members: int | None) -> str:
-    """Returns a message if the rows of all members exceed limits.WRITTEN numbers, else ""."""
+    """Returns a message if all rows together exceed limits.WRITTEN numbers, else ""."""
     total = rows * numbers * (members or 1)
     if total <= limits.WRITTEN:
         return ""
@@ -48,7 +48,7 @@ def within_bounds(
     value: float,
     others: Mapping[Key, float] | None = None,
 ) -> bool:
-    """Whether a value is in a parameter's bounds; parameters not in `others` have defaults."""
+    """Whether a value is in a parameter's bounds; `others` are parameters not at their defaults."""
     values, bounds = Values(model, {**(others or {}), (item.name, index): value}), item.bounds
     loop = {**values.sizes, **({} if index is None else {item.range.variable: index})}
     ends = [e and values.number(item.name, e, loop) for e in (bounds.lo, bounds.hi)]
@@ -56,7 +56,7 @@ def within_bounds(
 
 
 class WrongValue(Exception):
-    """An expression of a scene has no value, or a wrong one; `span` is its place."""
+    """An expression of a scene has no value, or a wrong one; `span` is its source position."""
 
     def __init__(self, message: str, span: Span, help: str = ""):
         super().__init__(message)
@@ -64,7 +64,7 @@ class WrongValue(Exception):
 
 
 class Values:
-    """Values of parameters and constants; `given` values override those that a scene sets."""
+    """Values of parameters and constants; values in `given` override values of the scene."""
 
     def __init__(self, model: Model, given: Mapping[Key, float]):
         self.model, self.given = model, dict(given)
@@ -73,7 +73,7 @@ class Values:
         self.set({})
 
     def set(self, more: Mapping[Key, float]) -> None:
-        """Recomputes all values with the parameters in `more`; `given` ones take precedence."""
+        """Recomputes all values with those in `more`; values in `given` take precedence."""
         given = {**more, **self.given}
         self.values.clear()
         items = (*self.model.parameters, *self.model.definitions)
@@ -84,7 +84,7 @@ class Values:
                 self._keep(item.name, item.value, self.sizes)
 
     def members(self, item: Parameter) -> list[tuple[int | None, object]]:
-        """Returns the members that are evaluated, (index, key) each; none of a too long family."""
+        """Returns the members to evaluate, as (index, key); [] for a very large family."""
         if item.range is None:
             return [(None, item.name)]
         lo, hi = (integer(end, self.sizes) for end in (item.range.lo, item.range.hi))
@@ -101,7 +101,7 @@ class Values:
     def _keep(self, key: object, expr: Expr, loop: Mapping[str, int]) -> None:
         try:
             self.values[key] = evaluate(expr, self.values, loop)
-        except (NoValue, KeyError):  # a definition that is no constant, or an error that C reports
+        except (NoValue, KeyError):  # Not a constant, or an error reported by C.
             self.values.pop(key, None)
 
     def assigned(self, item: Assignment) -> list[tuple[int | None, float]]:

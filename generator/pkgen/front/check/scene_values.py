@@ -1,7 +1,7 @@
 """Checks the numbers of a scene: bounds, signs, and times within the run.
 
-Here parameters have the model's and the scene's values. Options of the command line may change
-them, so the package `scenes` and the C check again.
+Parameters have the values of the model and the scene. Options of the command line may change them,
+so the package `scenes` and the C code check again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def check_scene_values(model: Model, report: Report) -> None:
         _Numbers(model, scene, report).check()
 
 
-SHORTEST = 10 * sys.float_info.epsilon  # least step or interval, over the whole time: as in main.c
+SHORTEST = 10 * sys.float_info.epsilon  # Least step, as a fraction of the run time; as in main.c.
 
 
 class _Numbers:
@@ -55,7 +55,7 @@ class _Numbers:
                 )
 
     def _interval(self, name: str, expr: Expr | None, until: float | None) -> float | None:
-        """Returns a step or an interval; reports one that is too long or too short for the run."""
+        """Returns a step or interval; reports one that is too long or too short for the run."""
         found = self._of(lambda: self.values.positive(name, expr))
         if found is None or until is None:
             return found
@@ -68,7 +68,7 @@ class _Numbers:
         return found
 
     def _rows(self, record: Record, every: float | None, until: float | None) -> None:
-        """Reports a record with more rows than limits.WRITTEN allows, probably a mistake."""
+        """Reports a record with more rows than limits.WRITTEN allows."""
         if until is None or (every and every < SHORTEST * until):  # reported already
             return
         members, swarm = None, self.scene.swarm
@@ -89,10 +89,10 @@ class _Numbers:
             return None
 
     def _assignments(self) -> None:
-        """Evaluates the assignments in order; reports parameters out of their bounds."""
+        """Evaluates the assignments in order; reports parameters outside their bounds."""
         parameters = {p.name: p for p in self.model.parameters}
         given: dict = {}
-        outside: set[str] = set()  # a parameter is reported once
+        outside: set[str] = set()  # Each parameter is reported once.
         for item in self.scene.assignments:
             if item.varies:
                 continue

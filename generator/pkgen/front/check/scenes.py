@@ -1,7 +1,7 @@
 """Checks scenes, clause by clause: names, units, members, and combinations of clauses.
 
-`check/given.py` checks what a scene sets, `check/settings.py` numbers and events,
-`check/expects.py` expectations; `check/scene_values.py` checks values that are known already.
+`check/given.py` checks the values that a scene sets, `check/settings.py` numbers and events,
+`check/expects.py` expectations; `check/scene_values.py` checks values known at compile time.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Scenes(Checks):
         self.expects = Expects(shared, self.settings)
 
     def head(self, scene: st.Scene) -> None:
-        """Does nothing: check() runs at the end, when all names are known."""
+        """Does nothing: check() runs later, when all names are known."""
 
     def check(self, scene: st.Scene) -> None:
         if any(s.name == scene.name for s in self.parts["scenes"]):
@@ -124,7 +124,7 @@ class _Scene(Given):
         )
 
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
-        """Returns the columns of a recorded name: one, three for a vector, four for a rotation."""
+        """Returns a recorded name's columns: 1, for a vector 3, for a rotation 4."""
         before = len(self.report.errors)
         value, facts = self.expressions.factor(item, Scope(PLACES["record"]))
         if len(self.report.errors) > before:

@@ -1,4 +1,4 @@
-"""The places where expressions stand in a model, and what each may use."""
+"""The kinds of place where a model has expressions, and the names that each allows."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Interval = tuple[int, int]
 
 @record
 class Loop:
-    """A range with integer ends, and the interval that contains all values of its variable."""
+    """A loop over an integer range, and the interval that contains all values of its variable."""
 
     range: Range
     interval: Interval
@@ -20,15 +20,15 @@ class Loop:
 
 @record
 class Place:
-    """A place of expressions: `what` it is in messages, the kinds of names that it takes, and
-    whether it takes derivatives."""
+    """A kind of place where expressions stand: its description `what` in messages, the kinds of
+    names allowed there, and whether derivatives are allowed."""
 
     what: str
     kinds: frozenset[str]
     may_use: str
     derivatives: bool = False
-    missing: str = ""  # hint for an unknown name; "": the general one
-    accelerations: bool = False  # takes accelerations
+    missing: str = ""  # Hint for an unknown name; "": the default hint.
+    accelerations: bool = False  # Accelerations are allowed.
 
 
 DECLARED = "declare it: param {name} = 1"
@@ -76,10 +76,10 @@ PLACES: dict[str, Place] = {
 
 @record
 class Scope:
-    """A place and the loops around it, outermost first. `name` is being defined."""
+    """A Place and the loops around it, outermost first; `name` is the name being defined."""
 
     place: Place
     loops: tuple[Loop, ...] = ()
     name: str = ""
     variables: frozenset[str] = field(default=frozenset())
-    points: int = 1  # upper bound of the number of the loops' iterations
+    points: int = 1  # Upper bound of the iterations of all loops.

@@ -14,7 +14,7 @@ from .names import KIND_TEXT
 from .scope import PLACES, Scope
 from .shared import Checks, as_is
 
-# The best relative accuracy in double precision: rounding of the result and of its formula.
+# The smallest accuracy allowed: rounding of the result and of its formula, in double precision.
 FINEST = 2.0**-51
 
 
@@ -54,7 +54,7 @@ class Settings(Checks):
         return new
 
     def method(self, clause: st.Method) -> None:
-        """Reports an unknown method, or settings that it lacks or does not take."""
+        """Reports an unknown method, missing settings, and settings that do not apply to it."""
         methods = known(self.parts["methods"])
         name, method = clause.name, methods.get(clause.name)
         if method is None:
@@ -72,7 +72,7 @@ class Settings(Checks):
             )
 
     def event(self, at: Expr, clause: str) -> str:
-        """Returns the name of an event, "" after an error."""
+        """Returns the name of an event; "" after an error."""
         events = {e.name for e in self.parts["events"]}
         if isinstance(at, Name) and at.index is None and at.id in events:
             return at.id

@@ -1,4 +1,4 @@
-"""State and helpers that all checks of statements share: tables, collected parts, left sides."""
+"""State and helpers that all checks of statements share: tables, collected results, left sides."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ORIGIN = "O"
 @record
 class Variable:
     """A declared coordinate or state: the range of its family, its dimension, the units shown for
-    it and for its rate, and whether the name was free."""
+    its value and for its rate; `new` is False if the name was taken."""
 
     family: Range | None
     dimension: Dimension
@@ -34,7 +34,7 @@ class Variable:
 
 
 class Checks:
-    """Base of the classes that check statements."""
+    """Base class of the classes that check statements."""
 
     def __init__(self, shared: Shared) -> None:
         self.shared, self.parts = shared, shared.parts
@@ -43,27 +43,27 @@ class Checks:
 
 
 class Shared:
-    """One instance for each model; the checks of statements fill its `parts`."""
+    """State shared by all checks of one model; they add their results to `parts`."""
 
     def __init__(
         self, expressions: Expressions, report: Report, names: Names, given: dict[str, int]
     ) -> None:
         self.expressions, self.report, self.names = expressions, report, names
         self.indices, self.sizes = expressions.indices, expressions.sizes
-        self.given = given  # sizes set on the command line
+        self.given = given  # Sizes set on the command line.
         self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
-        self.energies: list[Facts] = []  # facts of kinetic, potential and lagrangian
-        self.inputs: dict[str, int] = {}  # the highest derivative that occurs, by input
-        self.sound: set[Span] = set()  # statements of parameters and constants without errors
+        self.energies: list[Facts] = []  # Facts of each kinetic, potential or lagrangian.
+        self.inputs: dict[str, int] = {}  # input -> highest derivative
+        self.sound: set[Span] = set()  # Parameters and constants without an error.
 
     @property
     def moving(self) -> tuple[str, ...]:
-        """Kinds of names in this model that have starts and whose families have ends."""
+        """The kinds of names in this model that have initial values."""
         others = {"state": self.names.states, "rotation": self.names.rotations}
         return ("coordinate", *(kind for kind, names in others.items() if names))
 
     def origin(self, value: Expr) -> Expr:
-        """Replaces the name O by the zero vector, unless the model declares an O."""
+        """Replaces the name O, the origin, by the zero vector, unless the model declares an O."""
         if ORIGIN in self.names.table or ORIGIN in self.names.later:
             return value
 
@@ -79,7 +79,7 @@ class Shared:
             self.inputs[name] = max(order, self.inputs.get(name, 0))
 
     def left_scope(self, left: st.Left, place: str) -> tuple[Scope, Members | None]:
-        """Returns the scope of a definition's right side, and the members that it defines."""
+        """Returns the scope of a definition's right side, and the indices that it defines."""
         scope = Scope(PLACES[place], name=left.name)
         if left.range is not None:
             inner = self.indices.enter((left.range,), scope)
@@ -96,7 +96,7 @@ class Shared:
         return scope, Members((index, index)) if index is not None else Members()
 
     def _no_family(self, left: st.Left) -> None:
-        """Reports `param m[kg] = 1` or `param m[1] = 1`."""
+        """Reports a single index in a declaration: `param m[kg] = 1`, `param m[1] = 1`."""
         name, index = left.name, left.index
         if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
             message = f"'{name}[{index.id}]': a bracket that touches a name is an index"
@@ -112,8 +112,8 @@ class Shared:
     def variable(
         self, item: st.Declared, unit: units.Unit | None, kind: str, **own: frozenset[str]
     ) -> Variable | None:
-        """Declares a coordinate or a state; `own` is the field of Facts that holds its name.
-        Returns None after an error."""
+        """Declares a coordinate or a state; `own` is the field of Facts that contains the
+        variable's name. Returns None after an error."""
         dimension = None if unit is None else unit.dimension
         united = dimension is not None and unit is not units.ONE
         facts = Facts(dimension, united=united, known=unit is not None, **own)
@@ -129,7 +129,7 @@ class Shared:
     def declared(
         self, item: st.Declared, kind: str, facts: Facts
     ) -> tuple[Range | None, bool] | None:
-        """Declares a name; returns its range and whether it was free, None after an error."""
+        """Declares a name; returns its range and whether the name was free, None after an error."""
         ends = members = family = None
         if item.lo is not None:
             ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
@@ -141,7 +141,7 @@ class Shared:
         return family, new
 
     def members_of(self, left: st.Left) -> tuple[int, int] | None:
-        """Returns the first and last member of a left side; None if empty, (0, 0) for no family."""
+        """Returns a left side's first and last index: (0, 0) without index, None if empty."""
         if left.range is not None:
             lo, hi = (integer(end, self.sizes) for end in (left.range.lo, left.range.hi))
             return (lo, hi) if lo <= hi else None
@@ -151,8 +151,8 @@ class Shared:
     def wanted_of(
         self, left: st.Left, value: Expr, what: str, kinds: tuple[str, ...], place: str
     ) -> tuple[Entry, Scope] | None:
-        """Returns the entry and the scope of a statement `what`, which applies to `kinds` of names.
-        After an error checks the value without a target and returns None."""
+        """Returns the entry and the scope of a statement `what`, which applies to names of certain
+        `kinds`. After an error checks the value without a target and returns None."""
         entry = self.named(left, what, kinds)
         scope = self.member_scope(left, entry, Scope(PLACES[place]))
         if entry is not None and scope is not None and entry.facts.dimension is not None:
@@ -163,7 +163,7 @@ class Shared:
     def named(
         self, left: st.Left, what: str, kinds: tuple[str, ...] = ("coordinate",)
     ) -> Entry | None:
-        """Returns the entry of a left side; reports a name not of the `kinds` that `what` takes."""
+        """Returns the entry of a left side; reports a wrong kind of name. `what`: the statement."""
         entry = self.names.table.get(left.name)
         if entry is None:
             near = {n: e.kind for n, e in self.names.table.items() if e.kind in kinds}
@@ -188,8 +188,8 @@ class Shared:
         return entry
 
     def member_scope(self, left: st.Left, entry: Entry | None, scope: Scope) -> Scope | None:
-        """Returns the scope of a value such as in `force q[i = 1..N] = …`, within `scope`. Reports
-        members that are not declared, or are ends; returns None after an error."""
+        """Returns the scope of the value in a statement such as `force q[i = 1..N] = …`. Reports
+        members that are not declared or are boundary ends; returns None after an error."""
         index = left.index
         if left.range is not None:
             scope = self.indices.enter((left.range,), scope)
@@ -214,7 +214,7 @@ class Shared:
         self.report.error(message, left.span, help)
 
     def shown_unit(self, written: Expr, facts: Facts) -> str:
-        """Returns the unit for display: as written if it has the value's dimension, else in SI."""
+        """Returns the unit for display: as written if the value has its dimension, else in SI."""
         dimension = facts.dimension or NONE
         if isinstance(written, Quantity):
             unit = self.expressions.parsed(written.unit)
@@ -231,7 +231,7 @@ def name_span(left: st.Left) -> Span:
 
 
 def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
-    """Returns a hint for a name of the wrong kind."""
+    """Returns a hint about the right statement, for a name of the wrong kind."""
     if entry.kind == "state":
         return f"what changes a state is its rate: rate {entry.name} = …"
     if entry.kind == "coordinate" and kinds == ("state",):
@@ -249,6 +249,6 @@ def _nearest(name: str, known: list[str], noun: str) -> str:
 
 
 def as_is(name: str, dimension: Dimension | None) -> Target:
-    """Returns the target of a value for a name; a number without a unit is in SI."""
+    """Returns the Target of a value given to a name; a number without a unit is in SI."""
     is_ = "" if dimension is None else units.described(dimension)
     return Target(dimension, f"{name} is {is_}", bare=True)

@@ -1,4 +1,4 @@
-"""Checks `state` and `rate`: first-order variables, each with exactly one rate."""
+"""Checks `state` and `rate`: variables with first-order equations, each with exactly one rate."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .shared import Checks, Shared
 class States(Checks):
     def __init__(self, shared: Shared) -> None:
         super().__init__(shared)
-        self.given: dict[str, Members] = {}  # the members that have a rate, by state
-        self.wrong: set[str] = set()  # states with an error in a rate
+        self.given: dict[str, Members] = {}  # state -> the members that have a rate
+        self.wrong: set[str] = set()  # States whose rate has an error.
 
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         found = self.shared.variable(item, unit, "state", states=frozenset((item.name,)))

@@ -1,7 +1,7 @@
 """Arithmetic on constants, exact where possible, and values of checked expressions.
 
-All results are bounded: a too large power is refused before it is computed, and a constant out of
-the range of double is an error.
+All results are bounded: a power that is too large is refused before it is computed, and a constant
+outside the range of double is an error.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from ...tree import Add, Call, Component, Expr, Multiply, Name, Negate, Number, 
 
 
 class NoValue(Exception):
-    """A constant has no value; the message says why."""
+    """A constant has no value; the message gives the reason."""
 
 
 def checked(value: Fraction | float) -> Fraction | float:
-    """Returns the value; raises NoValue if a double cannot hold it."""
+    """Returns the value; raises NoValue if it is outside the range of double."""
     try:
         rounded = float(value)
     except OverflowError:
@@ -63,7 +63,7 @@ def _mixed(operation: Callable, a: Fraction | float, b: Fraction | float) -> Fra
 
 
 def raised(base: Fraction | float, exponent: Fraction | float) -> Fraction | float:
-    """Returns a power; raises NoValue before it computes one that is too large."""
+    """Returns a power; raises NoValue, before it computes the power, if it would be too large."""
     if base == 0 and exponent < 0:
         raise NoValue("division by zero")
     if abs(exponent) > limits.EXPONENT:
@@ -94,7 +94,7 @@ def called(function: str, arguments: list[Fraction | float]) -> float:
 
 class Evaluation:
     """Evaluates checked expressions without derivatives. Subclasses override the operations for
-    other kinds of numbers. `values` has names, and members of families as (name, index)."""
+    other number types. The keys of `values` are names, or (name, index) for family members."""
 
     added, multiplied = staticmethod(added), staticmethod(multiplied)
     raised, called = staticmethod(raised), staticmethod(called)
@@ -103,7 +103,7 @@ class Evaluation:
         self.values = values
 
     def value(self, expr: Expr, sizes: Mapping[str, int]):
-        """Returns a number, or a tuple of a vector. Raises NoValue; KeyError of an unknown name."""
+        """Returns a number, a tuple for a vector. Raises NoValue, KeyError for an unknown name."""
         match expr:
             case Number(value=value):
                 return value
@@ -153,7 +153,7 @@ class Evaluation:
         return minor(1, 2), minor(2, 0), minor(0, 1)
 
     def _rotate(self, axis: tuple, angle, vector: tuple) -> tuple:
-        """Rotates a vector by Rodrigues' formula, as middle/expand/terms.py does."""
+        """Rotates a vector by Rodrigues' formula, in the same form as middle/expand/terms.py."""
         length = self._norm(axis)
         n = tuple(self.multiplied([x, length], (1, -1)) for x in axis)
         c, s = self.called("cos", [angle]), self.called("sin", [angle])
@@ -169,7 +169,7 @@ def evaluate(expr: Expr, values: Mapping[object, object], sizes: Mapping[str, in
 
 
 def _each(operation: Callable, arguments: list):
-    """Applies an operation to numbers, or, with vectors, to each component."""
+    """Applies an operation to numbers; to vectors component by component."""
     if not any(isinstance(a, tuple) for a in arguments):
         return operation(*arguments)
     rows = ([a[i] if isinstance(a, tuple) else a for a in arguments] for i in range(3))

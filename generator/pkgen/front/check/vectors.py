@@ -1,6 +1,6 @@
 """Splits vectors into components, and applies rotations to vectors.
 
-A vector output r is three outputs `r.x`, `r.y` and `r.z`; the name r stands for the vector of
+A vector output r becomes three outputs `r.x`, `r.y` and `r.z`; the name r then means the vector of
 these. A rotation is a product of factors (Turn), rot(AXIS, ANGLE) or a declared attitude; the
 rightmost is applied first. Checked expressions contain no rotations, only rotate(AXIS, ANGLE,
 VECTOR) and attitude(QUATERNION, VECTOR)."""
@@ -19,8 +19,8 @@ EXAMPLE = "rot([0, 0, 1], angle)*r"
 
 
 def component(vector: Expr, axis: int) -> Expr:
-    """Returns a component of a checked vector: the item of a literal [x, y, z]; for a Sum the sum
-    of components, which can stay a loop."""
+    """Returns a component of a checked vector: an item of a literal [x, y, z]; for a Sum the Sum of
+    the components, so that it can stay a loop."""
     if isinstance(vector, Vector):
         return vector.items[axis]
     if isinstance(vector, Sum):
@@ -40,14 +40,14 @@ def by_component(definition: Definition) -> Iterator[Definition]:
 
 
 def output_vector(expr: Name) -> Vector:
-    """Returns the vector of components for which the name of a vector output stands."""
+    """Returns the vector [r.x, r.y, r.z] for the name r of a vector output."""
     names = (replace(expr, id=component_name(expr.id, axis)) for axis in range(len(AXES)))
     return Vector(tuple(names), expr.span)
 
 
 def turned(expr: Multiply, factors: list[Expr], facts: list[Facts]) -> Expr | None:
-    """Returns a product in which rotations turn a vector. Returns None for a product of rotations
-    alone, a rotation with the factors `turns_of`. Raises Wrong if it is neither."""
+    """Returns a product in which rotations are applied to a vector. Returns None for a product of
+    rotations alone, whose factors are `turns_of(facts)`. Raises Wrong for any other product."""
     last = max(i for i, f in enumerate(facts) if f.turns)
     vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
     numbers = [i for i, f in enumerate(facts) if not f.vector and not f.turns]
@@ -71,7 +71,7 @@ def turned(expr: Multiply, factors: list[Expr], facts: list[Facts]) -> Expr | No
 
 
 def applied(turns: Turns, vector: Expr, span: Span) -> Expr:
-    """Returns the vector rotated by the factors, the rightmost first."""
+    """Returns the vector rotated by the factors; the rightmost is applied first."""
     for turn in reversed(turns):
         if turn.quaternion is not None:
             vector = Call("attitude", (turn.quaternion, vector), span)
