@@ -117,9 +117,8 @@ def stages(
 ) -> Iterator[object]:
     """Yields the result of each of STAGES, in order; a caller may stop after any stage.
 
-    `check` yields (declared model, used model, warnings); `reduce` yields (equations, structure,
-    report); `lower` yields (program, parts, plan).
-    """
+    `check` yields (declared model, model restricted by `use`, warnings); `reduce` yields
+    (equations, structure, report); `lower` yields (program, parts, plan)."""
     file = parse.parse_all(source)
     yield file
     declared, warnings = check.check(file, sizes)

@@ -104,8 +104,8 @@ class Hamiltonian:
 class Particles:
     """Masses m and positions r with T = sum of m/2 |r'|^2 (in a plane z = 0). In `accelerations`
     (r'') the accelerations of the coordinates are symbols. `beyond` describes the other terms of L,
-    which have degree 0 or 1 in the rates. If T is no such sum, all is empty but the reason, `why`
-    and `span`."""
+    which have degree 0 or 1 in the rates. If T is no such sum, only `why` (the reason) and `span`
+    are set."""
 
     masses: Row
     places: Matrix

@@ -61,7 +61,7 @@ class Own(Method):
         """Returns the C that defines the method, by PK_DEFINE_METHOD (pk/methods.h)."""
         flags = " | ".join(f"PK_{trait.upper()}" for trait in sorted(self.traits)) or "0"
         numbers = f"{self.order}, {self.stages}, {self.dense_order}"
-        text = re.sub(r'[^ -~]|["\\?]', "_", self.doc)  # a file name may have any character
+        text = re.sub(r'[^ -~]|["\\?]', "_", self.doc)  # doc may have any character
         return (
             f"PK_DEFINE_METHOD(PK_FAMILY_{self.family}, {self.name}, {numbers}, {flags}, "
             f'{self.name}, "{text}");'

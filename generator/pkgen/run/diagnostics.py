@@ -25,7 +25,7 @@ def _named(column: int, word: str) -> tuple[str, ...]:
 
 _ROWS = _ROW.findall(TABLE.read_text(encoding="utf-8"))
 OF_MEMBERS = _named(1, "MEMBERS")
-OF_REDUCED = _named(1, "REDUCED")  # requested alone, they allow the reduction of a scene
+OF_REDUCED = _named(1, "REDUCED")  # diagnostics for which a scene may be reduced
 NAMES = tuple(name for name, *_ in _ROWS if name not in OF_MEMBERS)
 OF_PARTICLES = frozenset(("all", *_named(2, "PARTICLES")))
 LINEARISED = frozenset(("all", *_named(2, "LINEAR")))  # diagnostics that need the kernel `linear`

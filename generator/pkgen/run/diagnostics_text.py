@@ -259,7 +259,7 @@ def _lrl(found: dict, time: str) -> list[str]:
 
 def _modes(found: dict, time: str) -> list[str]:
     squares = found["squares"]
-    leaving = [math.sqrt(-x) for x in squares if x < 0]  # the squares are sorted
+    leaving = [math.sqrt(-x) for x in squares if x < 0]  # in ascending order
     swings = [f for f in found["frequencies"] if f is not None]
     said = []
     if leaving:

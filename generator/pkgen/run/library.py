@@ -173,7 +173,7 @@ class Run:
         return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
 
     def members(self) -> numpy.ndarray:
-        """Returns a row per ensemble member: final status, last valid time, values `reduced`."""
+        """Returns a row per ensemble member: status, last valid time, numbers set by `reduced`."""
         import numpy
 
         numbers, columns = POINTER(c_double)(), c_size_t()

@@ -159,7 +159,8 @@ class _Reader:
             )
 
     def _lines(self, file: TextIO) -> Iterator[str]:
-        """Yields lines; raises UsageError at a line that is too long, such as that of /dev/zero."""
+        """Yields lines; raises UsageError at a line that is too long (/dev/zero has an endless
+        one)."""
         number = 0
         while text := file.readline(limits.ENSEMBLE_LINE):
             number += 1

@@ -46,7 +46,7 @@ def columns(
     show: tuple[Shown, ...] = (),
     listed: int = LISTED,
 ) -> list[Quantity]:
-    """Returns the columns of the CSV in order; one for a family of more than `listed` members."""
+    """Returns the CSV columns in order; a family of more than `listed` members has only one."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     kinds = named.kinds(compilation)
     if show:

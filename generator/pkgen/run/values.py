@@ -167,7 +167,7 @@ class Values(Numbers):
                 raise UsageError(
                     f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
                 )
-            elif name in self.coordinates or name in self.rates:  # the rates include the states
+            elif name in self.coordinates or name in self.rates:  # `rates` contains the states
                 order = side.order or int(name not in self.coordinates)
                 among = self.rates if order else self.coordinates
                 index, quantity = among[name + "'" * side.order]

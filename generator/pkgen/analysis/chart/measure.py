@@ -54,7 +54,7 @@ class Program:
         """Returns settings that contain every parameter and initial value, as doubles."""
         found = self.start
         numbers = map(float, found["parameters"])
-        lengths = [int(n) for n in found["families"]]  # 0: a scalar parameter
+        lengths = [int(n) for n in found["families"]]  # 0 for a single parameter
         given = [[(i, k, next(numbers)) for k in range(max(n, 1))] for i, n in enumerate(lengths)]
         return replace(
             self.settings,

@@ -67,7 +67,7 @@ class Curve:
         return found
 
     def best(self) -> list[tuple[float, float]]:
-        """Returns the points without luck for which no other point has less error and less cost."""
+        """Returns the points, except lucky ones, that no other beats in both error and cost."""
         found: list[tuple[float, float]] = []
         for value, cost, point in sorted(self.good(), key=lambda g: g[:2]):
             if not point.lucky and (not found or cost < found[-1][1]):

@@ -143,7 +143,7 @@ class Point:
 
 @record
 class Track:
-    """The points of a method, from loose to tight."""
+    """The points of a method, in the order from loose to tight settings."""
 
     method: ChartedMethod
     points: tuple[Point, ...]

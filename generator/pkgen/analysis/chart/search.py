@@ -143,8 +143,8 @@ class Search:
     def _looser(
         self, method: ChartedMethod, tight: Point, accuracy: float, best: float, axis: str
     ) -> bool:
-        """Measures points beyond a looser point that misses the accuracy, since errors of long
-        steps need not be monotonic. Returns whether one of them keeps the accuracy."""
+        """Measures points LOOSER than `tight`, since errors of long steps need not be monotonic: a
+        point may keep the accuracy beyond one that misses it. Returns whether one does."""
         found = False
         for part in LOOSER[method.fixed] if _cost(tight, axis) < LOOSER[True][-1] * best else ():
             setting = tight.setting * part
@@ -178,7 +178,7 @@ class Search:
                 continue
             order = max(1, method.order)
             share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER) if good else UNSEEN
-            finer = share ** (1 / order)  # factor on the step
+            finer = share ** (1 / order)  # factor on the step size
             setting = divided(self.bench.until, last.setting * finer)
             if not method.fixed:
                 setting = max(two_digits(last.setting * share), TIGHTEST)
@@ -218,7 +218,7 @@ class Search:
                 yield until / max(whole + k, round(whole / part))
 
     def _within(self, method: ChartedMethod, low: float, high: float) -> list[Point]:
-        """Returns usable points with low <= setting < high, from loose to tight."""
+        """Returns points that ran, with low <= setting < high, from loose to tight."""
         return [
             p
             for p in self.points[method.name]

@@ -1,5 +1,5 @@
-"""Finds the loosest setting of each candidate that keeps the accuracy over the span of the
-reference, and the cheapest candidate at these settings.
+"""Finds the loosest setting of each candidate that keeps the accuracy, over the time that the
+reference covers, and the cheapest candidate at these settings.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ class Check:
 
     @property
     def in_more_digits(self) -> bool:
-        """Whether trials are compared with rows in a wider type, unlike those of `exact`."""
+        """Whether trials are compared with rows in a wider type (`exact` is a run in double)."""
         return self.against.endswith(DIGITS)
 
     def steady(self, asked: Task) -> bool:

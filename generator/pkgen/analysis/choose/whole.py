@@ -16,7 +16,7 @@ from .reference import FLOOR, Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-SECONDS = 5.0  # most seconds of a trial of the whole scene, which else is not checked
+SECONDS = 5.0  # most seconds of a trial of the whole scene, after which it is given up
 TIGHTER = 0.03  # error of the run for comparison, relative to the accuracy
 SAME = 0.9  # settings with a ratio above this count as the same
 MENDED = 4  # most tightenings of a setting
@@ -79,8 +79,7 @@ class Whole:
         return self._tightest()
 
     def _tightest(self) -> Kept:
-        """Returns a run of the reference's method near round-off, compared with another such run.
-        """
+        """Returns a run of the reference's method near round-off, compared with another one."""
         candidate, every = alone(self.check.method), self.asked.every
         setting = reference.tight(candidate.name, every)
         if self._in_more_digits(candidate):

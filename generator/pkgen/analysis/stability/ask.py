@@ -80,7 +80,7 @@ class Point:
 
 @record
 class Close:
-    """A method's motion that starts near an equilibrium."""
+    """A run of a method that starts near an equilibrium."""
 
     status: str
     steps: int
@@ -147,7 +147,7 @@ class Asker:
     ) -> Equilibrium:
         state = numpy.array([*q, *v], float)
         status, found = modes.settled(self.system, state, numpy.array(doubt, float))
-        if self.system.by_norm:  # the energy is not used
+        if self.system.by_norm:  # energy is no measure of such motions
             energy = 0.0
         return Equilibrium(_floats(q), _floats(v), float(energy), tuple(found), status, slack)
 

@@ -118,7 +118,7 @@ def titles(made: StabilityMap) -> list[str]:
 
 
 def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: int, last: bool):
-    """Draws one method's map. Returns the kinds drawn, and a function to call after the layout."""
+    """Draws a method's map. Returns keys of the legend, and a function to call after the layout."""
     hs, xs = np.array(made.steps[name]), np.array(made.asked.axis.values)
     kinds = [[p.shown for p in row.points if p.method == name] for row in made.rows]
     used = classes.fill(axes, hs, xs, kinds, look)

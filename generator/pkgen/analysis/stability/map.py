@@ -49,7 +49,7 @@ class StabilityMap:
     predictions: tuple[Prediction, ...]  # at the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
-    interrupted: str = ""  # message: how much of an interrupted map is complete
+    interrupted: str = ""  # says how much of an interrupted map is complete
     cycle: Cycle | None = None  # the limit cycle that the motion approaches
     lost: tuple[cycles.Lost, ...] = ()
     ghosts: tuple[Ghost, ...] = ()

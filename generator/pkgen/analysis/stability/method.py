@@ -28,7 +28,7 @@ from .ask import Asker
 
 FURTHEST = 30.0  # largest y in the search for limits and poles
 COARSE = 600  # points of the coarse search
-LEAP = 4  # number of steps that must resolve the motion
+LEAP = 4  # steps after which an error shows that the motion is not resolved
 OUTSIDE = 1e-9  # least excess over 1 of the modulus of an eigenvalue outside the unit circle
 FIRST_GROWTH = 0.05  # a limit below this y counts as growth at any step size
 TWO_PI = 2 * math.pi
@@ -116,7 +116,8 @@ class StepMap:
         return not (self.turning and apart)
 
     def pole(self) -> float | None:
-        """Returns the pole; None if each step up to FURTHEST has a solution."""
+        """Returns the first y at which a step on q'' = +q has no solution, up to FURTHEST; else
+        None."""
         if not self.traits.implicit or (self.states and self._partitioned):
             return None
         return self._pole()

@@ -16,7 +16,7 @@ NEXT = 0.03  # relative distance within which a failing point is near a predicti
 @record
 class Miss:
     method: str
-    kind: str  # limit, 1:3, ..., response, below, above, growth
+    kind: str  # kind of the prediction, or response, below, above, growth
     text: str
 
 
@@ -43,7 +43,7 @@ def name_mode(p: Prediction) -> str:
 
 
 def of_prediction(m: Measured) -> Miss | None:
-    """Returns the miss of a measured prediction, or None."""
+    """Returns a Miss if the measurement differs from the prediction, else None."""
     p = m.prediction
     off = difference(p.h, m.h)
     if not _missed(off, p.sharp):
@@ -175,7 +175,7 @@ def unsought(made: StabilityMap) -> str:
 
 
 def misses(made: StabilityMap) -> list[Miss]:
-    """Returns all misses: predictions first, then responses, then the map."""
+    """Returns all misses: first those of predictions, then of responses, then of points."""
     found = [miss for m in made.measured if (miss := of_prediction(m))]
     found += [miss for g in made.growths if (miss := of_growth(g))]
     for method in made.steps:

@@ -44,14 +44,14 @@ def _largest(system: System, states: numpy.ndarray) -> numpy.ndarray:
 
 
 class _Turning:
-    """The rotation of a coordinate about the equilibrium, step by step."""
+    """Measures the rotation of a coordinate about the equilibrium, step by step."""
 
     def __init__(self, system: System, mode: Mode, steps: int, state: numpy.ndarray):
         self.system, self.omega, self.half = system, mode.frequency, steps // 2
         free = numpy.flatnonzero(~system.idle)
         size = abs(numpy.array(mode.re))
         self.lead = int(free[size[free].argmax()]) if len(free) else 0
-        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sums of each half
+        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sum of angles in each half
         self.angle = float(self._phase(state[None])[0])
 
     def _phase(self, states: numpy.ndarray) -> numpy.ndarray:
@@ -130,7 +130,7 @@ def leave(system: System, modes: Sequence[Mode], mode: int, amplitude: float) ->
     of, most = modes[mode], max(m.growth for m in modes)
     if not of.growth > 0:
         raise UsageError("one mode that grows, please")
-    until = math.log(FAR) / most  # short, since a faster mode grows from round-off
+    until = math.log(FAR) / most  # short: later, a faster mode has grown from round-off
     if of.frequency > 0:  # whole periods, so that the phase has no effect
         period = 2 * math.pi / of.frequency
         until = math.ceil(until / period) * period

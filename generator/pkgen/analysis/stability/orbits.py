@@ -108,8 +108,7 @@ class _Search:
         return numpy.where(slope == 1, 1.0, 1 / (1 - slope))
 
     def newton(self, y: numpy.ndarray, h: float, steps: int) -> dict[int, Closed]:
-        """Returns the solutions found, by index of the start. With a free h there is only one
-        start."""
+        """Returns the solutions found, by index of the start; one start only if h is unknown."""
         d, y, at, found = len(self.unknowns.of), y.copy(), numpy.arange(len(y)), {}
         for _ in range(MOST_TURNS):
             gap, slopes = self.gap(y, h, steps), self.slopes(y, h, steps)

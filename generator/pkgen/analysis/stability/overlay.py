@@ -138,7 +138,7 @@ def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
             if not frame.x0 <= x <= frame.x1:
                 continue
             half = size.width / 2 + 2 * gap
-            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keep it inside the frame
+            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keeps the label inside the frame
             here = Bbox.from_bounds(
                 x - size.width / 2 - gap, y - size.height / 2 - 2 * gap, size.width + 2 * gap,
                 size.height + 4 * gap,

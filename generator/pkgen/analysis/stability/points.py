@@ -121,7 +121,7 @@ class _Energies:
 
 @numpy.errstate(all="ignore")
 def classified(reference: Reference, method: str, h: float) -> dict[str, str | float | None]:
-    """Returns the fields of a Point."""
+    """Runs a method with step size h; returns the fields of a Point (ask.py)."""
     system = reference.system
     if not reference.followed:
         raise UsageError("ask for the motion first")

@@ -30,7 +30,7 @@ class System:
             raise UsageError(self.run.messages.strip().splitlines()[-1])
         given = self.run.given()
         self.given = given
-        self.n, self.m = len(given["v"]), len(given["q"])  # numbers of unknowns, of coordinates
+        self.n, self.m = len(given["v"]), len(given["q"])  # numbers of unknowns and of coordinates
         self.turning = 3 * given["rotations"]  # number of body rates; quaternions follow them
         self.bound = bool(given["rotations"] or given["constraints"])
         self.start = numpy.array(
@@ -42,7 +42,7 @@ class System:
         others = self.m + 7 * given["rotations"]
         if self.n > others:
             self.idle[self.m :] = self._unread()
-        # First-order variables matter: motions are judged by their distance from the start.
+        # If rates depend on first-order variables, motions are judged by distance from the start.
         self.by_norm = not self.idle[others:].all()
         self.reach: numpy.ndarray | None = None  # largest distance of each unknown from the start
         self.middle = self.box = numpy.zeros(0)  # one value per number in a state; set by cover()

@@ -151,7 +151,7 @@ def _state(made: StabilityMap, y: tuple[float, ...], beside: tuple[tuple[float, 
 
 
 def cycle(made: StabilityMap) -> str:
-    """Describes the cycle in a sentence."""
+    """Returns a sentence on the limit cycle and its stability."""
     assert made.cycle
     unit = "" if made.compilation.model.dimensionless else " s"
     kind = "in step with what drives it, of period" if made.cycle.driven else "on a cycle of period"
