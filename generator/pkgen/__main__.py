@@ -1,6 +1,6 @@
 """The command line: runs a command, turns its failures into messages and exit codes.
 
-Exit codes: 0 done; 1 the model is wrong; 2 usage; 3 the C compiler failed; 4 the numerics
+Exit codes: 0 success; 1 error in the model; 2 wrong usage; 3 the C compiler failed; 4 the numerics
 failed; 75 stopped early with a checkpoint; 130 interrupted.
 """
 
@@ -34,8 +34,8 @@ from .system.toolchain import BuildError
 
 __all__ = ["main", "parser_of"]
 
-OPTIONAL = {"matplotlib", "rich", "scipy"}  # imported where they are used
-# Exit codes of exceptions.
+OPTIONAL = {"matplotlib", "rich", "scipy"}  # packages imported only where they are used
+# Exit codes for exceptions.
 CODES: dict[type[BaseException], int] = {
     ResourcesExceeded: MODEL_WRONG,
     UsageError: USAGE,
@@ -57,12 +57,12 @@ def main(words: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        code = DONE  # the reader of our output has closed it
+        code = DONE  # the reader of the output, such as `head`, has closed the pipe
     except OSError as error:
         code = USAGE
         with suppress(OSError):
             print(f"pkgen: standard output: {error.strerror}", file=sys.stderr)
-    # Python flushes stdout at exit; this must not fail again.
+    # Python flushes stdout at exit, which must not fail again.
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     return code
 
@@ -85,7 +85,7 @@ def _main(words: list[str] | None) -> int:
 
 
 def _warn_of_the_other() -> None:
-    """Warns if PyPI's `pkgen` is installed: another project with the same import name."""
+    """Warns if PyPI's `pkgen` is installed, another project with the same import name."""
     from importlib.metadata import PackageNotFoundError, version
 
     with suppress(PackageNotFoundError):
@@ -94,13 +94,13 @@ def _warn_of_the_other() -> None:
 
 
 def _open_streams() -> None:
-    """Opens /dev/null for closed standard streams, so that no other file gets their numbers. It is
-    opened for reading at stdout's number, so that writing there fails."""
+    """Opens /dev/null for closed standard streams, so that no other file gets their descriptors. A
+    closed stdout is opened for reading only, so that writing to it fails."""
     for fd, how in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
         try:
             os.fstat(fd)
         except OSError:
-            os.open(os.devnull, how)  # the lowest number that is free
+            os.open(os.devnull, how)  # gets the lowest free descriptor
     if sys.stdout is None:
         sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
     if sys.stderr is None:
@@ -123,7 +123,7 @@ def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Nam
         code = next(code for kind, code in CODES.items() if isinstance(error, kind))
         return _fail(options.json, str(error) or "interrupted", code)
     except OSError as error:
-        if error.filename is None:  # of a standard stream: handled in main()
+        if error.filename is None:  # error of a standard stream, handled in main()
             raise
         return _fail(options.json, f"{error.filename}: {error.strerror}", USAGE)
     except Exception as error:

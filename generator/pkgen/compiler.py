@@ -1,17 +1,17 @@
 """The architecture on one page: from the text of a model to the text of its C.
 
-    parse    text                 -> File        statements, each with its place
-    check    File                 -> Model       names, units, bounds; all errors in the text
+    parse    text                 -> File        statements, each with its place in the text
+    check    File                 -> Model       names, units, bounds; finds all errors
     derive   Model                -> Equations   M, f, p, h, Jacobians on one expression graph
-    analyze  Equations            -> Structure   facts, each proved
-    reduce   Equations, Structure -> the same    only what a scene needs, and a report
-    lower    Equations, Structure -> Program     straight-line code, shared and hoisted
-    render   Program              -> {name: text}
+    analyze  Equations            -> Structure   proved facts about the equations
+    reduce   Equations, Structure -> the same, restricted to the needs of a scene, and a report
+    lower    Equations, Structure -> Program     straight-line code with common subexpressions
+    render   Program              -> {file name: text}
 
-A model whose families (q[1..N]) stay loops takes the same path as LoopEquations, Facts and
-LoopProgram. For any other model Equations.unrolled gives the reason.
+If the families (q[1..N]) of a model stay loops, the stages make LoopEquations, Facts and
+LoopProgram. If they are unrolled, Equations.unrolled gives the reason.
 
-Each stage imports only stages above it, does not modify its arguments, and prints nothing.
+Each stage imports only earlier stages, does not modify its arguments, and prints nothing.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
 
 def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[object]]:
-    """Wraps the generator: traces each stage, reports a RecursionError as a ModelError."""
+    """Wraps the generator stages(): traces each stage, reports a RecursionError as a ModelError."""
 
     @wraps(stages)
     def told(source: Source, *what: object, **how: object) -> Iterator[object]:
@@ -59,7 +59,7 @@ def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[obj
         for name in STAGES:
             try:
                 result = next(made)
-            except RecursionError:  # outside of any statement, so without a place
+            except RecursionError:  # it belongs to no statement, so it has no position
                 raise ModelError(source, [Diagnostic(*too_deep(Span(0, 0)))]) from None
             trace(name)
             yield result
@@ -69,8 +69,8 @@ def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[obj
 
 @record
 class CompiledPart:
-    """A block of coordinates compiled as a system of its own; `coordinates` are their indices in
-    the whole model."""
+    """A block of coordinates that is compiled as a separate system; `coordinates` are its indices
+    in the whole model."""
 
     name: str
     coordinates: tuple[int, ...]
@@ -82,13 +82,13 @@ class CompiledPart:
 
 @record
 class Compilation:
-    """The results of all stages; `declared` is the model before `use` restricts it."""
+    """The results of all stages; `declared` is the model before a scene restricts it."""
 
     declared: Model
     model: Model
     warnings: tuple[Diagnostic, ...]
     equations: Equations | LoopEquations
-    structure: Facts  # Structure, where families are unrolled
+    structure: Facts  # a Structure if families are unrolled
     report: Report
     program: Program | LoopProgram
     files: dict[str, str]
@@ -117,9 +117,8 @@ def stages(
 ) -> Iterator[object]:
     """Yields the result of each of STAGES, in order; a caller may stop after any stage.
 
-    `check` yields (declared model, used model, warnings); `reduce` yields (equations, structure,
-    report); `lower` yields (program, parts, plan).
-    """
+    `check` yields (declared model, model restricted by `use`, warnings); `reduce` yields
+    (equations, structure, report); `lower` yields (program, parts, plan)."""
     file = parse.parse_all(source)
     yield file
     declared, warnings = check.check(file, sizes)
@@ -131,7 +130,7 @@ def stages(
     needs = use.needs(model) if use else None
 
     def planned(*made: Any) -> CompilePlan:
-        """Returns the plan for (equations, structure); without these, of all that may be used."""
+        """Returns the plan for (equations, structure); without these, for all possible kernels."""
         plan = use.plan(model, made or None) if use else CompilePlan()
         return plan if kernels is None else replace(plan, kernels=kernels)
 
@@ -190,7 +189,7 @@ def stages(
             kept = _kept(made, reads | {*report.starts.values()})
             report = report.unread(in_c[0].parameters, kept)
     yield left.equations, left.structure, report
-    from .back.c import lower, render  # late import: `pkgen check` stops before
+    from .back.c import lower, render  # late: `pkgen check` does not need it
 
     how = {"libm": libm or plain, "kept": kept, "plain": plain}
     with _no_collection(), _in_range(model):
@@ -217,7 +216,7 @@ def stages(
 def _of_loops(
     equations: LoopEquations, needs: Needs
 ) -> tuple[LoopEquations, tuple[ReportLine, ...]]:
-    """Drops outputs that no column needs, and claims, which are judged before a run."""
+    """Drops outputs that no column needs, and `conserve` claims, which are judged before a run."""
     model, lines = reduce.outputs_of_loops(equations.model, needs)
     if not lines:
         return equations, ()
@@ -240,7 +239,7 @@ def _kept(
 
 @contextmanager
 def _in_range(model: Model) -> Iterator[None]:
-    """Reports a constant out of the range of double as an error of the model."""
+    """Reports a constant that a double cannot hold as an error in the model."""
     try:
         yield
     except Beyond as beyond:
@@ -249,8 +248,8 @@ def _in_range(model: Model) -> Iterator[None]:
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """Turns Python's garbage collector off while a graph grows. The graph has no reference cycles,
-    but the collector would scan all of it again and again."""
+    """Disables Python's garbage collector while a graph grows: the graph has no reference cycles,
+    but the collector would scan all of it repeatedly."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -263,11 +262,10 @@ def _no_collection() -> Iterator[None]:
 def check_model(
     source: Source, *, sizes: Mapping[str, int] | None = None, unroll: int | None = 0
 ) -> tuple[Model, tuple[Diagnostic, ...]]:
-    """Returns the model and the warnings about it; makes no C.
+    """Returns the model and its warnings; makes no C.
 
-    Raises ModelError as compile_model() does. After `reduce` only a constant out of the range of
-    double can be wrong; `lower` runs only where one may be.
-    """
+    Raises ModelError as compile_model() does. After `reduce` the only possible error is a constant
+    that a double cannot hold; `lower`, which finds it, runs only if one is possible."""
     made = stages(source, sizes or {}, unroll=unroll)
     _, (_, model, warnings), _, _, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
     if extreme(equations.graph):
@@ -275,7 +273,7 @@ def check_model(
     return model, warnings + getattr(equations, "left_out", ())
 
 
-PAIRS = 1.5  # a model with sums over pairs is unrolled up to PAIRS * `unroll` coordinates
+PAIRS = 1.5  # models with sums over pairs are unrolled up to PAIRS * `unroll` coordinates
 
 
 def _equations(
@@ -286,7 +284,7 @@ def _equations(
     unroll: int | None,
     needs: Needs | None,
 ) -> Equations | LoopEquations:
-    """Returns LoopEquations, or unrolled Equations with the reason in `unrolled`."""
+    """Returns LoopEquations, or unrolled Equations with the reason in their field `unrolled`."""
     declared = (*model.coordinates, *model.states)
     count = sum(f.count for f in families(model, declared).values())
     if some or whole:
@@ -305,7 +303,7 @@ def _equations(
             reason = "so few pairs are faster as straight-line code"
         except Unrolled as cannot:
             reason = str(cannot)
-    # reduce() needs only ENOUGH; it derives its result again with the requested kernels.
+    # reduce() needs only the kernels ENOUGH; then it derives the requested kernels.
     now = called if needs is None else ENOUGH
     return replace(derive.derive(model, now, reason), unrolled=reason)
 
@@ -320,18 +318,17 @@ def compile_model(
 ) -> Compilation:
     """Compile a model to C; `how` are arguments of stages().
 
-    `sizes` overrides `size` statements; `kernels` names those to emit (None: all);
-    `self_test` adds a program that checks the kernels against each other; `libm` calls the
-    library's sine and cosine, not the inline pair. Up to `unroll` coordinates (None: any number)
-    families are unrolled even if they could be loops; `kernels`, `self_test` and `canonical` unroll
-    them too. `use` restricts the C to a scene's needs. `symmetric` searches for the model's
-    symmetries, which only `explain` and comments in the C show. `canonical` adds H(q, p) and its
-    gradients. `portable` C uses no fused multiply-add, so its results do not depend on the target
-    having one. Without `c` the program is lowered but not rendered, and `files` is empty. `own`
-    adds methods to those of the model. `plain` C is for embedding: it calls libm's sine and cosine
-    and lacks the kernels that only the runtime calls.
-    Raises ModelError with every finding of the stage that could not go on.
-    """
+    `sizes` overrides `size` statements; `kernels` names the kernels to emit (None: all);
+    `self_test` adds a program that checks the kernels against each other; `libm` C calls sine and
+    cosine of the C library instead of inlining them. Families are unrolled in models of up to
+    `unroll` coordinates (None: any number), and for `kernels`, `self_test` and `canonical`, even if
+    they could be loops. `use` restricts the C to a scene's needs. `symmetric` searches for the
+    model's symmetries, which only `explain` and comments in the C show. `canonical` adds H(q, p)
+    and its gradients. `portable` C uses no fused multiply-add, so its results do not depend on the
+    processor. Without `c` the program is lowered but not rendered, and `files` is empty. `own` adds
+    methods to those of the model. `plain` C is for embedding: it implies `libm` and lacks the
+    kernels that only the runtime calls. Raises ModelError with every error found by the stage that
+    failed."""
     made = stages(source, sizes or {}, **how)
     _, (declared, model, warnings), _, _, reduced, (program, parts, plan) = islice(made, 6)
     files = next(made) if c else {}

@@ -1,18 +1,18 @@
-"""The numbers of a run that nobody gives, and the bounds of those that somebody gives.
+"""Default values of the options of a run, and bounds on given values.
 
-Each is defined here alone: commands, their help, the Python API and scenes read them.
+Commands, their help, the Python API and scenes all read them here.
 """
 
 UNTIL = 10.0  # duration
 RTOL = 1e-10
-# Measured over the models: above this rtol, dop853 reaches the same error faster than gauss.
+# Measured on the models: above this rtol, dop853 reaches the same error faster than gauss.
 GAUSS_RTOL = 1e-5
 MAX_STEPS = 1_000_000_000
-ITERATIONS = ("newton", "fixed")  # of implicit methods; the first is the default
-SMALLEST_RTOL = 2.0**-52  # below it steps would be rejected forever
-THREADS_MOST = 1024  # a system may refuse to start more, which would abort the program
+ITERATIONS = ("newton", "fixed")  # iterations of implicit methods; the first is the default
+SMALLEST_RTOL = 2.0**-52  # a smaller rtol would reject steps forever
+THREADS_MOST = 1024  # with more threads a system may abort the program
 
-# The options of an integration that a caller may leave out, by their names in Python.
+# Defaults of the options of an integration, by their names in Python.
 OPTIONS = {
     **dict.fromkeys(("until", "every", "step", "max_step", "rtol", "atol", "method", "record")),
     **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "unroll")),

@@ -6,10 +6,10 @@ With L(q, v, t), Q the generalized forces and D the Rayleigh function:
     pdot = dL/dq + Q - dD/dv        f    = pdot - (dp/dq) v - dp/dt,   M a = f
     h    = v.p - L
 
-States are first-order variables x' = g(t, q, v, x). They may occur in L, Q and D as t does: dp/dt
+States are first-order variables x' = g(t, q, v, x). They may occur in L, Q and D like t: dp/dt
 includes (dp/dx) g.
 
-Families (q[1..N]) are unrolled: everything here is flat, in declaration order.
+Families (q[1..N]) are unrolled: each member is a separate quantity, in declaration order.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Matrix = tuple[Row, ...]
 
 @record
 class Quantity:
-    """A named scalar, as it appears in the C introspection tables and in CSV headings."""
+    """A named scalar, as in the introspection tables of the C and in CSV headings."""
 
     name: str  # "theta1", "q[3]", "theta1'", "p_theta1"
     unit: str
@@ -42,10 +42,11 @@ class Quantity:
 
 @record
 class Singularity:
-    """An expression at whose zeros the equations end. `use` is a pk_singularity_kind without its
-    PK_SINGULARITY_; at "COORDINATES" M is singular, and only the coordinates end."""
+    """An expression at whose zeros the equations become singular. `use` is a pk_singularity_kind
+    without its PK_SINGULARITY_; at "COORDINATES" M is singular, but only because of the
+    coordinates."""
 
-    quantity: Quantity  # its name is the expression
+    quantity: Quantity  # named by the text of the expression
     node: Node
     use: str
 
@@ -53,24 +54,24 @@ class Singularity:
 @record
 class Switch:
     """An expression at whose zeros the equations have a kink or a jump (middle/derive/switches.py).
-    If L or a constraint row may jump, `impulse` is not 0 and the slopes are set (impulses.py)."""
+    If L or a constraint may jump there, `impulse` is not 0 and the slopes are set (impulses.py)."""
 
-    quantity: Quantity  # its name is the expression
+    quantity: Quantity  # named by the text of the expression
     node: Node
     impulse: int = 0  # flags OF_ENERGY, OF_ROLLING of impulses.py
-    slope: Row = ()  # derivatives by the coordinates; for rotations along body axes
-    slope_t: Node = 0  # derivative by t, also through inputs, at fixed coordinates
-    held: bool = True  # its calls are held on one side during a step
+    slope: Row = ()  # derivatives by the coordinates; for rotations by angles about body axes
+    slope_t: Node = 0  # derivative by t, also through inputs, at constant coordinates
+    held: bool = True  # whether a step keeps its branch, even beyond the zero
 
 
 @record
 class ParameterSlot:
-    """One scalar parameter. `family` and `position` give its element of a C array."""
+    """One scalar parameter. `family` and `position` locate it in an array in C."""
 
     quantity: Quantity
-    family: str  # the declared name: "k" for k[2]
+    family: str  # declared name: "k" for k[2]
     position: int  # 0 for the first member of a family
-    length: int  # members of the family; 0 for a plain parameter
+    length: int  # number of members of the family; 0 for a single parameter
     default: Node
     follows: bool
     lo: Node | None
@@ -81,7 +82,7 @@ class ParameterSlot:
 
 @record
 class Linear:
-    """Derivatives of r = f - M a, with a held: M (da/dq) = r_q, and so on."""
+    """Derivatives of r = f - M a at constant a; for example, M (da/dq) = r_q."""
 
     r_q: Matrix
     r_v: Matrix
@@ -96,20 +97,21 @@ class Hamiltonian:
     by_p: Row
     by_q: Row
     applied: Row  # Q - dD/dv in (q, p)
-    pivots: Pivots  # of M, from solving p for v
+    pivots: Pivots  # pivots of M, from solving p for v
 
 
 @record
 class Particles:
-    """Masses and places r with T = sum of m/2 |r'|^2 (z = 0 in a plane). In `accelerations` (r'')
-    the coordinates' accelerations are symbols. `beyond` names in words the other terms of L,
-    which have degree 0 or 1 in the rates. Empty, with `why` and `span`, if T is no such sum."""
+    """Masses m and positions r with T = sum of m/2 |r'|^2 (in a plane z = 0). In `accelerations`
+    (r'') the accelerations of the coordinates are symbols. `beyond` describes the other terms of L,
+    which have degree 0 or 1 in the rates. If T is no such sum, only `why` (the reason) and `span`
+    are set."""
 
     masses: Row
     places: Matrix
     rates: Matrix
     accelerations: Matrix
-    names: tuple[str, ...] = ()  # names of the positions: "(x, y)"
+    names: tuple[str, ...] = ()  # names of the positions, such as "(x, y)"
     beyond: str = ""
     why: str = ""
     span: Span | None = None
@@ -117,8 +119,8 @@ class Particles:
 
 @record
 class Attitude:
-    """Indices of a rotation: of the first of its three body rates, and of the first of the four
-    states of its quaternion w, x, y, z (-1 if a reduction dropped the quaternion)."""
+    """The indices of a rotation: those of the first of its three body rates, and of the first of
+    its four quaternion states w, x, y, z (-1 if a reduction dropped the quaternion)."""
 
     rate: int
     state: int
@@ -129,21 +131,21 @@ class Attitude:
 
     @property
     def numbers(self) -> range:
-        """The indices of its quaternion among the states."""
+        """The indices of the quaternion's components among the states."""
         return range(self.state, self.state + 4) if self.state >= 0 else range(0)
 
 
 @record
 class Rows:
-    """The constraint rows of a model. The first `holonomic` rows have phi(t, q); all have J v + j0,
-    for a holonomic row the time derivative of phi."""
+    """The constraint rows of a model. Each row has J v + j0; the first `holonomic` rows also have
+    phi(t, q), and their J v + j0 is its time derivative."""
 
-    names: tuple[Quantity, ...]  # of the multipliers; unit: generalized force / entry of J
+    names: tuple[Quantity, ...]  # multipliers; unit: generalized force / entry of J
     holonomic: int
-    positions: Row  # phi of the holonomic rows, in the unit of the equation's sides
-    residual: Row  # J v + j0, in that unit per time; for a rolling in that unit
-    spans: tuple[Span, ...]  # of the constraint statements
-    redundant: Rows | None = None  # rows that depend on these at the start
+    positions: Row  # phi of the holonomic rows, in the unit of the constraint equation
+    residual: Row  # J v + j0; unit: that of phi per time, or that of the rolling equation
+    spans: tuple[Span, ...]  # positions of the constraint statements
+    redundant: Rows | None = None  # rows that at the start depend on these rows
 
     def picked(self, which: Sequence[int]) -> Rows:
         holonomic = sum(k < self.holonomic for k in which)
@@ -158,30 +160,31 @@ class Rows:
 
 @record
 class Constraints:
-    """Rows J v + j0 = 0, the first `holonomic` of them the time derivatives of phi = 0. Equations'
-    applied, pdot and force include the constraint force J^T lambda; the `free_` fields exclude it.
-    `redundant` rows depend on these and have no force; a run ends where they cease to depend."""
+    """Rows J v + j0 = 0; the first `holonomic` rows are time derivatives of phi = 0. The fields
+    applied, pdot and force of Equations include the constraint force J^T lambda; the `free_` fields
+    exclude it. `redundant` rows depend on these rows and have no force; a run ends where they
+    become independent."""
 
-    names: tuple[Quantity, ...]  # of the multipliers
+    names: tuple[Quantity, ...]  # names of the multipliers
     holonomic: int
     positions: Row  # phi
     rows: Matrix  # J
     residual: Row  # J v + j0
     multipliers: Row
-    pivots: Pivots  # of S = J M^-1 J^T, each with the diagonal entry of S
+    pivots: Pivots  # pivots of S = J M^-1 J^T, each with the diagonal entry of S
     free_applied: Row
     free_pdot: Row
     free_force: Row
     spans: tuple[Span, ...]
-    workless: bool  # j0 = 0, and nothing depends on t or inputs: no work is done
+    workless: bool  # j0 = 0, and nothing depends on t or inputs: the constraints do no work
     redundant: Rows | None = None
     redundant_rows: Matrix = ()  # J of the redundant rows
-    least: Row = ()  # multipliers of least norm, of these rows and then of redundant ones
-    shared: frozenset[int] = frozenset()  # rows without a unique multiplier, indexed as `least`
+    least: Row = ()  # multipliers of least norm: for these rows, then for redundant rows
+    shared: frozenset[int] = frozenset()  # indices in `least` of rows without a unique multiplier
 
     @property
     def stated(self) -> Rows:
-        """Returns the rows from which constrain() made these."""
+        """Returns the Rows from which constrain() made these constraints."""
         return Rows(
             self.names, self.holonomic, self.positions, self.residual, self.spans, self.redundant
         )
@@ -189,7 +192,7 @@ class Constraints:
 
 @record
 class Named:
-    """The quantities of a model, families unrolled; fields as in Equations."""
+    """The quantities of a model with families unrolled; the fields are as in Equations."""
 
     parameters: tuple[ParameterSlot, ...]
     coordinates: tuple[Quantity, ...]
@@ -207,13 +210,13 @@ class Equations:
     coordinates: tuple[Quantity, ...]
     rates: tuple[Quantity, ...]
     momenta_names: tuple[Quantity, ...]
-    inputs: tuple[Quantity, ...]  # each input, followed by its derivatives that occur
+    inputs: tuple[Quantity, ...]  # each input, followed by those of its derivatives that occur
     observed_names: tuple[Quantity, ...]
     conserved_names: tuple[Quantity, ...]
     event_names: tuple[Quantity, ...]
 
     lagrangian: Node
-    kinetic: Node | None  # None, like `potential`, if the model has a `lagrangian`
+    kinetic: Node | None  # None if the model has a `lagrangian`, as is `potential`
     potential: Node | None
     written: Node  # L as in the model, before simplification
     energy: Node
@@ -223,45 +226,45 @@ class Equations:
     pdot: Row
     mass: Matrix
     force: Row  # f
-    acceleration: Row | None  # None: not requested, or too large: a loop solves M a = f
-    pivots: Pivots | None  # D of M = L D L^T, by coordinate, whatever the elimination order
-    p_q: Matrix | None  # None, like the next two, if the kernel is not requested
+    acceleration: Row | None  # None: not requested, or so large that C solves M a = f in a loop
+    pivots: Pivots | None  # D of M = L D L^T, indexed by coordinate
+    p_q: Matrix | None  # None if the kernel is not requested, as are pdot_q and pdot_v
     pdot_q: Matrix | None
     pdot_v: Matrix | None
     linear: Linear | None  # None: not requested
     singularities: tuple[Singularity, ...]
     observed: Row
     conserved: Row
-    events: Row  # event functions; model.events has the directions
+    events: Row  # event functions; model.events has their directions
     start_q: Row
     start_v: Row
-    left_out: tuple[Diagnostic, ...] = ()  # warnings: dropped constraints, identically 0 = 0
+    left_out: tuple[Diagnostic, ...] = ()  # warnings: constraints dropped as 0 = 0
     unrolled: str = ""  # the reason why families are not kept as loops
     hamiltonian: Hamiltonian | None = None  # None: not requested
     switches: tuple[Switch, ...] = ()
     marks: tuple[
         Switch, ...
-    ] = ()  # arguments of exp, tanh, ...: no switches, see middle/derive/marks.py
-    # First-order variables x' = state_rates; states.as_rates() turns them into coordinates.
+    ] = ()  # arguments of exp, tanh, ..., not switches (middle/derive/marks.py)
+    # First-order variables x' = state_rates; states.as_rates() makes coordinates of them.
     states: tuple[Quantity, ...] = ()
     state_rates: Row = ()
     state_start: Row = ()
-    # The last n_first_order coordinates are dummies whose rates are the states.
+    # The last n_first_order coordinates are dummies: their rates are the states.
     n_first_order: int = 0
-    n_unread: int = 0  # of these, the number of last ones that no rate depends on
+    n_unread: int = 0  # number of the last dummies on which no rate depends
     attitudes: tuple[Attitude, ...] = ()  # rotations; their body rates follow all other rates
     constraints: Constraints | None = None
-    # The mass matrix if `mass` is the unit matrix (solved form), or if `unconstrained` is set.
+    # The mass matrix, if `mass` is the unit matrix (solved form) or `unconstrained` is set.
     inertia: Matrix | None = None
-    unconstrained: tuple[Row, Row] | None = None  # in C: p, and pdot without constraint forces
-    terms: tuple[Row, Row] | None = None  # in C: magnitudes of the terms of phi, J v + j0
-    redundant_terms: Row = ()  # in C: the same for redundant rows, phi and then J v + j0
+    unconstrained: tuple[Row, Row] | None = None  # for C: p, and pdot without constraint forces
+    terms: tuple[Row, Row] | None = None  # for C: magnitudes of the terms of phi and of J v + j0
+    redundant_terms: Row = ()  # for C: these magnitudes for redundant rows, phi then J v + j0
     particles: Particles | None = None  # None: not requested
-    fast: Row | None = None  # the acceleration from the `fast` terms of V; None: there are none
+    fast: Row | None = None  # acceleration by the `fast` terms of V; None if no term is fast
 
     @property
     def moving(self) -> tuple[str, ...]:
-        """The names of the rows of M: of coordinates, or for rotations of body rates."""
+        """The names of the rows of M: coordinates, or for rotations body rates."""
         return tuple(
             (self.rates if i in self.turning else self.coordinates)[i].name
             for i in range(len(self.coordinates))
@@ -284,18 +287,18 @@ class Equations:
 
     @property
     def own(self) -> int:
-        """The number of coordinates before those whose rates are first-order variables."""
+        """The number of coordinates that are not dummies of first-order variables."""
         return len(self.coordinates) - self.n_first_order
 
     @property
     def inertial(self) -> int:
-        """The number of rows of M that come from the Lagrangian: of coordinates and body rates (the
-        C counts body rates among the states)."""
+        """The number of rows of M that come from the Lagrangian, those of coordinates and body
+        rates (in C, body rates are states)."""
         return len(self.coordinates) - max(self.n_first_order - len(self.turning), 0)
 
     @property
     def seen(self) -> tuple[Quantity, ...]:
-        """The coordinates without the hidden ones, whose rates are body rates."""
+        """The coordinates without hidden ones, which are dummies of body rates."""
         return self.coordinates[: len(self.coordinates) - len(self.turning)]
 
 
@@ -304,7 +307,7 @@ Indices = tuple[tuple[int, ...], ...]
 
 @record
 class Claim:
-    """The outcome of a `conserve`: proved, refuted, or open, with the reason in words."""
+    """The outcome of a `conserve` statement: proved, refuted or open, with the reason in words."""
 
     name: str
     outcome: str  # PROVED, REFUTED or OPEN of middle/analyze/proofs.py
@@ -313,15 +316,15 @@ class Claim:
 
 @record
 class Invariant:
-    """A constant of the motion: a sum of terms, each a coefficient (a node of parameters) times
-    names: "t", coordinates, momenta and "energy"."""
+    """A constant of the motion: a sum of terms. A term is a coefficient (a node with parameters
+    only) times a product of names: "t", coordinates, momenta and "energy"."""
 
-    name: str  # "energy", "p_phi", or its formula
+    name: str  # "energy", "p_phi", or the formula of the invariant
     reason: str  # the symmetry, in words
-    generator: str  # of the symmetry: "x d/dy - y d/dx"
+    generator: str  # generator of the symmetry: "x d/dy - y d/dx"
     terms: tuple[tuple[Node, tuple[str, ...]], ...]
     node: Node
-    when: str = ""  # the sizes for which it is proved, if families are loops
+    when: str = ""  # sizes for which it is proved, if families are loops
 
 
 @record
@@ -330,7 +333,7 @@ class Symmetries:
 
     graph: Graph
     parameters: tuple[str, ...]  # names of the parameters in coefficients
-    searched: str  # the generators searched, in words; "" if the model was too large
+    searched: str  # in words, the generators searched; "" if the model was too large
     invariants: tuple[Invariant, ...]
 
 
@@ -347,10 +350,10 @@ class Facts:
     variational: bool
     smooth: bool
     affine: bool = False  # the acceleration is affine in q and v, with constant coefficients
-    switched: bool = False  # smooth except at switches, which a run locates
+    switched: bool = False  # smooth except at switches, where a run stops a step
     linear_drag: bool = False  # separable except for forces C v with constant C
-    affine_rates: bool = False  # the same with any C(q, t)
-    fast: bool = False  # separable, and terms of V are named fast
+    affine_rates: bool = False  # separable except for forces C v with any C(q, t)
+    fast: bool = False  # separable, with terms of V that the model names fast
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not requested
 
@@ -361,13 +364,13 @@ class Facts:
 
 @record
 class Structure(Facts):
-    """Facts, with those about single coordinates. `influences` may have too many entries: a missing
-    one is proved to have no influence."""
+    """Facts about the system and its coordinates. `influences` may have too many entries, but a
+    missing entry is proved to have no influence."""
 
-    cyclic: tuple[bool, ...] = ()  # p_i is constant
-    definite: bool = False  # M is positive definite wherever it has a value
+    cyclic: tuple[bool, ...] = ()  # whether p_i is constant
+    definite: bool = False  # M is positive definite wherever it is finite
     singular: tuple[str, ...] = ()  # expressions at whose zeros M may be singular
-    mass_blocks: Indices = ()  # the blocks of coordinates that M couples, the finest partition
-    mass_band: int = 0  # the largest |i - j| of an entry of M that is not zero
-    influences: Indices = ()  # for each i all j with q_j or v_j in a_i
+    mass_blocks: Indices = ()  # blocks of coordinates coupled by M, the finest partition
+    mass_band: int = 0  # largest |i - j| of a nonzero entry of M
+    influences: Indices = ()  # for each i, all j for which a_i depends on q_j or v_j
     blocks: Indices = ()  # a partition of coordinates; blocks do not influence each other

@@ -1,4 +1,4 @@
-"""Integer expressions: sizes, indices and the ends of ranges."""
+"""Integer expressions: sizes, indices and the ends of ranges; names of family members."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _MEMBER = re.compile(r"([^\[]+)\[(-?\d+)\](.*)")
 
 
 class NotAnInteger(Exception):
-    """An index expression is not an integer; `span` is the part at fault."""
+    """An index expression is not an integer; `span` is the position of the part that is not."""
 
     def __init__(self, message: str, span: Span):
         super().__init__(message)
@@ -44,7 +44,7 @@ def integer(expr: Expr, values: Mapping[str, int]) -> int:
 
 
 def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterator[dict[str, int]]:
-    """Yields `values` with each assignment of the ranges' variables; the first varies slowest."""
+    """Yields `values` with each assignment of the ranges' variables, the last varying fastest."""
     if not ranges:
         yield dict(values)
         return
@@ -54,8 +54,8 @@ def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterato
 
 
 def indexed(name: str, index: int | str | None) -> str:
-    """Returns a family member's name as written: q[3]; for a vector component r.x it is r[3].x,
-    for a body rate omega(R).x it is omega(R[3]).x."""
+    """Returns the name of a family member: q[3]; for a vector component r.x it is r[3].x, for a
+    body rate omega(R).x it is omega(R[3]).x."""
     if index is None:
         return name
     end = re.search(r"[.)]|$", name).start()
@@ -63,7 +63,7 @@ def indexed(name: str, index: int | str | None) -> str:
 
 
 def parted(name: str) -> tuple[str, int | None]:
-    """Inverts `indexed`: returns the name, with its primes, and the index (None without one)."""
+    """Splits a member's name into the family's name, with primes, and the index or None."""
     member = _MEMBER.fullmatch(name)
     return (member[1] + member[3], int(member[2])) if member else (name, None)
 

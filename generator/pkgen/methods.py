@@ -1,6 +1,5 @@
-"""The runtime's integration methods, as far as the generator must know them without a C compiler.
-They are read from the runtime's registry, pk/methods.h and pk/gsl.h.
-"""
+"""The facts about integration methods that the generator needs, read without a C compiler from the
+runtime's registry, pk/methods.h and pk/gsl.h."""
 
 from __future__ import annotations
 
@@ -15,7 +14,7 @@ from .record import record
 
 @record
 class Method:
-    """A row of the registry; `requires` names facts of a system (fields of Facts)."""
+    """A row of the registry; `requires` names facts that a system must have (fields of Facts)."""
 
     family: str
     traits: frozenset[str]
@@ -23,13 +22,13 @@ class Method:
 
     @property
     def inlined(self) -> str:
-        """Returns the family named by -DPK_INLINE_, whose steps are compiled together with a model
-        so that its kernels are inlined (pk/inlined.h); "" for any other family."""
+        """Returns the method's family if its steps can be compiled together with a model, so that
+        the model's kernels are inlined (-DPK_INLINE_ flags, pk/inlined.h); else ""."""
         return self.family if self.family in INLINED else ""
 
     @property
     def exact(self) -> bool:
-        """Whether its steps are exact for any step size."""
+        """Whether steps have no error at any step size."""
         return "exact" in self.traits
 
     @property
@@ -46,8 +45,8 @@ class Method:
 
 @record
 class Own(Method):
-    """A method of a model or the command line: a tableau file, or weights of a composition. `table`
-    is the C of its coefficients; `facts` are their computed properties, such as the order."""
+    """A method defined by a model or the command line: a tableau file, or weights of a composition.
+    `table` is C with its coefficients; `facts` are computed properties, such as the order."""
 
     name: str
     order: int
@@ -59,10 +58,10 @@ class Own(Method):
 
     @property
     def row(self) -> str:
-        """Returns the C that defines the method, as PK_DEFINE_METHOD of pk/methods.h."""
+        """Returns the C that defines the method, by PK_DEFINE_METHOD (pk/methods.h)."""
         flags = " | ".join(f"PK_{trait.upper()}" for trait in sorted(self.traits)) or "0"
         numbers = f"{self.order}, {self.stages}, {self.dense_order}"
-        text = re.sub(r'[^ -~]|["\\?]', "_", self.doc)  # a file name in it may have any character
+        text = re.sub(r'[^ -~]|["\\?]', "_", self.doc)  # doc may have any character
         return (
             f"PK_DEFINE_METHOD(PK_FAMILY_{self.family}, {self.name}, {numbers}, {flags}, "
             f'{self.name}, "{text}");'
@@ -70,25 +69,25 @@ class Own(Method):
 
 
 HEADERS = Path(pkgen_runtime.__file__).parent / "include" / "pk"
-CALLED = frozenset(("acceleration", "singularity", "event", "observe"))  # by every method
-CALLED_FOR = {  # besides, by family, trait or required fact
-    "GAUSS": ("lanes",),  # evaluates its stages in SIMD lanes
-    "SPLITTING": ("advance",),  # several steps in one call, for families kept as loops
+CALLED = frozenset(("acceleration", "singularity", "event", "observe"))  # kernels of every method
+CALLED_FOR = {  # further kernels, by family, trait or required fact
+    "GAUSS": ("lanes",),  # evaluates stages in SIMD lanes
+    "SPLITTING": ("advance",),  # makes several steps in one call, for families kept as loops
     "linear": ("mass", "linear"),
     "exact": ("mass", "linear"),
     "fast": ("fast",),
     "jacobians": ("canonical", "mass", "jacobian"),
-    # The last two: with rotations or constraints.
+    # The last two kernels are for rotations or constraints.
     "holonomic": ("canonical", "mass", "unconstrained", "inertia"),
 }
-INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families that -DPK_INLINE_ names
+INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families with a flag -DPK_INLINE_
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
 _ROW = re.compile(r"X\(A, (\w+), \d+, \d+, \d+, ([\w |]+),\s*\\?\s*\w+,")
 _DEFINED = re.compile(r"#define (PK_\w+)\s+\\?\s*\(?((?:PK_\w+(?: \| )?)+|0)\)?\n")
 
 
 def _read(text: str) -> dict[str, Method]:
-    """Returns the methods in the registry's text; its expressions are names joined by |."""
+    """Returns the methods in the registry's text; expressions in it are names joined by |."""
     defined = dict(_DEFINED.findall(text))
 
     def words(expression: str) -> list[str]:
@@ -109,11 +108,12 @@ METHODS = _read("".join((HEADERS / name).read_text("utf-8") for name in ("method
 
 
 def known(own: Iterable[Own] = ()) -> dict[str, Method]:
-    """Returns the runtime's methods and `own` ones by name."""
+    """Returns the methods by name: the runtime's and `own`."""
     return {**METHODS, **{method.name: method for method in own}}
 
 
-# Facts that imply a fact. With switches located, each step integrates smooth equations.
+# Maps a fact to facts that imply it. A run locates switches, so that each step integrates smooth
+# equations.
 STRONGER = {
     "smooth": ("smooth_in_pieces",),
     "linear_drag": ("separable",),
@@ -122,7 +122,7 @@ STRONGER = {
 
 
 def provides(structure: object, fact: str) -> bool:
-    """Whether a system has a fact that a method requires, or a stronger one."""
+    """Whether a system has a fact that a method requires, or a fact that implies it."""
     return any(getattr(structure, name, False) for name in (fact, *STRONGER.get(fact, ())))
 
 
@@ -134,7 +134,7 @@ def in_lanes(method: Method | None, structure: object) -> bool:
     return family in {"ERK", "EMBEDDED"}
 
 
-NONE = Method("", frozenset(), ())  # a method that is not in the registry: GSL's without GSL
+NONE = Method("", frozenset(), ())  # a method outside the registry: GSL's without GSL
 
 
 def inline_flags(methods: Iterable[str | None], own: Iterable[Own] = ()) -> list[str]:
@@ -147,6 +147,6 @@ def inline_flags(methods: Iterable[str | None], own: Iterable[Own] = ()) -> list
     flags = []
     for family, named in sorted(families.items()):
         flags.append(f"-DPK_INLINE_{family}")
-        if family != "GAUSS":  # it has a single method
+        if family != "GAUSS":  # this family has a single method
             flags.append(f"-DPK_{family}_METHODS(X)={' '.join(named)}")
     return flags

@@ -1,8 +1,8 @@
 """A checked model: the output of `check`. Every name is known, every unit consistent.
 
-Expressions are those of `tree.py` with units already folded in: all values are SI and there
-is no `Quantity` left. Families (q[1..N]) and sums are still loops over index variables; `derive`
-unrolls them with `indices.py`.
+Expressions are those of `tree.py`, all values in SI: units are multiplied in, and no `Quantity`
+remains. Families (q[1..N]) and sums are still loops over index variables, which `derive` unrolls
+with `indices.py`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .tree import Expr, Range
 
 @record
 class Size:
-    """`size N = 31`; `value` is the one set by `--size`, if there is one."""
+    """`size N = 31`; `value` is that of `--size` if it is given."""
 
     name: str
     value: int
@@ -25,7 +25,7 @@ class Size:
 
 @record
 class Bounds:
-    """The interval of a parameter; None is infinite. `lo_open` excludes the end itself."""
+    """The interval of a parameter; an end None is infinite. `lo_open` excludes the lower end."""
 
     lo: Expr | None
     hi: Expr | None
@@ -35,11 +35,10 @@ class Bounds:
 
 @record
 class Parameter:
-    """A run-time parameter, or with `range` a family of them (indices lo..hi).
+    """A run-time parameter; with `range`, a family of parameters with indices lo..hi.
 
-    `default` may use earlier parameters; then `follows` is true and the default is evaluated
-    again whenever they change.
-    """
+    `default` may use earlier parameters; then `follows` is true and the default is evaluated again
+    when these change."""
 
     name: str
     range: Range | None
@@ -62,15 +61,15 @@ class Coordinate:
     momentum_unit: str
     description: str
     span: Span
-    rate: str = ""  # names of its rate and momentum, where they are not x' and p_x
+    rate: str = ""  # names of rate and momentum, if not x' and p_x
     momentum: str = ""
 
 
 @record
 class Rotation:
     """An attitude in SO(3); with `range`, a family R[lo..hi]. Its body rates are the rates of three
-    coordinates `turns`, which come after all other coordinates. Its unit quaternion w, x, y, z is
-    four states, before all other states, whose rates have the unit `per_time`."""
+    coordinates `turns`, which follow all other coordinates. Its unit quaternion w, x, y, z is four
+    states, which precede all other states; the unit of their rates is `per_time`."""
 
     name: str
     range: Range | None
@@ -86,14 +85,14 @@ class Rotation:
 
 
 def multipliers(name: str) -> tuple[str, str]:
-    """Returns the names of a constraint's unique multiplier and of that of least norm."""
+    """Returns two names of a constraint's multiplier: if unique, and if of least norm."""
     return f"lambda_{name}", f"least_lambda_{name}"
 
 
 @record
 class Constraint:
-    """`constraint` (holonomic) or `rolling` NAME: A = B; `value` is A - B, or one component of it,
-    if A and B are vectors. The multiplier is lambda_ followed by `name`."""
+    """`constraint` (holonomic) or `rolling` NAME: A = B; `value` is A - B, or a component of it if
+    A and B are vectors. The multiplier is named lambda_NAME."""
 
     name: str
     index: Expr | None
@@ -107,7 +106,7 @@ class Constraint:
 
 @record
 class State:
-    """A first-order variable, whose rate a `rate` statement gives; with `range`, a family."""
+    """A first-order variable with a `rate` statement; with `range`, a family."""
 
     name: str
     range: Range | None
@@ -130,33 +129,32 @@ class Given:
 
 @record
 class Rate(Given):
-    """`rate NAME = EXPR`: each state, and each member of a family of states, has one."""
+    """`rate NAME = EXPR`: the time derivative of a state, or of members of a family of states."""
 
 
 @record
 class End:
-    """The meaning of a family's coordinate outside its range (a boundary condition).
+    """A boundary condition: the meaning of a family's coordinate outside its range.
 
-    kind "fixed": NAME[index] has the value `value`, and its rate is the value's time derivative;
-    for body rates of a rotation `value` is None, and they follow from the quaternion's rate;
-    "free": NAME[index] is its neighbour inside; "periodic": any index wraps around (index None).
-    """
+    kind "fixed": NAME[index] is `value`, and its rate is the time derivative of `value` (None for
+    body rates of a rotation, which follow from the quaternion's rate); "free": NAME[index] equals
+    its neighbour in the range; "periodic": indices wrap around (`index` is None)."""
 
     kind: str
     name: str
     index: int | None
     value: Expr | None
     span: Span
-    at: Expr | None = None  # the index as written, for a family whose size is not known yet
+    at: Expr | None = None  # the index as written, if the family's size is not known yet
 
 
 @record
 class Input:
-    """An input, set by the embedding program; derivatives up to `order` (0..2) occur."""
+    """An input, set by the embedding program; its derivatives up to `order` (0..2) are used."""
 
     name: str
     order: int
-    units: tuple[str, ...]  # of the input and its derivatives up to order
+    units: tuple[str, ...]  # units of the input and of its derivatives up to `order`
     description: str
     span: Span
 
@@ -179,12 +177,12 @@ class Definition:
 
 @record
 class Force(Given):
-    """`force COORD = EXPR`; several for one coordinate add up."""
+    """`force COORD = EXPR`; several forces on one coordinate add up."""
 
 
 @record
 class Start:
-    """An initial value; `order` 0 for a coordinate, 1 for its rate. Later ones override."""
+    """An initial value of a coordinate (`order` 0) or its rate (1). A later one overrides it."""
 
     name: str
     index: Expr | None
@@ -196,8 +194,8 @@ class Start:
 
 @record
 class Event:
-    """`event NAME: EXPR rising stop`: a zero crossing of the event function EXPR. At a `limit` (of
-    a joint) a run that starts beyond it stops at once."""
+    """`event NAME: EXPR rising stop`: a zero crossing of the event function EXPR. If `limit` (of a
+    joint) is set, a run that starts beyond it stops at once."""
 
     name: str
     value: Expr
@@ -211,13 +209,14 @@ class Event:
 
 @record
 class Drawing:
-    """`draw SHAPE …` or `view …`: its parts by name, each a number, the components of a place, or
-    the columns of a rotation matrix. `form` is a body's; `axes` a ground's, level's or plane's."""
+    """`draw SHAPE …` or `view …`: its parts by name, each a number, the components of a position,
+    or the columns of a rotation matrix. `form` is the shape of a body; `axes` are those of a
+    ground, level or plane."""
 
     shape: str
     parts: tuple[tuple[str, tuple[Expr, ...]], ...]
     range: Range | None
-    name: str  # name of the drawn place, "" if it is an expression
+    name: str  # name of the drawn position, "" if it is an expression
     description: str
     span: Span
     form: str = ""
@@ -226,7 +225,7 @@ class Drawing:
 
 @record
 class Assignment:
-    """`set NAME = EXPR` in a scene: a parameter, or an input. `varies`: EXPR contains t."""
+    """`set NAME = EXPR` in a scene, for a parameter or an input. `varies`: EXPR contains t."""
 
     name: str
     index: Expr | None
@@ -242,26 +241,26 @@ class Record:
 
     columns: tuple[Definition, ...]
     every: Expr | None
-    at: str  # name of an event, "" without
+    at: str  # name of an event, or ""
     span: Span
 
 
 @record
 class Hold(Given):
-    """`hold NAME = EXPR`: a prescribed motion, a function of parameters and t; without a value
-    (None) the coordinate stays at its start."""
+    """`hold NAME = EXPR`: a prescribed motion, a function of parameters and t. Without an
+    expression, `value` is None and the coordinate stays at its start."""
 
 
 @record
 class Expect:
-    """`expect A = B within TOL at T`; T is a time, an event, or missing: every recorded time."""
+    """`expect A = B within TOL at T`; T is a time or an event; without T, at all recorded times."""
 
     a: Expr
     relation: str  # "=", "<" or ">"
     b: Expr
     within: Expr | None
     at: Expr | None  # a time
-    event: str  # its name, "" without
+    event: str  # name of an event, or ""
     span: Span
     component: str = ""  # ".x", if vectors are compared
 
@@ -285,23 +284,23 @@ class Scene:
     swarm: Range | None = None
     expects: tuple[Expect, ...] = ()
     method_span: Span | None = None
-    misfits: tuple[Diagnostic, ...] = ()  # errors caused by sizes from the command line
+    misfits: tuple[Diagnostic, ...] = ()  # errors that sizes from the command line cause
 
 
 @record
 class Model:
-    """A whole model; each field is in declaration order."""
+    """A checked model; the fields are in declaration order."""
 
     source: Source
     name: str
     description: str
-    dimensionless: bool  # the model has no units, so neither has time
+    dimensionless: bool  # the model, including its time, has no units
     sizes: tuple[Size, ...]
     parameters: tuple[Parameter, ...]
     coordinates: tuple[Coordinate, ...]
     ends: tuple[End, ...]
     inputs: tuple[Input, ...]
-    definitions: tuple[Definition, ...]  # const and let, in the order written
+    definitions: tuple[Definition, ...]  # const and let, in declaration order
     kinetic: tuple[Expr, ...]
     potential: tuple[Expr, ...]
     lagrangian: tuple[Expr, ...]
@@ -312,12 +311,12 @@ class Model:
     events: tuple[Event, ...]
     starts: tuple[Start, ...]
     scenes: tuple[Scene, ...]
-    span: Span  # of the `model` statement
+    span: Span  # position of the `model` statement
     states: tuple[State, ...] = ()
     rates: tuple[Rate, ...] = ()
     rotations: tuple[Rotation, ...] = ()
     constraints: tuple[Constraint, ...] = ()
     drawings: tuple[Drawing, ...] = ()
     views: tuple[Drawing, ...] = ()
-    fast: tuple[Expr, ...] = ()  # terms of the potential named fast
-    methods: tuple[Own, ...] = ()  # methods the model adds to the runtime's
+    fast: tuple[Expr, ...] = ()  # terms of the potential that the model names fast
+    methods: tuple[Own, ...] = ()  # methods that the model defines

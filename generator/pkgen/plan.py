@@ -1,7 +1,7 @@
-"""The plan of a compile: the part of the model that a run needs, its kernels and its method.
+"""The plan of a compilation: the part of the model that a run needs, its kernels and its method.
 
-It is made once, from a scene and options (`scenes/compile_plan.py`), and goes with the compiled
-model: whatever runs or describes the model reads it there.
+It is made once, from a scene and options (`scenes/compile_plan.py`), and stored in the compiled
+model, where all code that runs or describes the model reads it.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from .middle.report import ReportLine
 from .model import Model
 from .record import record
 
-EXPONENTIAL_MOST = 64  # most coordinates: a step of it multiplies by a full matrix
+EXPONENTIAL_MOST = 64  # most coordinates: each step multiplies by a full matrix
 Made = tuple[Equations | LoopEquations, Facts]
-OPTION, SCENE, DEFAULT = "option", "scene", "default"  # where a method comes from
+OPTION, SCENE, DEFAULT = "option", "scene", "default"  # origins of a method
 
 
 @record
 class RunNumbers:
-    """Numbers of a run, in SI, of options or of a scene; None: not set there."""
+    """Numbers of a run in SI units, from options or from a scene; None: not set there."""
 
     until: float | None = None
     every: float | None = None
@@ -34,7 +34,7 @@ class RunNumbers:
     atol: float | None = None
 
     def else_of(self, other: RunNumbers) -> RunNumbers:
-        """Returns these numbers, and where one is not set that of `other`."""
+        """Returns these numbers; a number that is not set is replaced by that of `other`."""
         names = (f.name for f in fields(RunNumbers))
         pairs = ((name, getattr(self, name), getattr(other, name)) for name in names)
         return RunNumbers(**{name: b if a is None else a for name, a, b in pairs})
@@ -45,8 +45,8 @@ DEFAULTS = RunNumbers(until=UNTIL, rtol=RTOL)
 
 @record
 class CompilePlan:
-    """The kernels of a compile (None: all), and of its run the method (""; no run is planned),
-    where that comes from, and the numbers of options."""
+    """The kernels to compile (None: all), the method of the planned run ("": no run is planned),
+    the origin of the method, and the numbers from options."""
 
     kernels: frozenset[str] | None = None
     method: str = ""
@@ -56,10 +56,10 @@ class CompilePlan:
 
 @record
 class Use:
-    """How a scene restricts a model. `model` fixes parameters and holds coordinates; `needs` gives
-    the needed outputs, None: all; `plan` takes (equations, structure), or None before they are
-    known, and then plans all kernels that may be needed; `reads` gives parameters that a run reads,
-    None: all; `declared` adds declarations of options."""
+    """How a scene restricts a model. `model` fixes parameters and holds coordinates. `needs`
+    returns the needed outputs (None: all). `plan` takes (equations, structure), or None while they
+    are unknown, and then plans all kernels that may be needed. `reads` returns the parameters that
+    a run reads (None: all). `declared` adds declarations from options."""
 
     model: Callable[[Model], tuple[Model, tuple[ReportLine, ...]]]
     needs: Callable[[Model], Needs | None]
@@ -72,13 +72,13 @@ class Use:
 
 
 def default_method(made: Made, rtol: float, exact: bool) -> str:
-    """Returns the method for all coordinates or a part. With `exact`, a small linear system with
+    """Returns the method for all coordinates or a block. With `exact`, a small linear system with
     constant coefficients gets its exact flow, in steps short enough to detect events.
 
     gauss is the fastest method for smooth equations and tight tolerances; its error estimate is
-    invalid across a kink. A long chain has fast oscillations of small amplitude: the iteration of
-    gauss, not its error, would limit the step size, and its stages would not fit into the cache.
-    Sums over all pairs have no such neighbours, so gauss pays off."""
+    invalid across a kink. A long chain has fast oscillations of small amplitude, for which the
+    iteration of gauss would limit the step size, and its stages would not fit into the cache. This
+    does not apply to sums over all pairs, for which gauss is faster."""
     equations, structure = made
     by_gauss = structure.smooth_in_pieces and rtol <= GAUSS_RTOL
     if isinstance(equations, LoopEquations):

@@ -1,7 +1,7 @@
-"""The text of a model, places in it, and diagnostics.
+"""The text of a model, positions in it, and diagnostics.
 
-Every stage reports through `Diagnostic`; a stage that cannot go on raises `ModelError` with
-all the diagnostics it found. The command line prints them.
+Every stage reports errors and warnings as `Diagnostic`; a stage that cannot continue raises
+`ModelError` with all the diagnostics it found. The command line prints them.
 """
 
 from __future__ import annotations
@@ -22,19 +22,20 @@ class Span:
     end: int
 
     def to(self, other: Span) -> Span:
-        """The range from the start of this one to the end of `other`."""
+        """The range from the start of this span to the end of `other`."""
         return Span(self.start, other.end)
 
 
 @record
 class Source:
     """A model's text, without a byte-order mark and with "\\n" line ends. The first `own`
-    characters are the file's; text from the command line follows (None: there is none)."""
+    characters are from the file, the rest is from the command line (None: all are from the file).
+    """
 
     path: str
     text: str
     own: int | None = None
-    options: str = "command line"  # shown as the place of text from the command line
+    options: str = "command line"  # shown as the position of text from the command line
     _line_starts: list[int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -44,11 +45,11 @@ class Source:
 
     @property
     def sha256(self) -> str:
-        """The digest of the file's text; generated files name their source by it."""
+        """The digest of the file's text, by which generated files identify their source."""
         return hashlib.sha256(self.text[: self.own].encode()).hexdigest()
 
     def with_options(self, scene: str, clauses: Iterable[str]) -> Source:
-        """Returns the source with the command line's clauses appended as a scene of that name."""
+        """Returns the source with the command line's clauses appended as a scene named `scene`."""
         more = "\n".join(("", f"scene {scene}", *clauses, "end", ""))
         return Source(self.path, self.text + more, len(self.text))
 
@@ -56,7 +57,7 @@ class Source:
         return self.own is not None and offset > self.own
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column of an offset, both counted from 1, columns in characters."""
+        """Line and column of an offset, both counted from 1; columns count characters."""
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
@@ -75,7 +76,7 @@ class Source:
 
 @record
 class Diagnostic:
-    """One error or warning: message, place, and a hint how to fix it."""
+    """One error or warning: message, position, and a hint how to fix it."""
 
     message: str
     span: Span
@@ -83,7 +84,7 @@ class Diagnostic:
     severity: str = "error"  # or "warning"
 
     def text(self, source: Source) -> str:
-        """Returns the text shown to a person: place, message, the line with a caret, the hint."""
+        """Returns the text for a person: position, message, the line with a caret, the hint."""
         line, column = source.position(self.span.start)
         shown, caret_at = _clip(_printable(source.line(line)), column - 1)
         length = max(1, min(self.span.end - self.span.start, len(shown) - caret_at))
@@ -111,7 +112,7 @@ class Diagnostic:
 
 
 class ModelError(Exception):
-    """The model is wrong: the diagnostics of the failed stage, and a count `more` of others."""
+    """The model is wrong: the diagnostics of the failed stage; `more` counts those not included."""
 
     def __init__(self, source: Source, diagnostics: list[Diagnostic], more: int = 0):
         super().__init__()
@@ -135,7 +136,7 @@ def _printable(line: str) -> str:
 
 
 def _clip(line: str, at: int, width: int = 96) -> tuple[str, int]:
-    """Returns a window of a long line around column `at`, and that column's place in it."""
+    """Returns a window of a long line around column `at`, and the index of this column in it."""
     if len(line) <= width:
         return line, at
     start = max(0, min(at - width // 2, len(line) - width))

@@ -1,7 +1,7 @@
-"""Expressions as written in a model. Nodes are immutable and know their place in the text.
+"""Expressions as written in a model. Nodes are immutable and know their position in the text.
 
-Sums and products are flat, so that a sum of many terms is not a deep tree. Other nesting
-(brackets, powers, calls) is bounded by `limits.DEPTH`.
+Sums and products are flat, so that a sum of many terms is not a deep tree. The depth of other
+nesting (brackets, powers, calls) is limited by `limits.DEPTH`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .record import record
 from .source import Span
 
 AXES = "xyz"
-COMPONENTS = AXES + "w"  # names after the dot, by Component.axis
+COMPONENTS = AXES + "w"  # names after the dot, indexed by Component.axis
 
 
 @record
@@ -27,11 +27,9 @@ class Number:
 
 @record
 class Name:
-    """`theta1`, or `q[i+1]` with an index. Greek letters are spelt out already.
-
-    Built-in names: `t`, `pi`, and where outputs are defined `T`, `V`, `L`, `energy`, `p_COORD`
-    (unless the model declares them itself).
-    """
+    """`theta1`, or `q[i+1]` with an index. A Greek letter is replaced by its name. Built-in names
+    are `t`, `pi`, and in outputs `T`, `V`, `L`, `energy`, `p_COORD` (unless the model declares
+    them)."""
 
     id: str
     index: Expr | None
@@ -48,7 +46,7 @@ class Prime:
 
 @record
 class Component:
-    """`.x`, `.y` or `.z` of a vector, `.w` of a quaternion; `axis` is an index of COMPONENTS."""
+    """`.x`, `.y` or `.z` of a vector, `.w` of a quaternion; `axis` is an index in COMPONENTS."""
 
     of: Expr
     axis: int
@@ -63,7 +61,7 @@ class Negate:
 
 @record
 class Add:
-    """Terms each with its sign, +1 or -1; the first sign is +1."""
+    """A sum: each term has a sign, +1 or -1; the first sign is +1."""
 
     terms: tuple[Expr, ...]
     signs: tuple[int, ...]
@@ -72,7 +70,7 @@ class Add:
 
 @record
 class Multiply:
-    """Factors each with its exponent, +1 (times) or -1 (divided by); the first is +1."""
+    """A product: each factor has an exponent, +1 (times) or -1 (divided by); the first is +1."""
 
     factors: tuple[Expr, ...]
     exponents: tuple[int, ...]
@@ -88,9 +86,9 @@ class Power:
 
 @record
 class Call:
-    """A function of `functions/`, or of vectors: dot, cross, norm. In checked expressions also
-    rotate(axis, angle, vector) and attitude(quaternion, vector), with the quaternion as a vector
-    w, x, y, z."""
+    """A call of a function of `functions/`, or of a vector function: dot, cross, norm. Checked
+    expressions also have rotate(axis, angle, vector) and attitude(quaternion, vector), where the
+    quaternion is a vector w, x, y, z."""
 
     function: str
     arguments: tuple[Expr, ...]
@@ -109,7 +107,7 @@ class Range:
 
 @record
 class Sum:
-    """`sum(body, i = 1..N, j = i+1..N)`: later ranges may use earlier variables."""
+    """`sum(body, i = 1..N, j = i+1..N)`: a range may use the variables of earlier ranges."""
 
     body: Expr
     ranges: tuple[Range, ...]
@@ -124,8 +122,8 @@ class Vector:
 
 @record
 class Quantity:
-    """`EXPR [unit]` before checking; `check` replaces it by a product with the SI factor. `whole`:
-    the unit ends a whole expression, as in `1 - 0.3 [m]`; not so in `2 [N]*cos(w*t)`."""
+    """`EXPR [unit]` before checking; `check` replaces it by a product with the SI factor. `whole`
+    means that the unit ends a full expression, as in `1 - 0.3 [m]` but not in `2 [N]*cos(w*t)`."""
 
     of: Expr
     unit: str
@@ -165,11 +163,11 @@ def children(expr: Expr) -> tuple[Expr, ...]:
             return (base, exponent)
         case Sum(body=body, ranges=ranges):
             return (body, *(end for r in ranges for end in (r.lo, r.hi)))
-    return (expr.of,)  # Prime, Component, Negate, Quantity
+    return (expr.of,)  # the remaining classes: Prime, Component, Negate, Quantity
 
 
 def within(expr: Expr) -> Iterator[Expr]:
-    """Yields an expression and all expressions within it."""
+    """Yields an expression and all its subexpressions."""
     waiting = [expr]
     while waiting:
         part = waiting.pop()
@@ -178,12 +176,12 @@ def within(expr: Expr) -> Iterator[Expr]:
 
 
 def names(expr: Expr) -> frozenset[str]:
-    """Returns the names that occur, including those in indices and loop variables."""
+    """Returns the names in an expression, including those in indices, and loop variables."""
     return frozenset(part.id for part in within(expr) if isinstance(part, Name))
 
 
 def replaced(expr: Expr, by: Callable[[Expr], Expr | None]) -> Expr:
-    """Replaces each part by `by(part)`; where that is None, replaces within the part."""
+    """Replaces each subexpression by `by(it)`; if that is None, replaces within it."""
     new = by(expr)
     if new is not None:
         return new
@@ -197,7 +195,7 @@ def replaced(expr: Expr, by: Callable[[Expr], Expr | None]) -> Expr:
 
 
 def of_member(expr: Expr, variable: str, index: Expr) -> Expr:
-    """Returns the expression with `index` substituted for the loop variable."""
+    """Returns the expression with `index` in place of the loop variable."""
     return replaced(
         expr, lambda part: index if isinstance(part, Name) and part.id == variable else None
     )

@@ -1,4 +1,4 @@
-"""`pkgen import`: a robot's URDF or MJCF as a model."""
+"""`pkgen import`: converts a robot in URDF or MJCF to a model."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _checked(name: str, text: str) -> list[str]:
-    """Checks the model like `pkgen check`; returns notes. Raises ModelError."""
+    """Checks the model as `pkgen check` does; returns notes. Raises ModelError."""
     try:
         with bounded(limits.CPU_SECONDS, limits.MEMORY_BYTES):
             check_model(from_text(name, text))

@@ -1,4 +1,4 @@
-"""Puts the content of included files in place of MJCF's <include>."""
+"""Replaces each <include> of MJCF by the content of the included file."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from .xml import Element, Errors, tree
 
 
 def spliced(root: Element, errors: Errors) -> None:
-    """Puts the children of each included file in place of its <include>. Only files in the folder
-    of the first file, or below, are read, each once."""
+    """Replaces each <include> by the children of the included file's root. Only files in the folder
+    of the first file, or below it, are read, each once."""
     path = root.source.path
     folder, seen, count = os.path.dirname(path), {os.path.realpath(path)}, 0
     waiting = [(root, folder)]
@@ -41,8 +41,7 @@ def spliced(root: Element, errors: Errors) -> None:
 
 
 def _file(include: Element, folder: str, beside: str) -> str:
-    """Returns the path of an included file: beside the first file, or beside the one that includes
-    it."""
+    """Returns the path of an included file, relative to the first or to the including file."""
     named = include.text("file")
     places = [os.path.join(place, named) for place in (folder, beside)]
     file = next((place for place in places if os.path.exists(place)), places[0])
@@ -55,7 +54,7 @@ def _file(include: Element, folder: str, beside: str) -> str:
 
 
 def _tree(include: Element, file: str) -> Element:
-    """Returns the root of a file. Its errors are shown where it is included."""
+    """Returns the root of a file; errors in it are shown at its <include>."""
     try:
         source = read_text(file, "an MJCF file")
         top = tree(source)

@@ -1,6 +1,6 @@
-"""Reads MJCF: bodies with their masses, joints and default classes. An element that would change
-the motion and is not read is an error; all errors of a file are told at once. Sensors, actuators
-and contacts are left out with a note. Reference: mujoco.readthedocs.io, XML reference."""
+"""Reads MJCF: bodies with their masses, joints and default classes. An unread element that would
+change the motion is an error; all errors in a file are reported together. Sensors, actuators and
+contacts are left out with a note. Reference: mujoco.readthedocs.io, XML reference."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .turns import Turns, Vector, added, applied, matrix, of_angles, seen_from
 from .xml import ANGLE, Element, Errors
 
 KINDS = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
-SHOWN = ("site", "camera", "light")  # left out with a note
+SHOWN = ("site", "camera", "light")  # elements left out with a note
 IN_BODIES = ("body", "joint", "freejoint", "inertial", "geom")
 
 
@@ -28,8 +28,8 @@ class _Reader:
         self.given, self.names = _names(root), set()
 
     def name(self, element: Element | None, kind: str, other: str) -> str:
-        """Returns the unique name of a body or a joint; if it has none, `other` or one like it that
-        no other has."""
+        """Returns the unique name of a body or a joint; if it has none, `other`, followed by
+        underscores until it is unique."""
         name = element.attributes.get("name", "") if element is not None else ""
         if not name:
             name = other
@@ -44,8 +44,8 @@ class _Reader:
         self, element: Element, parent: str, before: Vector, around: str
     ) -> tuple[str, Vector, str]:
         """Adds a body; returns its name, the position of its frame in MJCF's frame and the class of
-        its children. The frame of a body is at its last joint; `before` is the position of the
-        parent's frame."""
+        its children. Frames in the model are at the body's last joint; `before` is the position of
+        the parent's frame in MJCF's frame."""
         self.check_body(element)
         around = element.attributes.get("childclass", around)
         name = self.name(element, "body", f"body{len(self.robot.links) + 1}")
@@ -83,7 +83,7 @@ class _Reader:
                 raise element.wrong("a body has one <inertial>")
 
     def joint(self, found: Element, other: str, parent: str, child: str, around: str) -> Joint:
-        """Returns a joint at its position in MJCF's frame of the body."""
+        """Returns a joint, with its position in MJCF's frame of the body."""
         free = found.tag == "freejoint"
         element = found if free else self.defaults.of(found, around)
         check_known(element)
@@ -122,8 +122,8 @@ class _Reader:
             self.robot.leave_out("frictionloss of a joint")
 
     def limits(self, element: Element, given: str, name: str) -> tuple[float, float] | None:
-        """Returns the limits by `limited`; its default, "auto", is whether there is a range
-        (`autolimits`)."""
+        """Returns the limits, or None if `limited` excludes them. "auto", the default, means that
+        they apply if there is a range and `autolimits`."""
         low, high = element.numbers("range", 2, (0.0, 0.0))
         limited = element.attributes.get("limited", "auto")
         if limited not in ("auto", "true", "false"):
@@ -144,7 +144,7 @@ class _Reader:
         return low * scale, high * scale
 
     def mass(self, element: Element, link: Link, anchor: Vector, around: str) -> None:
-        """Sets mass, centre and inertia, from <inertial> or geoms as `inertiafromgeom` says."""
+        """Sets mass, centre and inertia, from <inertial> or from geoms (`inertiafromgeom`)."""
         settings, found, lumps = self.settings, element.first("inertial"), []
         by_geoms = settings.from_geoms == "true" or (
             settings.from_geoms == "auto" and found is None
@@ -155,7 +155,8 @@ class _Reader:
                 lumps += [part] if part else []
         with self.errors.collecting():
             least = settings.least_mass or settings.least_moment
-            # MuJoCo puts a mass that is `boundmass` alone at `pos`, in the body's own frame.
+            # If a body's mass comes from `boundmass` only, MuJoCo puts it at `pos`, in the body's
+            # frame.
             at = element.numbers("pos", 3, ZERO) if least else ZERO
             whole = Lump(0.0, at, (ZERO,) * 3)
             if lumps:
@@ -169,7 +170,7 @@ class _Reader:
             self.robot.inertia(link, whole.inertia, (), element)
 
     def geom(self, geom: Element, around: str, link: Link | None, by_geoms: bool) -> Lump | None:
-        """Returns the lump of a geom, if masses are from geoms; notes its contacts and its mesh."""
+        """Returns the mass of a geom if masses come from geoms; notes its contacts and its mesh."""
         own = self.defaults.of(geom, around)
         check_known(own)
         if self.settings.on("contact", "constraint") and any(
@@ -200,7 +201,7 @@ class _Reader:
         return Lump(mass, at, seen_from(turn, own))
 
     def children(self, element: Element) -> None:
-        """Notes sites, cameras and lights; adds an error for all that is not read."""
+        """Notes sites, cameras and lights; adds an error for each other unread element."""
         for child in element.children:
             if child.tag in SHOWN:
                 self.robot.leave_out(f"<{child.tag}>")
@@ -211,7 +212,7 @@ class _Reader:
                 self.errors.add(child.wrong(message))
 
     def scale(self) -> None:
-        """Scales masses and inertias to `settotalmass`."""
+        """Scales masses and inertias to the total mass `settotalmass`."""
         whole = sum(link.mass for link in self.robot.links)
         if self.settings.total <= 0 or not whole:
             return
@@ -233,8 +234,8 @@ def _names(root: Element) -> set[tuple[str, str]]:
 
 
 def _placed(joint: Joint, at: Vector, turn: Turns) -> Joint:
-    """Places a joint such that its coordinates are MuJoCo's: those of a free joint are the place
-    in space, and a `ref` is what a coordinate is in the drawn posture."""
+    """Places a joint so that its coordinates equal MuJoCo's: those of a free joint are its position
+    in space, and `ref` is the value of a coordinate in the posture of the file."""
     if joint.kind == "free":
         return replace(joint, pose=(at, turn))
     if joint.zero and joint.kind == "revolute":
@@ -247,7 +248,7 @@ def _placed(joint: Joint, at: Vector, turn: Turns) -> Joint:
 
 
 def _positive(element: Element, word: str) -> float:
-    """Returns a linear coefficient of a joint. Raises ModelError."""
+    """Returns a coefficient of a joint, which must not be negative. Raises ModelError."""
     first, *higher = element.numbers(word, 0, (0.0,))
     if any(higher):
         raise element.wrong(f"'{word}' of a joint that is a polynomial is not read")

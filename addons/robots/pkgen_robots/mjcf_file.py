@@ -1,5 +1,5 @@
-"""The parts of an MJCF file outside of its bodies: settings, default classes, and sections that are
-left out or that the import cannot do without."""
+"""The parts of an MJCF file other than bodies: settings, default classes, and sections that are
+left out or whose omission is an error."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .xml import ANGLE, Element, Errors
 ZERO = (0.0, 0.0, 0.0)
 TURNS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 READ = ("worldbody", "compiler", "option", "default")
-# Sections whose elements are named by their kinds; of others the number of elements is told.
+# Sections whose elements are noted by tag; of other sections, notes give the number of elements.
 BY_KIND = ("actuator", "tendon", "contact", "equality", "deformable")
-# Attributes that are read, then those that say nothing of the motion without contacts, actuators,
-# friction of joints and pictures. Others are errors: they may change the motion.
+# Known attributes: first those that are read, then those that have no effect without contacts,
+# actuators, friction in joints and pictures. Other attributes may change the motion and are errors.
 KNOWN = {
     "compiler": "angle autolimits balanceinertia boundinertia boundmass coordinate eulerseq"
     " inertiafromgeom inertiagrouprange settotalmass alignfree"
@@ -40,7 +40,7 @@ KNOWN = {
     " adhesion castshadow condim fitscale fluidcoef fluidshape friction gap hfield margin material"
     " priority rgba solimp solmix solref surfacevel user",
 }
-MAIN = "main"  # the class of the outermost defaults
+MAIN = "main"  # class of the outermost defaults
 
 
 def check_known(element: Element) -> None:
@@ -53,10 +53,10 @@ def check_known(element: Element) -> None:
 
 
 class Settings:
-    """The settings of <compiler> and <option>, later ones in place of earlier ones."""
+    """The settings of <compiler> and <option>; a later element overrides an earlier one."""
 
     angle, sequence, auto_limits = math.pi / 180, "xyz", True
-    from_geoms, groups = "auto", (0.0, 5.0)  # whether masses are from geoms, and of which groups
+    from_geoms, groups = "auto", (0.0, 5.0)  # masses come from geoms of these groups
     balance, least_mass, least_moment, total = False, 0.0, 0.0, -1.0
     gravity = (0.0, 0.0, -9.81)
 
@@ -126,8 +126,8 @@ class Settings:
         return at, turn
 
     def _euler(self, angles: Vector) -> Turns:
-        """Returns the rotations of `eulerseq`: a small letter is an axis that turns along, a
-        capital one stands."""
+        """Returns the rotations of Euler angles by `eulerseq`: a small letter is an axis of the
+        rotated frame, a capital letter an axis of the fixed frame."""
         order: list[tuple[str, float]] = []
         for letter, angle in zip(self.sequence, angles, strict=True):
             turn = [(letter.lower(), angle * self.angle)]
@@ -145,7 +145,7 @@ def _merged(root: Element, tag: str, errors: Errors) -> Element:
 
 
 class Defaults:
-    """Attributes by class and kind of element."""
+    """Default attributes, by class and tag of an element."""
 
     def __init__(self, root: Element) -> None:
         self.classes: dict[str, dict[str, dict[str, str]]] = {MAIN: {}}
@@ -163,8 +163,7 @@ class Defaults:
             waiting += [(child, name) for child in element.all("default")][::-1]
 
     def of(self, element: Element, around: str) -> Element:
-        """Returns an element with the attributes of its class, `around` if it names none. Raises
-        ModelError."""
+        """Returns an element with the defaults of its class or of `around`. Raises ModelError."""
         name = element.attributes.get("class", around)
         if name not in self.classes:
             raise element.wrong(f"there is no default class '{name}'")
@@ -173,8 +172,8 @@ class Defaults:
 
 
 def _over(values: dict[str, str], own: dict[str, str]) -> dict[str, str]:
-    """Returns default values with an element's own in their place. An own rotation replaces that
-    of the defaults, in whatever form; a short size replaces the first numbers."""
+    """Returns default attributes, overridden by an element's own. An own rotation replaces the
+    default rotation in any form; a short `size` replaces only the first numbers."""
     turned = any(way in own for way in TURNS)
     both = {k: v for k, v in values.items() if not (turned and k in TURNS)} | own
     if "size" in own and "size" in values:
@@ -186,7 +185,7 @@ def _over(values: dict[str, str], own: dict[str, str]) -> dict[str, str]:
 def leave_out_sections(
     root: Element, robot: Robot, settings: Settings, defaults: Defaults, errors: Errors
 ) -> None:
-    """Notes all that is not in bodies and left out; adds an error for all that the motion needs."""
+    """Notes sections that are left out; adds an error for each part that the motion needs."""
     for section in root.children:
         if section.tag not in READ and section.tag not in BY_KIND:
             robot.leave_out(f"<{section.tag}>", max(1, len(section.children)))
@@ -200,7 +199,7 @@ def leave_out_sections(
 def _check_part(
     section: str, part: Element, part_of: str, settings: Settings, defaults: Defaults
 ) -> None:
-    """Raises ModelError if the motion needs a part of a section."""
+    """Raises ModelError if the motion needs an element of an unread section."""
     if section == "equality" and settings.on("equality", "constraint"):
         if part.attributes.get("active", "true") != "false":
             help = "take it out, and write a 'constraint' into the .lag file"

@@ -1,4 +1,4 @@
-"""Converts a robot's file to the text of a model."""
+"""Converts a robot file to the text of a model."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ FORMATS = {"robot": urdf.robot, "mujoco": mjcf.robot}
 
 
 def imported(path: str | os.PathLike[str], base: str = "fixed") -> tuple[str, Robot]:
-    """Returns the text of a .lag file, and the robot it is made of. Raises ModelError with the
-    position of an error in the file."""
+    """Returns the text of a .lag file and the Robot from which it is made. Raises ModelError with
+    the position of an error in the file."""
     source = read_text(path, "a URDF or MJCF file")
     root = tree(source)
     if root.tag not in FORMATS:

@@ -1,4 +1,4 @@
-"""A robot of links and joints, from any format, and its text as a .lag file."""
+"""A robot of links and joints, from any file format, and its text as a .lag file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .turns import Matrix, Turns, Vector, crossed, inner, right_angles, seen_fro
 from .xml import Element
 
 TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
-# Suffixes of the additional names of a joint's coordinates, by its kind.
+# For each kind of joint: suffixes of additional names that its coordinates have.
 SUFFIXES = {"free": ("_x", "_y", "_z"), "planar": ("_1", "_2")}
 
 
@@ -29,7 +29,7 @@ class Link:
 
 @dataclass
 class Mimic:
-    """A coordinate that equals `factor` times another joint's, plus `offset`."""
+    """The rule of a coordinate that equals `factor` times that of the joint `of`, plus `offset`."""
 
     element: Element
     of: str
@@ -40,25 +40,25 @@ class Mimic:
 @dataclass
 class Joint:
     name: str
-    kind: str  # a key of front/joints.py KINDS
-    parent: str  # name of the parent link; "": the ground
+    kind: str  # joint kind, a key of front/joints.py KINDS
+    parent: str  # name of the parent link; "" is the ground
     child: str
     at: Vector
     turn: Turns
     axis: Vector | None
     says: str = ""
     damping: float = 0.0
-    armature: float = 0.0  # an inertia that its rates alone have
+    armature: float = 0.0  # rotor inertia, which adds to the kinetic energy of the rate
     stiffness: float = 0.0
-    rest: float = 0.0  # where its spring is at rest
-    limits: tuple[float, float] | None = None  # [rad] or [m]
+    rest: float = 0.0  # coordinate at which the spring is relaxed
+    limits: tuple[float, float] | None = None  # limits of the coordinate, [rad] or [m]
     mimic: Mimic | None = None
-    zero: float = 0.0  # the coordinate in the drawn posture
-    pose: tuple[Vector, Turns] = ((), ())  # the start of a free joint
+    zero: float = 0.0  # value of the coordinate in the posture of the file
+    pose: tuple[Vector, Turns] = ((), ())  # initial position and rotation of a free joint
 
     @property
     def start(self) -> float:
-        """Returns the start: the drawn posture, or the middle of its limits if they exclude it."""
+        """Returns the initial value: `zero`, or the middle of the limits if they exclude it."""
         low, high = self.limits or (self.zero, self.zero)
         return self.zero if low <= self.zero <= high else (low + high) / 2
 
@@ -67,24 +67,24 @@ class Joint:
 class Robot:
     name: str
     links: list[Link]
-    joints: list[Joint]  # parents come before children
+    joints: list[Joint]  # parents precede children
     gravity: Vector = (0.0, 0.0, -9.81)
     left_out: dict[str, int] = field(default_factory=dict)
     doubts: list[str] = field(default_factory=list)
 
     def inertia(self, link: Link, own: Matrix, turn: Turns, at: Element) -> None:
-        """Sets the tensor of a link, given in its own axes. An unphysical tensor is kept with a
-        note."""
+        """Sets the inertia of a link from a tensor `own` in axes rotated by `turn`. Keeps an
+        unphysical tensor and adds a note."""
         if any(own[k][k] < 0 for k in range(3)):
             raise at.wrong(f"the inertia of '{link.name}' has a negative moment")
         if not _is_inertia(own):
             self.doubts.append(f"the inertia of '{link.name}' has a negative principal moment")
-        tiny = 1e-16 * max(own[k][k] for k in range(3))  # of rounding, in products of inertia
+        tiny = 1e-16 * max(own[k][k] for k in range(3))  # round-off of products of inertia
         tensor = seen_from(turn, own)
         link.inertia = tuple(tuple(x if abs(x) > tiny else 0.0 for x in row) for row in tensor)
 
     def notes(self) -> list[str]:
-        """Returns notes for the user: omitted and doubtful features."""
+        """Returns notes for the user on omitted and doubtful features."""
         left = [f"{what} ({count})" for what, count in self.left_out.items()]
         return (["left out: " + ", ".join(left)] if left else []) + self.doubts
 
@@ -93,11 +93,11 @@ class Robot:
 
 
 class Names:
-    """Makes unique valid names from those of a robot."""
+    """Makes unique names, valid in .lag files, from the names in a robot file."""
 
     def __init__(self) -> None:
         self.taken = set(TAKEN)
-        self.numbers: dict[str, count[int]] = {}  # next suffix of each base name
+        self.numbers: dict[str, count[int]] = {}  # next numeric suffix of each name
 
     def new(self, name: str, suffixes: Iterable[str] = (), other: str = "") -> str:
         base = re.sub(r"\W", "_", name, flags=re.ASCII)[: limits.NAME_LENGTH - 12] or "link"
@@ -113,7 +113,7 @@ class Names:
 
 
 def text(robot: Robot, file: str) -> str:
-    """Returns the text of a .lag file that compiles."""
+    """Returns the text of a .lag file, which compiles."""
     _hold_massless(robot)
     names, model = Names(), re.sub(r"\W", "_", robot.name, flags=re.ASCII) or "robot"
     if not model[0].isalpha() or reserved(model) or symbols_of(model) or model in C_HEADERS:
@@ -148,7 +148,7 @@ Called = dict[str, tuple[str, Joint]]
 
 
 def _mimicked(joint: Joint, called: Called) -> float:
-    """Returns the start of a mimicking joint, by the joints that it mimics. Raises ModelError."""
+    """Returns the initial value of a mimicking joint, from those it mimics. Raises ModelError."""
     factor, offset, seen = 1.0, 0.0, {joint.name}
     while joint.mimic and joint.kind != "fixed":
         mimic = joint.mimic
@@ -166,7 +166,7 @@ def _mimicked(joint: Joint, called: Called) -> float:
 
 
 def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
-    """Returns the constraint of a mimic; a fixed joint has coordinate 0."""
+    """Returns the constraint statement of a mimic; the coordinate of a fixed joint is 0."""
     other, leader = called[joint.mimic.of]
     slides = joint.kind == "prismatic"
     unit = {(True, "revolute"): " [m]", (False, "prismatic"): " [1/m]"}.get((slides, leader.kind))
@@ -177,7 +177,7 @@ def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
 
 
 def _terms(joint: Joint, name: str) -> list[str]:
-    """Returns armature, damping and spring as terms of energies and of the dissipation."""
+    """Returns statements for armature, spring and damping: energies and dissipation."""
     turns, slides = f"{name}'^2", f"{name}'^2"
     if joint.axis is None:
         turns = f"dot(omega({name}), omega({name}))"
@@ -198,7 +198,7 @@ def _terms(joint: Joint, name: str) -> list[str]:
 
 
 def _pose(joint: Joint, name: str) -> list[str]:
-    """Returns the starts of a free joint."""
+    """Returns the `start` statement of a free joint, if any."""
     at, turns = joint.pose
     starts = [f"{name}_{axis} = {x!r} [m]" for axis, x in zip("xyz", at, strict=False) if x]
     starts += [f"{name} = {_turned(turns)}"] if turns else []
@@ -206,12 +206,12 @@ def _pose(joint: Joint, name: str) -> list[str]:
 
 
 def _suffixes(joint: Joint) -> tuple[str, ...]:
-    """Returns the suffixes of a joint's additional names."""
+    """Returns the suffixes of the additional names of a joint."""
     return SUFFIXES.get(joint.kind, ()) + ("_lower", "_upper") * bool(joint.limits)
 
 
 def _hold_massless(robot: Robot) -> None:
-    """Fixes joints that carry no mass, which have no equation of motion, with a note."""
+    """Fixes joints that move no mass, and so have no equation of motion; adds a note."""
     links = {link.name: link for link in robot.links}
     heavy = {name for name, link in links.items() if link.mass or any(map(any, link.inertia or ()))}
     for joint in reversed(robot.joints):
@@ -269,7 +269,7 @@ def _vector(v: Sequence[float]) -> str:
 
 
 def _is_inertia(i: Matrix) -> bool:
-    """Whether it is physical up to rounding: no principal moment is negative."""
+    """Whether no principal moment of inertia is negative, up to rounding."""
     tiny = 1e-9 * max(i[k][k] for k in range(3))
     minors = (i[a][a] * i[b][b] - i[a][b] ** 2 for a, b in ((0, 1), (0, 2), (1, 2)))
     determinant = inner(i[0], crossed(i[1], i[2]))

@@ -1,4 +1,4 @@
-"""Mass, centre and moments of inertia of bodies from geoms, the primitive shapes of MJCF."""
+"""Mass, centre of mass and inertia of bodies from geoms, the primitive shapes of MJCF."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 from .turns import Matrix, Turns, Vector, of_direction, seen_from
 from .xml import Element
 
-WATER = 1000.0  # density of a geom that has none [kg/m^3]
+WATER = 1000.0  # default density of a geom [kg/m^3]
 MASSLESS = ("plane", "hfield")
-SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}  # numbers of a size
+SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}  # length of `size`
 HELP = "give its body an <inertial>: MuJoCo writes them if <compiler saveinertial> is true"
 
 
 @dataclass
 class Lump:
-    """A mass, its centre, and its inertia about the centre along the axes of its body."""
+    """A mass, its centre, and its inertia about its centre, along the axes of its body."""
 
     mass: float
     com: Vector
@@ -27,7 +27,7 @@ class Lump:
 
 
 def lump(geom: Element, at: Vector, turn: Turns) -> Lump | None:
-    """Returns the lump of a geom at a place; None if it has no mass. Raises ModelError."""
+    """Returns mass and inertia of a geom at a position; None without mass. Raises ModelError."""
     kind = geom.attributes.get("type", "sphere")
     own = geom.number("mass") if "mass" in geom.attributes else None
     density = geom.number("density", WATER)
@@ -53,7 +53,7 @@ def lump(geom: Element, at: Vector, turn: Turns) -> Lump | None:
 
 
 def from_to(geom: Element, kind: str) -> tuple[Vector, Turns, float]:
-    """Returns the middle, the turn and the half length of a geom between two points."""
+    """Returns centre, rotation and half length of a geom between two points (`fromto`)."""
     if SIZES[kind] == 1:
         raise geom.wrong(f"a {kind} has no 'fromto'")
     ends = geom.numbers("fromto", 6)
@@ -65,7 +65,7 @@ def from_to(geom: Element, kind: str) -> tuple[Vector, Turns, float]:
 
 
 def volume_and_moments(kind: str, size: Sequence[float]) -> tuple[float, Vector]:
-    """Returns the volume of a shape and its moments of inertia for a mass of 1."""
+    """Returns the volume of a shape, and its moments of inertia if its mass is 1."""
     a, b, c = (*size, 0.0, 0.0)[:3]
     if kind == "sphere":
         return 4 / 3 * math.pi * a**3, (0.4 * a**2,) * 3
@@ -96,7 +96,7 @@ def together(lumps: Sequence[Lump]) -> Lump:
 
 
 def bounded(body: Lump, mass: float, moment: float) -> Lump:
-    """Returns a body of at least this mass, with principal moments of at least `moment`."""
+    """Returns a body with at least this mass and principal moments of at least `moment`."""
     body = replace(body, mass=max(body.mass, mass))
     values, axes = np.linalg.eigh(np.array(body.inertia))
     if values[0] >= moment:
@@ -105,7 +105,7 @@ def bounded(body: Lump, mass: float, moment: float) -> Lump:
 
 
 def balanced(body: Lump) -> Lump:
-    """Returns the mean of the moments in their place if one is larger than the two others."""
+    """Returns a body in which all moments are their mean if one exceeds the sum of two others."""
     values = np.linalg.eigvalsh(np.array(body.inertia))
     if values[0] + values[1] >= values[2]:
         return body

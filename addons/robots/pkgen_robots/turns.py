@@ -1,4 +1,4 @@
-"""Rotations as products of rot(AXIS, ANGLE), the rightmost applied first, and numeric matrices."""
+"""Rotations, as matrices and as products of rot(AXIS, ANGLE), whose rightmost is applied first."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections.abc import Sequence
 
 Vector = tuple[float, ...]
 Matrix = tuple[Vector, Vector, Vector]
-Turns = tuple[tuple[Vector, float], ...]  # axes of any length, angles
+Turns = tuple[tuple[Vector, float], ...]  # pairs (axis of any length, angle)
 
 UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-# An angle this near a multiple of a right angle is that multiple: no double is nearer to it.
+# An angle this near a multiple of pi/2 counts as the multiple, which is no double.
 NEAR = 1e-15
 
 
 def right_angles(angle: float) -> int | None:
-    """Returns the multiple of a right angle; None if the angle is none."""
+    """Returns k if the angle is k pi/2, else None."""
     count = round(angle / (math.pi / 2))
     return count if abs(angle - count * math.pi / 2) < NEAR else None
 
@@ -42,7 +42,7 @@ def product(a: Matrix, b: Matrix) -> Matrix:
 
 
 def seen_from(turns: Turns, tensor: Matrix) -> Matrix:
-    """Returns R tensor R^T, made exactly symmetric."""
+    """Returns R tensor R^T, with R the matrix of `turns`, made exactly symmetric."""
     if not turns:
         return tensor
     turn = matrix(turns)
@@ -51,7 +51,7 @@ def seen_from(turns: Turns, tensor: Matrix) -> Matrix:
 
 
 def matrix(turns: Turns) -> Matrix:
-    """Returns the product of the rotation matrices, each by Rodrigues' formula."""
+    """Returns the product of the rotation matrices, by Rodrigues' formula."""
     whole = UNIT
     for axis, angle in turns:
         size = math.hypot(*axis)
@@ -69,13 +69,13 @@ def matrix(turns: Turns) -> Matrix:
 
 
 def of_roll_pitch_yaw(angles: Sequence[float]) -> Turns:
-    """Returns the rotation about the fixed x, then y, then z axis, like URDF."""
+    """Returns the rotation about the fixed x, then y, then z axis, as in URDF."""
     axes = (UNIT[0], UNIT[1], UNIT[2])
     return of_angles(axes[::-1], angles[::-1])
 
 
 def of_angles(axes: Sequence[Vector], angles: Sequence[float]) -> Turns:
-    """Returns the rotations with nonzero angles."""
+    """Returns the rotations about `axes` by `angles`, without those by 0."""
     return tuple(
         (n, angle) for n, angle in zip(axes, angles, strict=True) if right_angles(angle) != 0
     )
@@ -90,17 +90,17 @@ def of_quaternion(q: Sequence[float]) -> Turns | None:
 
 
 def of_direction(z: Sequence[float]) -> Turns:
-    """Returns the shortest rotation of the z axis to a direction."""
+    """Returns the shortest rotation of the z axis to the direction `z`."""
     axis = (-z[1], z[0], 0.0) if z[0] or z[1] else UNIT[0]
     return of_angles([axis], [math.atan2(math.hypot(z[0], z[1]), z[2])])
 
 
 def of_axes(x: Sequence[float], y: Sequence[float]) -> Turns | None:
-    """Returns the rotation with the x axis along x, and the y axis nearest to y; None if x and y
-    are parallel."""
+    """Returns the rotation to axes with x along `x` and y nearest to `y`; None if these are
+    parallel."""
     z = crossed(x, y)
     if not any(z):
         return None
     first = of_direction(z)
-    near = [inner(column, x) for column in zip(*matrix(first), strict=True)]  # x before the first
+    near = [inner(column, x) for column in zip(*matrix(first), strict=True)]  # `x` in the new axes
     return first + of_angles([UNIT[2]], [math.atan2(near[1], near[0])])

@@ -1,5 +1,6 @@
-"""Reads URDF: links, joints, inertias, origins, limits, mimics. Meshes are named; transmissions,
-sensors and all other elements are left out with a note. Reference: wiki.ros.org/urdf/XML."""
+"""Reads URDF: links, joints, inertias, origins, limits, mimics. The names of meshes are kept;
+transmissions, sensors and other elements are left out with a note. Reference:
+wiki.ros.org/urdf/XML."""
 
 from __future__ import annotations
 
@@ -15,8 +16,8 @@ KINDS = {
     "floating": "free",
     "planar": "planar",
 }
-# Attributes and children that are read, or that only affect the appearance; * marks repeatable
-# ones.
+# Attributes and child elements that are read or only affect the appearance; * marks repeatable
+# elements.
 READ = {
     "robot": ("name version", "link* joint* material*"),
     "link": ("name", "inertial visual* collision*"),
@@ -89,7 +90,7 @@ def robot(root: Element, base: str) -> Robot:
 
 
 def _leave_out_unread(root: Element, robot: Robot) -> None:
-    """Notes every unread child and attribute; the content of an unread child is skipped."""
+    """Notes every unread attribute and child element; skips the content of unread elements."""
     waiting = [root]
     while waiting:
         element = waiting.pop()
@@ -112,7 +113,7 @@ def _leave_out_unread(root: Element, robot: Robot) -> None:
 
 
 def _mimic(element: Element, joint: Joint, robot: Robot) -> Mimic | None:
-    """Returns the mimic: q = multiplier * (q of another joint) + offset."""
+    """Returns the mimic, q = multiplier * (q of another joint) + offset."""
     factor, offset = element.number("multiplier", 1.0), element.number("offset", 0.0)
     if joint.kind not in ("revolute", "prismatic"):
         robot.leave_out(f"<mimic> of a {joint.kind} joint")

@@ -1,5 +1,5 @@
-"""Reads XML as a tree of elements with positions. A document type is refused, so there are no
-entities; depth and count are limited, and nothing recurses."""
+"""Reads XML as a tree of elements with positions. A DOCTYPE is refused, so that there are no
+entities; the depth and number of elements are limited, and no function is recursive."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from xml.parsers import expat
 from pkgen import limits
 from pkgen.source import Diagnostic, ModelError, Source, Span
 
-LARGEST, SMALLEST = 1e100, 1e-100  # their squares are finite, normal doubles
-ANGLE = 1e6  # largest angle, in radians or degrees: larger ones have too few digits
+LARGEST, SMALLEST = 1e100, 1e-100  # bounds of numbers, whose squares are finite, normal doubles
+ANGLE = 1e6  # largest angle, in radians or degrees; a larger one would lose digits
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
@@ -24,7 +24,7 @@ class Element:
     attributes: dict[str, str]
     span: Span
     children: list[Element] = field(default_factory=list)
-    where: str = ""  # the place in an included file; the span is that of the <include>
+    where: str = ""  # position in an included file, if `span` is that of the <include>
 
     def all(self, tag: str) -> Iterator[Element]:
         return (child for child in self.children if child.tag == tag)
@@ -47,8 +47,8 @@ class Element:
     def numbers(
         self, name: str, count: int, default: tuple[float, ...] = (), largest: float = LARGEST
     ) -> tuple[float, ...]:
-        """Returns `count` finite numbers, any number of them if it is 0; without a default, the
-        attribute is required. Raises ModelError."""
+        """Returns `count` finite numbers, or any number of them if `count` is 0. The attribute is
+        required if there is no default. Raises ModelError."""
         if default and name not in self.attributes:
             return default
         words = self.text(name).split()
@@ -71,7 +71,7 @@ class Element:
         return self.numbers(name, 1, default)[0]
 
     def flag(self, name: str, default: bool = False) -> bool:
-        """Returns whether an attribute is "true". Raises ModelError."""
+        """Returns whether an attribute is "true". Raises ModelError if it is not "false" either."""
         value = self.attributes.get(name, str(default).lower())
         if value not in ("true", "false"):
             raise self.wrong(f'{name}="{value[:10]}" is not true or false')
@@ -79,9 +79,9 @@ class Element:
 
 
 class Errors:
-    """Collects what is wrong in a file; what is wrong alike in several places is one error."""
+    """Collects the errors in a file; equal errors at several positions count as one."""
 
-    MOST = 20  # errors that are shown
+    MOST = 20  # most errors shown
 
     def __init__(self) -> None:
         self.found: dict[str, tuple[Diagnostic, int]] = {}
@@ -99,7 +99,7 @@ class Errors:
             self.add(error)
 
     def stop(self, source: Source) -> None:
-        """Raises ModelError if there was an error."""
+        """Raises ModelError if there are errors."""
         if not self.found:
             return
         all_ = [
@@ -110,12 +110,12 @@ class Errors:
 
 
 def _spelt(word: str) -> bool:
-    """Whether a number is not 0 as written, though it may underflow."""
+    """Whether a number has a nonzero digit, though its value may underflow to 0."""
     return any(digit in "123456789" for digit in word.lower().partition("e")[0])
 
 
 def tree(source: Source) -> Element:
-    """Returns the root. Raises ModelError with the position of an error."""
+    """Returns the root element. Raises ModelError with the position of an error."""
     lines = [0]
     lines += [k + 1 for k, c in enumerate(source.text) if c == "\n"]
     parser = expat.ParserCreate("utf-8")

@@ -1,4 +1,4 @@
-"""Builds a compiled model and runs it: settings in, rows and a report out.
+"""Builds and runs a compiled model: takes settings, returns rows and a report.
 
 `scenes`, `analysis` and `cli` call this package. It uses `compiler` and `system`.
 """

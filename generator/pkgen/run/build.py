@@ -1,7 +1,7 @@
 """Builds libraries and programs from generated C, with the C compiler, the runtime and the cache.
 
-A model is compiled once for each text and set of methods. The library is cached in `PKGEN_CACHE`,
-else `$XDG_CACHE_HOME/pkgen`, else `~/.cache/pkgen`.
+A model is compiled once for each text and set of inlined methods. The library is cached in
+`PKGEN_CACHE`, else `$XDG_CACHE_HOME/pkgen`, else `~/.cache/pkgen`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..system.toolchain import NATIVE, RUNTIME, Toolchain, compile_c, find_gsl, 
 from .library import load
 from .runtime import SHARED, WHOLE, needed, part_of, runtime_library, runtime_links, runtime_name
 
-# This file defines the struct pk_run_model. No model can have its name.
+# C file that defines the struct pk_run_model. No model can have this name.
 CHOICE_FILE = "which-model.c"
 CHOICE = """#include <pk/gsl.h>
 #include <pk/methods.h>
@@ -38,7 +38,7 @@ const struct pk_run_model {of} = {{&{name}_system, {given}, {count}, methods, {n
 EXPORTS_FILE = "exports"
 EXPORTS = "{{ global: pk_model; pk_run_*; pk_stability_*; {name}_*; local: *; }};\n"
 
-Blocks = Sequence[tuple[str, Sequence[int]]]  # names and coordinates of a model's blocks
+Blocks = Sequence[tuple[str, Sequence[int]]]  # for each block: its name, indices of its coordinates
 
 
 def _choice(
@@ -79,7 +79,7 @@ def _choice(
 
 
 def _portable(tools: Toolchain, files: dict[str, str]) -> Toolchain:
-    """Returns the tools with flags for a portable runtime if the model is portable."""
+    """Returns `tools`, with the flag for a portable runtime if the model is portable."""
     return replace(tools, flags=(*tools.flags, "-DPK_PORTABLE")) if is_portable(files) else tools
 
 
@@ -94,7 +94,7 @@ def _linked(
     own: Sequence[Own] = (),
 ) -> None:
     """Compiles the files of a model with flags `form` and links them with `arguments`. Steps are
-    inlined in the blocks of a model that has blocks, else in the model."""
+    inlined in the model, or in its blocks if it has any."""
     form = [*form, *in_c.flags(own)]
     files = {**files, in_c.FILE: in_c.tables(own)} if own else files
     for file_name, text in files.items():
@@ -119,11 +119,11 @@ def build_library(
 ) -> Path:
     """Returns the path of a shared library that integrates the model `name`, built from its files.
 
-    Steps of `methods` are inlined. The library has the families of `methods` and `able`; all
-    methods if both are empty. ensemble: it can run ensembles. diagnose: it has diagnostics and
-    stability questions. parts: blocks of coordinates, each integrated by itself; then the model
-    itself has only outputs. Raises BuildError with the compiler's messages.
-    """
+    Steps of `methods` are inlined. The library contains the families of `methods` and `able`, or
+    all methods if both are empty; with `ensemble` also ensembles, with `diagnose` diagnostics and
+    the functions of pk/stability.h. `parts` are blocks of coordinates that are integrated
+    separately; the model itself then has only outputs. Raises BuildError with the compiler's
+    messages."""
     tools = _portable(tools or find_toolchain(), files)
     inlined = _inlined(tools, methods, own, ensemble)
     every, names = known(own), [name for name in (*methods, *able) if name]
@@ -148,7 +148,7 @@ def build_library(
 def _inlined(
     tools: Toolchain, methods: Sequence[str | None], own: Sequence[Own], ensemble: bool
 ) -> list[str]:
-    """Returns the flags that inline steps; none without optimization: it would save no time."""
+    """Returns the flags that inline steps; [] without optimization, where they save no time."""
     flags = [] if {"-O0", "-O1"} & set(tools.flags) else inline_flags(methods, own)
     return [*flags, "-DPK_INLINE_ENSEMBLE"] if flags and ensemble else flags
 
@@ -166,9 +166,10 @@ def build_program(
     own: Sequence[Own] = (),
     ensemble: bool = False,
 ) -> None:
-    """Builds a standalone program `output`; `settings` is their C initializer. With `ensemble`, its
-    steps are inlined for blocks of members. It has GSL, which is under the GPL, only if `gsl`. It
-    runs on any processor of the architecture unless `native`. Raises BuildError."""
+    """Builds a standalone program `output`; `settings` is C that defines its settings. With
+    `ensemble`, its steps are inlined for blocks of members. Links GSL, which is under the GPL, only
+    with `gsl`. The program runs on any processor of the architecture unless `native`. Raises
+    BuildError."""
     tools = find_toolchain()
     if not gsl:
         tools = replace(tools, gsl_cflags=None, gsl_libs=())
@@ -188,7 +189,7 @@ def build_program(
         shutil.copy(folder / "program", output)
 
 
-# A model without equations, to link the runtime with when it only lists its methods.
+# A model without equations, linked with the runtime only to list its methods.
 NO_MODEL = """#include <pk/system.h>
 extern const struct pk_system no_model_system;
 const struct pk_system no_model_system = {
@@ -197,7 +198,7 @@ const struct pk_system no_model_system = {
 
 
 def own_methods(own: Sequence[Own]) -> list[dict[str, object]]:
-    """Returns descriptions of the model's own methods, made by the runtime."""
+    """Returns the runtime's descriptions of the model's own methods."""
     if not own:
         return []
     return load(build_library({"no_model.c": NO_MODEL}, "no_model", own=own)).methods(own=True)
@@ -209,12 +210,12 @@ LISTED = RUNTIME / "methods.json"  # stored, since stability limits take seconds
 def runtime_methods() -> list[dict[str, object]]:
     """Returns descriptions of the runtime's methods; GSL's only if GSL is installed."""
     listed: list[dict[str, object]] = json.loads(LISTED.read_text(encoding="utf-8"))
-    if {str(m["name"]) for m in listed} != METHODS.keys():  # the list is outdated
+    if {str(m["name"]) for m in listed} != METHODS.keys():  # the stored list is outdated
         listed = described_methods()
     gsl = find_gsl()[0] is not None
     return [m for m in listed if gsl or METHODS[str(m["name"])].family != "GSL"]
 
 
 def described_methods() -> list[dict[str, object]]:
-    """Returns the descriptions from the compiled runtime."""
+    """Returns the descriptions of methods that the compiled runtime itself gives."""
     return load(build_library({"no_model.c": NO_MODEL}, "no_model")).methods()

@@ -25,10 +25,10 @@ def _named(column: int, word: str) -> tuple[str, ...]:
 
 _ROWS = _ROW.findall(TABLE.read_text(encoding="utf-8"))
 OF_MEMBERS = _named(1, "MEMBERS")
-OF_REDUCED = _named(1, "REDUCED")  # requested alone, of the reduced system of a scene
+OF_REDUCED = _named(1, "REDUCED")  # diagnostics for which a scene may be reduced
 NAMES = tuple(name for name, *_ in _ROWS if name not in OF_MEMBERS)
 OF_PARTICLES = frozenset(("all", *_named(2, "PARTICLES")))
-LINEARISED = frozenset(("all", *_named(2, "LINEAR")))  # need the kernel `linear`
+LINEARISED = frozenset(("all", *_named(2, "LINEAR")))  # diagnostics that need the kernel `linear`
 OF_ALL_KERNELS = frozenset(_named(2, "EVERY"))
 
 
@@ -52,15 +52,16 @@ def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
 
 
 def refuse_several(names: tuple[str, ...], what: str) -> None:
-    """Refuses diagnostics of one trajectory for several. Raises UsageError."""
+    """Raises UsageError if diagnostics of one trajectory are requested for several."""
     if set(names) != set(OF_MEMBERS):
         raise UsageError(f"--diagnose is for one trajectory, not {what}, which has 'area' alone")
 
 
 def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
-    """Returns the kernels that the diagnostics need; None: the default kernels are enough.
+    """Returns the kernels that the diagnostics need, or None if the default kernels are enough.
 
-    A large model has `linear` only if it is named, and every model has PARTICLES only if named."""
+    The kernel `linear` of a large model, and the kernel PARTICLES, are included only if requested.
+    """
     from ..back.kernels import KERNELS
     from ..back.kernels_canonical import CANONICAL
 
@@ -73,8 +74,8 @@ def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
 
 
 def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> None:
-    """Refuses diagnostics of particles for a model without particles, and diagnostics of members
-    for one trajectory. Raises UsageError."""
+    """Raises UsageError for diagnostics of particles if the model has none, and for diagnostics of
+    ensembles if there is one trajectory."""
     if not several and set(OF_MEMBERS).intersection(names):
         raise UsageError(
             "--diagnose area is of a closed loop of starts: of a scene with a swarm, or --ensemble"
@@ -100,7 +101,7 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
 
 
 def name_places(report: dict, compilation: Compilation) -> None:
-    """Adds to results about particles their positions, and the part of L that is not theirs."""
+    """Adds the positions of particles to results on particles, and the part of L that has none."""
     for name, found in report.get("diagnostics", {}).items():
         if name in OF_PARTICLES and found["status"] == "PK_DONE":
             particles = compilation.equations.particles
@@ -109,5 +110,5 @@ def name_places(report: dict, compilation: Compilation) -> None:
 
 
 def of_whole(text: str | None) -> bool:
-    """Whether a requested diagnostic needs the whole motion, so that a scene is not reduced."""
+    """Whether a requested diagnostic forbids the reduction of a scene."""
     return text is not None and not {*asked(text)} <= {*OF_REDUCED}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-UNIFORM = 1e-9  # relative size below which deviations from uniform motion, or its drift, count as 0
-NO_TORQUE = 1e-12  # a torque below this, relative to the terms of its sum, is round-off
+UNIFORM = 1e-9  # a smaller relative deviation from uniform motion, or from rest, counts as 0
+NO_TORQUE = 1e-12  # a torque below this part of the terms of its sum is round-off
 CONJUGATE_SHOWN = 64  # most conjugate points in a report
-OFF, SHOWN = 1e-3, 5  # drift reported as an error; most constants named
-LOST, MAGNIFIED = 1e-6, 1e3  # least reported drift relative to the value, and over drift["max"]
-EPSILON = 1e-13  # a value below this, relative to the scale, is 0 up to rounding
-BROAD = 0.03  # residual above which spectral lines do not explain the motion
+OFF, SHOWN = 1e-3, 5  # least drift reported as an error; most constants named
+LOST, MAGNIFIED = 1e-6, 1e3  # least drift over the value, and its least ratio to drift["max"]
+EPSILON = 1e-13  # a value below this part of the scale is 0 up to rounding
+BROAD = 0.03  # largest residual of a motion that spectral lines explain
 
 
 def kept_line(drifts: list[dict]) -> list[str]:
@@ -33,7 +33,7 @@ def kept_line(drifts: list[dict]) -> list[str]:
 
 
 def drift_lines(drifts: list[dict]) -> list[str]:
-    """Returns a line for each constant: its drift, and how the drift grows."""
+    """Returns a line for each constant: its drift, and how the drift grows with time."""
     said = []
     for drift in drifts:
         name, scale = drift["name"], drift["scale"]
@@ -45,15 +45,15 @@ def drift_lines(drifts: list[dict]) -> list[str]:
         growth = drift["growth"]
         if drift["exponent"] or drift["spread"]:
             growth += f" (t^{drift['exponent']:.2f})"
-        if not drift["first"] and drift["max"] == 1:  # the scale is its own largest value
+        if not drift["first"] and drift["max"] == 1:  # the scale is its largest value
             growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
         said.append(f"{line}: {growth}{_lost(drift).replace(': ', '; ', 1)}")
     return said
 
 
 def _lost(drift: dict) -> str:
-    """Returns a remark for a constant that is small compared with the terms of its sum and so loses
-    digits, or ""."""
+    """Returns a remark if a constant is so small compared with the terms of its sum that it loses
+    digits, else ""."""
     first, scale = abs(drift["first"]), drift["scale"]
     if drift["max"] is None:
         return ""
@@ -64,7 +64,7 @@ def _lost(drift: dict) -> str:
 
 
 def lines(found: dict[str, dict], time: str) -> list[str]:
-    """Returns the results in words; `time` is the unit of time. The driver reports failures."""
+    """Returns the results in words; `time` is the unit of time. The runtime reports failures."""
     said = []
     for name, result in found.items():
         if result["status"] == "PK_DONE":
@@ -214,7 +214,7 @@ def _action(found: dict, time: str) -> list[str]:
 
 
 def _places(found: dict) -> str:
-    """Returns the particles of the results, and the part of L that is not theirs."""
+    """Names the particles of a result, and the part of L that belongs to no particle."""
     places = found["places"]
     said = ", ".join(places[:4]) + (f" and {len(places) - 4} more" if places[4:] else "")
     return said + (f" ({found['beyond']})" if found["beyond"] else "")
@@ -259,7 +259,7 @@ def _lrl(found: dict, time: str) -> list[str]:
 
 def _modes(found: dict, time: str) -> list[str]:
     squares = found["squares"]
-    leaving = [math.sqrt(-x) for x in squares if x < 0]  # the squares are sorted
+    leaving = [math.sqrt(-x) for x in squares if x < 0]  # in ascending order
     swings = [f for f in found["frequencies"] if f is not None]
     said = []
     if leaving:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 @record
 class Column:
-    """A quantity that a column sets: the runtime's name of its kind, its index, its SI unit.
-    `member` is the 0-based member in a family of parameters kept as a loop."""
+    """The quantity of a column: its kind (as the runtime names it), its index, its SI unit.
+    `member` is the 0-based member in a family of parameters that is kept as a loop."""
 
     name: str
     kind: str
@@ -34,29 +34,29 @@ class Column:
 
 @record
 class Ensemble:
-    """Members of a file or of a scene's swarm, all values in SI."""
+    """The members of an ensemble, from a file or a scene's swarm; all values are in SI units."""
 
     path: str
     columns: tuple[Column, ...]
-    lines: Sequence[int]  # the line of each member in the file, or its number in the swarm
+    lines: Sequence[int]  # line of each member in the file, or number in the swarm
     values: array.array | numpy.ndarray = field(repr=False)  # doubles, member by member
-    counted: str = ""  # the counting variable of a swarm
+    counted: str = ""  # counting variable of a swarm; "" for a file
 
     @property
     def member(self) -> Quantity:
-        """Returns the column with the member of each row."""
+        """Returns the column that holds the member number of each row."""
         if self.counted:
             return Quantity(self.counted, "", "member of the swarm")
         return Quantity("member", "", "row of the ensemble's file, from 1")
 
     @property
     def title(self) -> str:
-        """Returns the origin of the members, for the sidecar file."""
+        """Returns the origin of the members, as the sidecar file names it."""
         return f"swarm {self.counted}" if self.counted else os.path.basename(self.path)
 
     def placed(self, messages: str) -> str:
-        """Returns messages of a run, with members named by line of the file or number in the
-        swarm."""
+        """Returns messages of a run, in which members are named by their line in the file or number
+        in the swarm."""
         if self.counted:
             return re.sub(r"\bmember (-?\d+)", rf"{self.counted} = \1", messages)
 
@@ -66,12 +66,12 @@ class Ensemble:
         return re.sub(r"^run: member (\d+): ", place, messages, flags=re.M)
 
     def named(self, member: int) -> str:
-        """Returns the text for a member number."""
+        """Returns the text that names a member."""
         return f"{self.counted} = {member}" if self.counted else f"member {member}"
 
 
 class Settable(Mapping[str, Column]):
-    """The quantities that may differ between members, by name, without a list of family members."""
+    """The quantities, by name, that may differ between members; families are not listed in full."""
 
     def __init__(self, compilation: Compilation):
         self._kinds = {
@@ -81,7 +81,7 @@ class Settable(Mapping[str, Column]):
             "v": named.coordinates(compilation, rates=True),
         }
         self._looped = compilation.looped
-        starts = compilation.report.starts  # became parameters, which momenta depend on
+        starts = compilation.report.starts  # initial values that became parameters
         self._starts = {name + "'" * order: x for (name, order), x in starts.items()}
 
     def __getitem__(self, name: str) -> Column:

@@ -11,7 +11,7 @@ from ..system.toolchain import RUNTIME
 _COMMENT = re.compile(r"/\*.*?\*/", re.S)
 _STRUCT = re.compile(r"struct (\w+) \{(.*?)\n\};", re.S)
 _FUNCTION = re.compile(r"^((?:const )?[\w ]+ \*?)(pk_(?:run|stability)_\w+)\(([^;]*)\);", re.M)
-# A type, then either names with stars, or a function pointer with its arguments.
+# Matches a type, then either names with stars or a function pointer with its arguments.
 _DECLARED = re.compile(r"(?:const )?((?:struct |enum |unsigned )?\w+) ([^(]+|\(\*(\w+)\)\((.*)\))")
 _PLAIN: dict[str, object] = {
     "void": None,
@@ -38,7 +38,7 @@ def _type(name: str, stars: int) -> object:
 
 
 def _declared(text: str) -> list[tuple[str, object]]:
-    """Parses `double a, *b` or one function pointer; returns names and types."""
+    """Parses a declaration, `double a, *b` or a function pointer; returns names and types."""
     name, names, function, arguments = _DECLARED.fullmatch(" ".join(text.split())).groups()
     if function:
         return [(function, CFUNCTYPE(_type(name, 0), *_arguments(arguments)))]

@@ -1,6 +1,6 @@
 """Steps of any method from any state of a compiled model (pk/stability.h), by ctypes.
 
-A state is q, then v: 2 n numbers. Places in q of first-order variables are 0.
+A state is an array of 2 n numbers, q then v; in q first-order variables are 0.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from ..system.exits import UsageError
 from .header import STATUSES
 from .library import Run
 
-CONSTANTS, CONDITION = 1, 2  # what to watch: PK_WATCH_*
-_CHUNK = 1 << 16  # numbers of the states of one call: between two of them Python looks at the time
+CONSTANTS, CONDITION = 1, 2  # flags of `watch`: PK_WATCH_* in C
+_CHUNK = 1 << 16  # most numbers that one call of C returns; look() runs between calls
 
 
 def status_name(status: int) -> str:
@@ -24,13 +24,13 @@ def status_name(status: int) -> str:
 
 
 def _pointer(x: numpy.ndarray) -> Array[c_double]:
-    return (c_double * x.size).from_buffer(x)  # in a fraction of the time of x.ctypes.data_as()
+    return (c_double * x.size).from_buffer(x)  # faster than x.ctypes.data_as()
 
 
 class Integration:
-    """Begins at t = 0. `h` is the fixed step, or 0 for an adaptive method with `rtol` and `atol`
-    (negative: from the motion). look() is called every some thousand steps, and may raise. Raises
-    UsageError."""
+    """An integration from a state at t = 0. `h` is the fixed step size, or 0 for an adaptive method
+    with `rtol` and `atol` (a negative one is chosen from the motion). look() is called every few
+    thousand steps, and may raise an exception. Raises UsageError."""
 
     def __init__(
         self,
@@ -64,8 +64,8 @@ class Integration:
         return self._status.value != 0
 
     def steps(self, until: float, count: int) -> numpy.ndarray:
-        """Makes up to `count` steps, none beyond `until`, fewer if their states are many. Returns a
-        row for each: t, then the state."""
+        """Makes up to `count` steps, none beyond `until`; fewer if states are long. Returns a row
+        (t, state) for each step."""
         wide = 1 + 2 * self.half
         count = max(min(count, _CHUNK // wide), 64) if count > 64 else count
         out = numpy.empty((count, wide))
@@ -75,7 +75,7 @@ class Integration:
         return out[:made]
 
     def to(self, t: float) -> bool:
-        """Integrates to t. Returns whether it did."""
+        """Integrates to t. Returns False if a step fails."""
         out = numpy.empty(1 + 2 * self.half)
         while not self.failed and self.t < t:
             self._steps(t, _CHUNK, False, out)
@@ -98,8 +98,8 @@ class Integration:
         self._status.value = restart(self._of, t, h, _pointer(self.state))
 
     def mapped(self, states: numpy.ndarray, h: float, steps: int) -> numpy.ndarray:
-        """Returns each state after some steps of h, by an adaptive method after a time steps h; NaN
-        where they fail."""
+        """Returns each state after `steps` steps of size h, or for an adaptive method after the
+        time steps h; NaN if a step fails."""
         self._look()
         states = numpy.ascontiguousarray(states)
         out = numpy.empty_like(states)
@@ -108,7 +108,7 @@ class Integration:
         return out
 
     def projected(self, state: numpy.ndarray) -> tuple[str, numpy.ndarray]:
-        """Returns the status, and the state on the constraints."""
+        """Returns the status, and the state projected onto the constraints."""
         if self.failed:
             return self.status, numpy.array(state)
         on = numpy.array(state, float)
@@ -124,7 +124,7 @@ class Integration:
 
 
 def equilibria(run: Run, tries: int) -> dict:
-    """Returns the equilibria found and their modes. Raises UsageError."""
+    """Searches equilibria; returns them with their modes. Raises UsageError."""
     if not hasattr(run._c, "pk_stability_equilibria"):
         raise UsageError("equilibria need the GNU Scientific Library, which is not here")
     found = run._c.pk_stability_equilibria(run._run, tries)
@@ -136,7 +136,7 @@ def equilibria(run: Run, tries: int) -> dict:
 def spring(
     run: Run, method: str, stiffness: float, damping: float, h: float
 ) -> tuple[float, float, float, float]:
-    """Returns the map of (q, v) by a step on q'' = -stiffness q - damping q'; NaN if it fails."""
+    """Returns the matrix of a step of (q, v) on q'' = -stiffness q - damping q'; NaN on failure."""
     entries = (c_double * 4)(*4 * [numpy.nan])
     run._c.pk_stability_spring(run._model, method.encode(), stiffness, damping, h, entries)
     return tuple(entries)

@@ -1,4 +1,4 @@
-"""A compiled model in process: calls the runtime's run layer (pk/run.h, pk/stability.h) by ctypes.
+"""Loads a compiled model and calls its runtime (pk/run.h, pk/stability.h) by ctypes.
 
 A library whose structure sizes (`pk_run_size`) differ is refused. A run does not hold the
 interpreter lock. The runtime calls `poll` about ten times a second; its result may end the run.
@@ -33,9 +33,9 @@ _SIZED = [
 _Settings = _SIZED[0]
 _FIELDS = dict(_Settings._fields_)
 COMPUTE = _FIELDS["compute"]
-# Members of pk_run_settings without meaning in a standalone program.
+# Fields of pk_run_settings that have no meaning in a standalone program.
 OF_A_CALL = ("poll", "context", "member_values", "compute", "stops", "seen", "computed")
-Poll = Callable[[float], bool]  # fraction done -> True to stop
+Poll = Callable[[float], bool]  # gets the completed fraction of the run; returns True to stop
 
 
 @cache
@@ -63,7 +63,7 @@ class Library:
         return json.loads(self.c.pk_stability_methods(self.model, own))
 
     def settings(self, given: Settings, **more: object) -> Structure:
-        """Returns the settings as a C structure; `more` sets members directly."""
+        """Returns the settings as a C structure; `more` sets further fields by name."""
         s = self.c.pk_run_defaults()
         s.method = given.method.encode()
         s.until, s.rtol = given.until, given.rtol
@@ -102,7 +102,8 @@ class Library:
         idle: bool = False,
         **more: object,
     ) -> Run:
-        """Runs to the end and returns the run; an `idle` run is not started, but has kernels."""
+        """Runs to the end and returns the run; an `idle` run is not started, but can evaluate
+        kernels."""
         s = self.settings(settings, **more)
         if ensemble is not None:
             count = len(ensemble.lines) * len(ensemble.columns)
@@ -117,7 +118,8 @@ class Library:
 
 
 class Run:
-    """A finished run: `code`, `report`, `messages`; `not_finite`: a constant is not finite."""
+    """A run that has ended: its `code`, `report`, `messages`, and whether a constant is
+    `not_finite`."""
 
     def __init__(self, library: Library, settings: Structure, poll: Poll | None, idle: bool):
         self._c, self._model = library.c, library.model
@@ -145,8 +147,9 @@ class Run:
         self.report = json.loads(self._c.pk_run_report(self._run))
 
     def _go(self, ended: list[BaseException | bool]) -> int:
-        """Runs to the end and returns the code. Python runs signal handlers only between statements
-        of the main thread, so the run has its own thread: Ctrl-C works during a long step."""
+        """Runs to the end and returns the exit code. The run has its own thread so that Ctrl-C
+        works during a long step: Python runs signal handlers only between statements of the main
+        thread."""
         codes: list[int] = []
         if threading.current_thread() is not threading.main_thread():
             return self._c.pk_run_go(self._run)
@@ -157,8 +160,9 @@ class Run:
         return codes[0]
 
     def rows(self, low: bool = False) -> numpy.ndarray:
-        """Returns the kept rows, shape (rows, columns): t first, in an ensemble after the member.
-        `low`: corrections to add for more digits than double."""
+        """Returns the kept rows, shape (rows, columns); the first column is t, or the member and
+        then t. With `low`: returns corrections to these numbers, for more digits than a double has.
+        """
         import numpy
 
         high, rest, columns = POINTER(c_double)(), POINTER(c_double)(), c_size_t()
@@ -169,7 +173,7 @@ class Run:
         return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
 
     def members(self) -> numpy.ndarray:
-        """Returns a row for each ensemble member: final status, last valid time, kept numbers."""
+        """Returns a row per ensemble member: status, last valid time, numbers set by `reduced`."""
         import numpy
 
         numbers, columns = POINTER(c_double)(), c_size_t()
@@ -179,7 +183,7 @@ class Run:
         return numpy.ctypeslib.as_array(numbers, (count, columns.value)).copy()
 
     def laps(self, seconds: float) -> float:
-        """Returns the processor seconds of one such run without rows; infinite if it fails."""
+        """Returns the processor seconds of the run repeated without rows; infinite if it fails."""
         return self._c.pk_run_laps(self._run, seconds) or float("inf")
 
     def evaluate(
@@ -191,7 +195,8 @@ class Run:
         u: numpy.ndarray | None = None,
     ) -> numpy.ndarray:
         """Evaluates a kernel at many states: v of shape (count, n), q (count, at most n), t
-        (count,), u (count, inputs) or None: the run's. Returns (count, width); NaN: M singular."""
+        (count,), u (count, inputs); None: the run's inputs. Returns shape (count, width), NaN where
+        M is singular."""
         import numpy
 
         count, n = v.shape
@@ -208,9 +213,9 @@ class Run:
         return out
 
     def begin(self, state: numpy.ndarray, u: numpy.ndarray) -> Callable[[float, int], int]:
-        """Starts to integrate step by step with the inputs `u`. The returned function takes a time
-        and whether to make only one step; it writes t, q and v to `state` and returns the status
-        (enum pk_status). Raises UsageError."""
+        """Begins an integration step by step, with the inputs `u`. The returned function takes a
+        time and whether to make only one step; it writes t, q and v to `state` and returns the
+        status (enum pk_status). Raises UsageError."""
         if self._c.pk_run_begin(self._run):
             raise UsageError(self.said().strip())
         inputs, at = (x.ctypes.data_as(POINTER(c_double)) for x in (u, state))
@@ -244,7 +249,7 @@ class Run:
         return rates
 
     def given(self) -> dict[str, list[float]]:
-        """Returns parameters and start as the run has them in memory."""
+        """Returns the parameters and the initial state that the run uses."""
         return json.loads(self._c.pk_run_given(self._run))
 
     def close(self) -> None:
@@ -272,7 +277,7 @@ def _expected(c: Compared) -> tuple[object, ...]:
 
 
 def initializer(s: Structure) -> str:
-    """Returns C that defines these settings as `program_settings`."""
+    """Returns the C definition of these settings as `program_settings`."""
     lists, members = [], []
     for name, kind in _FIELDS.items():
         value = getattr(s, name)

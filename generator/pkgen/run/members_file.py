@@ -39,7 +39,7 @@ def read(path: str, compilation: Compilation) -> Ensemble:
     if path.endswith(".parquet"):
         return _Reader(path, compilation).parquet()
     try:
-        if os.path.isfile(path):  # unlike a pipe, it can be read twice
+        if os.path.isfile(path):  # a file, unlike a pipe, can be read twice
             found = _Reader(path, compilation).plain()
             if found is not None:
                 return found
@@ -159,7 +159,8 @@ class _Reader:
             )
 
     def _lines(self, file: TextIO) -> Iterator[str]:
-        """Yields lines; raises UsageError at a long line, such as of the endless /dev/zero."""
+        """Yields lines; raises UsageError at a line that is too long (/dev/zero has an endless
+        one)."""
         number = 0
         while text := file.readline(limits.ENSEMBLE_LINE):
             number += 1
@@ -205,14 +206,14 @@ class _Reader:
         return self.known[name]
 
     def _value(self, line: int, column: Column, text: str) -> float:
-        # A plain number is in SI units; long files need this fast path.
+        # A plain number is in SI units; long files need this fast case.
         found = float(text) if PLAIN.fullmatch(text) else self._quantity(line, column, text)
         if not math.isfinite(found):
             raise UsageError(f"{self.path}:{line}: column {column.name}: {text} is not finite")
         return found
 
     def _quantity(self, line: int, column: Column, text: str) -> float:
-        """Parses a value with a unit; `line` is for messages, 0 for none."""
+        """Parses a value with a unit; `line` is its line number for messages, or 0."""
         place = (
             f"{self.path}:{line}: column {column.name}"
             if line

@@ -1,4 +1,4 @@
-"""The methods of the runtime as a text table; `--json` prints the same data."""
+"""The methods of the runtime as a text table; `--json` prints the same data as JSON."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from ..methods import METHODS
 from ..own.trees import MOST_ORDER
 
-SOME = 5  # most methods named in the line of a use
+SOME = 5  # most methods named for each use
 
 HEADER = (
     "method",
@@ -56,7 +56,7 @@ WORDS = {
 
 
 def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
-    """Returns uses with their methods, then a table line and a reference for each method."""
+    """Returns the uses with their methods, then a table row and a reference for each method."""
     named = {str(m["name"]): m for m in found}
     uses = {use: [n for n in named if METHODS[n].family == of] for of, use in USES.items()}
     uses = {use: names for use, names in uses.items() if names}
@@ -108,10 +108,10 @@ def _said(key: str, value: object) -> str:
 
 
 def in_words(requires: Iterable[str]) -> list[str]:
-    """Returns the facts that a method requires of a system, in words."""
+    """Returns in words the properties of a system that a method requires."""
     found = [fact.replace("_", " ") for fact in requires]
     found = [WORDS.get(fact, fact) for fact in found]
-    if found[1:]:  # the other facts imply it
+    if found[1:]:  # the other requirements imply it
         found = [fact for fact in found if fact != "mass constant"]
     return found
 

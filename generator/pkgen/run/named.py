@@ -1,4 +1,4 @@
-"""The quantities of a compiled model by name. Families, of maybe millions, are not listed."""
+"""The quantities of a compiled model by name. Families, maybe of millions, are not listed."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ..middle.quantities import families, single_rotations
 from ..model import Model, Parameter, State
 from ..record import record
 
-SUGGESTED = 12  # members of a family that a hint in a message considers
+SUGGESTED = 12  # most members of a family that a hint in a message considers
 
 
 @record
 class Declared:
-    """A declared name: one quantity, or members lo..hi; `first` is the flat index of the first."""
+    """A declaration of one quantity, or of members lo..hi; `first` is the first flat index."""
 
     quantity: Quantity
     first: int
@@ -43,14 +43,14 @@ class Declared:
 
 
 class Named:
-    """Maps name -> (flat index, quantity). Iteration yields only the first names of families."""
+    """Maps a name to (flat index, quantity). Iteration yields only first members of families."""
 
     def __init__(self, declared: list[Declared]):
         self.declared = declared
         self._by_name = {d.quantity.name: d for d in declared}
 
     def find(self, name: str) -> tuple[Declared, int | None] | None:
-        """Returns the declared name and the index of the member; None if the name is unknown."""
+        """Returns the declaration and the index of a member if any, or None for an unknown name."""
         for base, index in ((name, None), parted(name)):
             found = self._by_name.get(base)
             one = found is not None and found.lo is None and index is None
@@ -70,7 +70,7 @@ class Named:
         return flat, declared.member(index)
 
     def place(self, flat: int) -> tuple[int, int]:
-        """Returns the number of the declared name of a flat index, and the 0-based member."""
+        """Returns the number of the declaration with this flat index, and the 0-based member."""
         k = bisect(self.declared, flat, key=lambda item: item.first) - 1
         return k, flat - self.declared[k].first
 
@@ -79,7 +79,7 @@ class Named:
             yield from (quantity.name for quantity in item.members(SUGGESTED + 1))
 
     def names(self) -> Iterator[str]:
-        """Yields all names."""
+        """Yields all names, including those of all members of families."""
         return (quantity.name for item in self.declared for quantity in item.members())
 
     @property
@@ -87,7 +87,7 @@ class Named:
         return sum(item.count for item in self.declared)
 
     def columns(self, most: int) -> list[Quantity]:
-        """Returns a quantity per column; one for a whole family of more than `most`: q[1..N]."""
+        """Returns a quantity per column; a family of more than `most` members has one, q[1..N]."""
         found = []
         for item in self.declared:
             if item.count > most:
@@ -98,8 +98,8 @@ class Named:
 
 
 def coordinates(compilation: Compilation, rates: bool = False) -> Named:
-    """Returns the coordinates of the equations, which a scene may have reduced; or their rates
-    followed by the states, the order of v in C and in every row."""
+    """Returns the coordinates of the equations, which a scene may have reduced. With `rates`,
+    returns their rates followed by the states: this is the order of v in C and in every row."""
     if compilation.looped:
         return _moving(compilation.model, rates)
     e = compilation.equations
@@ -112,7 +112,7 @@ def declared(compilation: Compilation) -> Named:
 
 
 def states(compilation: Compilation) -> frozenset[str]:
-    """Returns the names of the states that are left after a scene's reductions."""
+    """Returns the names of the states that remain after a scene's reductions."""
     if compilation.looped:
         return frozenset(state.name for state in compilation.model.states)
     return frozenset(q.name for q in compilation.equations.states)
@@ -123,8 +123,8 @@ def with_attitudes(compilation: Compilation) -> bool:
 
 
 def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
-    """Returns sort keys of coordinates and rotations, then of their rates, in the order of their
-    declarations: a quaternion stands at its rotation, not among the states."""
+    """Returns sort keys of names: first coordinates and rotations, then rates, in the order of
+    their declarations. Quaternions are sorted with rotations, not with states."""
     model, e = compilation.declared, compilation.equations
     spans = {item.name: item.span.start for item in model.coordinates}
     found = {}
@@ -137,7 +137,7 @@ def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
 
 
 def has_energy(compilation: Compilation) -> bool:
-    """Whether the model has an energy: a model of states alone has none."""
+    """Whether the model has an energy; a model with states only has none."""
     of = compilation.model if compilation.looped else compilation.equations
     return bool(of.coordinates)
 
@@ -176,7 +176,7 @@ def inputs(compilation: Compilation) -> Named:
 
 
 def observed(compilation: Compilation) -> list[Quantity]:
-    """Returns every single output, in the order of C."""
+    """Returns all outputs, including each member of a family, in the order of C."""
     return [quantity for item in outputs(compilation).declared for quantity in item.members()]
 
 
@@ -194,7 +194,7 @@ def outputs(compilation: Compilation) -> Named:
 
 
 def kinds(compilation: Compilation) -> dict[str, Named]:
-    """Returns the columns of rows in order, by the runtime's name of their kind."""
+    """Returns the columns of rows in order, keyed by the runtime's name of their kind."""
     unit = "" if compilation.model.dimensionless else "J"
     energy = [Quantity("energy", unit, "q'.dL/dq' - L")] if has_energy(compilation) else []
     return {
@@ -210,8 +210,8 @@ def set_parameters(
     values: Iterable[tuple[int, float]],
     members: Iterable[tuple[int, int, float]],
 ) -> dict[tuple[str, int | None], float]:
-    """Returns the parameters that settings set, by name and index; `members` holds (number,
-    position, value) for families kept as loops."""
+    """Returns the values of the parameters that settings set, by (name, index); `members` holds
+    (number, position, value) for families kept as loops."""
     declared = parameters(compilation).declared
     found = {parted(declared[k].quantity.name): x for k, x in values}
     for k, position, x in members:
@@ -220,7 +220,7 @@ def set_parameters(
 
 
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
-    """Declares each quantity by itself, also members of families."""
+    """Declares each quantity separately, including members of families."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
 
 

@@ -1,4 +1,4 @@
-"""Finds a constant of a model that is not finite at a run's parameters, such as 1/m at m = 0."""
+"""Finds a constant of a model that is not finite for a run's parameters, such as 1/m for m = 0."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..graph.wording import wording
 
 
 def constant(compilation: Compilation, given: dict[int, float]) -> str:
-    """Returns a message with the first such constant and its parameters; "" if there is none."""
+    """Returns a message with the first constant that is not finite and its parameters, or ""."""
     e = compilation.equations
     g, slots, values = e.graph, e.parameters, {}
 

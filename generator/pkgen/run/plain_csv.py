@@ -29,11 +29,11 @@ def blocks(file: BinaryIO, longest: int):
 
 
 def numbers(block: bytes, columns: int) -> numpy.ndarray | None:
-    """Parses whole lines to a flat array; None unless each line has `columns` finite numbers."""
+    """Parses whole lines to a flat array; returns None unless each has `columns` finite numbers."""
     if block.translate(None, ALLOWED):
         return None
     text = numpy.frombuffer(block, numpy.uint8)
-    points = numpy.flatnonzero(text == POINT)  # .5 and 1. are no numbers of the language
+    points = numpy.flatnonzero(text == POINT)  # a model's language has no numbers like .5 or 1.
     beside = text[numpy.concatenate([points - 1, points + 1])]
     if ((beside < ZERO) | (beside > NINE)).any():
         return None
@@ -44,7 +44,7 @@ def numbers(block: bytes, columns: int) -> numpy.ndarray | None:
     if (ends[:, :-1] != COMMA).any() or (ends[:, -1] != END).any():
         return None
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # raised for text that is no number
+        warnings.simplefilter("error", DeprecationWarning)  # numpy gives it for text
         try:
             found = numpy.fromstring(block[:-1].replace(b"\n", b","), sep=",")
         except (DeprecationWarning, ValueError):

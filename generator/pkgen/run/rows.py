@@ -17,8 +17,8 @@ NUMBERS = 10_000_000  # most numbers written without --every: about 200 MB
 
 
 def interval(until: float, step: float | None, numbers: int, most: int = ROWS) -> float:
-    """Returns the default time between rows: `most` rows, fewer if a row is long. With a fixed step
-    size it is a multiple of the step."""
+    """Returns the default time between rows, for `most` rows, or fewer if a row has many `numbers`.
+    With a fixed step size it is a multiple of the step."""
     rows = max(1, min(most, NUMBERS // numbers))
     return step * math.ceil(until / (rows * step)) if step else until / rows
 
@@ -31,7 +31,7 @@ def refuse_too_many(
     numbers: int,
     members: int | None,
 ) -> None:
-    """Raises UsageError for more rows than a disk may hold; `members`: the size of an ensemble."""
+    """Raises UsageError for more rows than a disk may hold; an ensemble has `members`."""
     said = too_much(rows, numbers, members)
     if not said:
         return
@@ -51,7 +51,7 @@ def refuse_too_many(
 
 
 def note(settings: Settings, compilation: Compilation) -> str:
-    """Returns a note if the default number of rows was reduced because rows are long, or ""."""
+    """Returns a note if long rows reduced the default number of rows, else ""."""
     numbers = sum(named.coordinates(compilation, rates=rates).count for rates in (False, True))
     given = compilation.plan.numbers.every
     if settings.every is None or given is not None or numbers * ROWS <= NUMBERS:

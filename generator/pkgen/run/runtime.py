@@ -1,7 +1,6 @@
-"""Compiles the C runtime in parts, each when a model first needs it, and keeps them in the cache
-(system/cache.py). The key of the cache has the compiler, its flags and the processor, so objects
-for another processor are not used.
-"""
+"""Compiles the C runtime in parts, each when a model first needs it, and caches them
+(system/cache.py). The cache key includes the compiler, its flags and the processor, so that objects
+for another processor are not used."""
 
 from __future__ import annotations
 
@@ -21,9 +20,9 @@ from ..system.progress import say
 from ..system.toolchain import NATIVE, RUNTIME, STANDARD, BuildError, Toolchain, compile_c, run
 
 SHARED = ("-fPIC", "-fno-semantic-interposition")
-HIDDEN = "-fvisibility=hidden"  # names that no header declares are not exported
+HIDDEN = "-fvisibility=hidden"  # exports only symbols that a header declares
 GSL = "libpk_gsl.a"
-LINK_WITH = "link"  # file in the folder of the libraries: flags that their users link with
+LINK_WITH = "link"  # file with the flags for linking, in the folder of the libraries
 # The source folders of each part.
 CORE = ("core", "constraints", "explicit", "integrate", "events", "watch")
 PARTS = {
@@ -38,8 +37,9 @@ PARTS = {
 }
 WHOLE = tuple(PARTS)
 ARCHIVES = {"run": "librun.a", "omp": "librun.a", "gsl": GSL, "src": "libpk.a"}  # by top folder
-# HOT: loops over lanes and steps not inlined in a model, compiled with all flags. The rest compiles
-# in half the time at -O1 (QUICK) or -Og. Runs take 0 to 5 % longer, with many rows or events 10 %.
+# HOT files have loops over SIMD lanes, and steps that are not inlined in a model; they are compiled
+# with all flags. Other files compile in half the time at -O1 (QUICK) or -Og: runs take 0 to 5 %
+# longer, with many rows or events 10 %.
 QUICK = ("src/core", "src/explicit", "src/implicit", "src/integrate", "src/variational")
 HOT = (
     *("src/ensemble/*.c", "src/variational/*.c", "src/implicit/gauss_dense.c"),
@@ -47,7 +47,7 @@ HOT = (
     *("src/core/scale.c", "src/constraints/project.c", "src/watch/diagnostics.c"),
     *("src/events/events_look.c", "src/events/crossings.c"),
 )
-FAMILIES = {  # the parts of families of methods that are not in the core
+FAMILIES = {  # parts of the method families that are not in the core
     **dict.fromkeys(("COLLOCATION", "GAUSS", "RADAU", "EXPONENTIAL"), "implicit"),
     **dict.fromkeys(("LIE_MIDPOINT", "RATTLE"), "variational"),
     "GSL": "diagnose",
@@ -55,8 +55,8 @@ FAMILIES = {  # the parts of families of methods that are not in the core
 
 
 def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
-    """Returns the directory with librun.a, libpk.a and, if GSL is installed, libpk_gsl.a of these
-    parts; builds missing ones."""
+    """Returns the folder with librun.a, libpk.a and, if GSL is installed, libpk_gsl.a, built from
+    `parts`; compiles missing parts."""
     names = [part for part in PARTS if part in parts]
 
     def make(new: Path) -> None:
@@ -77,7 +77,7 @@ def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
 def runtime_name(tools: Toolchain) -> str:
     """Returns a digest of the sources, the compiler and its flags."""
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())
-    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # this file has some flags
+    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # this file defines some flags
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
 
@@ -104,7 +104,7 @@ def _compiled(tools: Toolchain, part: str) -> Path:
             every = {*(RUNTIME / folder).glob("*.c")}
             light = _light(tools, "-O1" if folder in QUICK else "-Og")
             for kind, sources in ((tools, every & hot), (light, every - hot)):
-                if sources:  # one call of the compiler
+                if sources:  # one call of the compiler for all
                     names = map(str, sorted(sources))
                     compile_c(kind, ["-c", *SHARED, HIDDEN, *more, *names], within)
             for path in within.glob("*.o"):
@@ -120,7 +120,7 @@ def _compiled(tools: Toolchain, part: str) -> Path:
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    """One pool for all parts: at most as many compilers at once as there are processors."""
+    """Returns one pool for all parts, with as many compilers at once as there are processors."""
     return ThreadPoolExecutor(os.cpu_count())
 
 
@@ -149,7 +149,7 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
 
 
 def runtime_links(tools: Toolchain, library: Path) -> list[str]:
-    """Returns the libraries to link after librun.a. The core needs no GSL."""
+    """Returns the libraries to link after librun.a; GSL only if a part uses it."""
     gsl = [str(library / GSL)] if (library / GSL).exists() else []
     libraries = tools.gsl_libs if gsl or not tools.has_gsl else ()
     return [*gsl, str(library / "libpk.a"), *libraries, "-lm", *_link_with(library)]
@@ -160,7 +160,7 @@ def _gsl(tools: Toolchain) -> list[str]:
 
 
 def needed(methods: Iterable[Method], more: Iterable[str] = ()) -> tuple[str, ...]:
-    """Returns the parts that runs by these methods need, and `more`."""
+    """Returns `more` and the parts that runs by these methods need."""
     found = {"core", *more, *(part_of(method.family) for method in methods)}
     return tuple(part for part in PARTS if part in found)
 

@@ -1,4 +1,4 @@
-"""The settings of one run. All values are in SI."""
+"""The settings of one run, in SI units."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..record import record
 
 @record
 class PartSettings:
-    """Settings of one block of coordinates that is integrated by itself."""
+    """Settings of one block of coordinates that is integrated separately."""
 
     method: str
     step: float | None
@@ -28,28 +28,28 @@ class Shown:
 
 @record
 class Compared:
-    """A relation between columns."""
+    """A relation between two columns that a run checks."""
 
-    text: str  # the text of the expectation in the model
+    text: str  # text of the expectation in the model
     relation: str  # =, < or >
     a: Shown
     b: Shown
     within: Shown | None  # tolerance
     at: float | None  # time of the check
-    event: int | None  # event of the check; if both are None: in all rows
+    event: int | None  # event of the check; without time and event it is in all rows
 
 
 @record
 class Watched:
-    """Relations to check and drifts to measure, of outputs by index or of the energy (None).
-    `hidden` outputs exist only for this."""
+    """Relations to check, and drifts to measure: those of outputs, given by index, or of the energy
+    (None). The outputs `hidden` are computed only for this."""
 
     compared: tuple[Compared, ...] = ()
     drifts: tuple[int | None, ...] = ()
     hidden: tuple[int, ...] = ()
 
     def columns(self) -> list[Shown]:
-        """Returns both sides of each relation, each named with the text of the relation."""
+        """Returns both sides of each relation as columns, named by the text of the relation."""
         sides = ((c.text, side) for c in self.compared for side in (c.a, c.b))
         return [replace(side, name=text) for text, side in sides]
 
@@ -59,8 +59,8 @@ NOTHING = Watched()
 
 @record
 class Settings:
-    """Settings of one run, in SI units. Indices count flattened quantities in declaration order; if
-    families are kept as loops, parameters are counted by declared name."""
+    """Settings of one run, in SI units. Indices count single quantities in declaration order; if
+    families are kept as loops, indices of parameters count declarations."""
 
     method: str
     until: float
@@ -72,19 +72,19 @@ class Settings:
     max_steps: int
     max_step: float | None
     parameters: tuple[tuple[int, float], ...]
-    members: tuple[tuple[int, int, float], ...]  # in loops over families: (index, position, value)
+    members: tuple[tuple[int, int, float], ...]  # families kept as loops: (index, position, value)
     inputs: tuple[tuple[int, float], ...]
     start_q: tuple[tuple[int, float], ...]
     start_v: tuple[tuple[int, float], ...]
-    show: tuple[Shown, ...] = ()  # the columns after t; (): all
-    at: int | None = None  # the event whose occurrences are rows
-    # Ensemble members: "events" detects events, "times" also reports first times. "": neither.
-    # "none": neither, and no drifts.
+    show: tuple[Shown, ...] = ()  # the columns after t; (): all columns
+    at: int | None = None  # index of the event at which rows are written
+    # For ensembles: "events" detects events, "times" also reports first times, "" does neither,
+    # "none" does neither and measures no drifts.
     watch: str = ""
     diagnose: tuple[str, ...] = ()
-    watched: Watched = NOTHING  # expectations of a scene
+    watched: Watched = NOTHING  # checks of a scene's expectations
     rows: str = ""  # "land": steps end at rows; "dense": dense output; "": whichever is better
-    accuracy: float | None = None  # promised accuracy, while the method is still to be chosen
-    compiled_for: tuple[str, ...] = ()  # methods with inlined steps; (): `method` and of `parts`
-    parts: tuple[PartSettings, ...] = ()  # (): all coordinates together
+    accuracy: float | None = None  # promised accuracy, if the method is still to be chosen
+    compiled_for: tuple[str, ...] = ()  # with inlined steps; (): `method` and those of `parts`
+    parts: tuple[PartSettings, ...] = ()  # (): all coordinates are integrated together
     units: bool = False  # whether the CSV header has units

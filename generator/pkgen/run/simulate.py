@@ -1,4 +1,4 @@
-"""`pkgen run`: integrates a compiled model, and writes rows and the report."""
+"""`pkgen run`: integrates a compiled model; writes rows and the report."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .ensemble import Ensemble
 from .library import Run, load
 from .settings import Settings, Shown
 
-LISTED = 10_000  # largest family whose members are described one by one
+LISTED = 10_000  # largest family whose members are described singly
 
 
 @record
@@ -36,7 +36,7 @@ class Outcome:
 
     @property
     def whole(self) -> bool:
-        """Whether all rows are written; a later diagnostic may still have failed."""
+        """Whether all rows are written; even then a diagnostic may have failed."""
         return bool(self.report.get("whole"))
 
 
@@ -46,7 +46,7 @@ def columns(
     show: tuple[Shown, ...] = (),
     listed: int = LISTED,
 ) -> list[Quantity]:
-    """Returns the columns of the CSV in order; one for a family of more than `listed` members."""
+    """Returns the CSV columns in order; a family of more than `listed` members has only one."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     kinds = named.kinds(compilation)
     if show:
@@ -71,7 +71,7 @@ def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | Non
 
 @record
 class Runnable:
-    """A compiled model with the settings of a run, and the members of an ensemble or None."""
+    """A compiled model, the settings of a run, and the members of an ensemble or None."""
 
     compilation: Compilation
     settings: Settings
@@ -92,7 +92,7 @@ def simulate(
 ) -> Outcome:
     """Runs the model and writes its rows to `output`, as CSV or (`npy`) as an array of float64 with
     named columns: numpy.load(file)["theta1"]. SIGINT ends the run and keeps its rows. `more` sets
-    members of pk_run_settings directly."""
+    fields of pk_run_settings directly."""
     if npy:
         import numpy
 
@@ -110,7 +110,7 @@ def simulate(
 def followed(
     run: Runnable, on_progress: Callable[[float], None] | None = None, **more: object
 ) -> tuple[Run, Outcome]:
-    """Runs the model; returns run and outcome. Rows stay in memory unless `more` has csv."""
+    """Runs the model; returns run and outcome. Rows stay in memory unless `more` contains csv."""
     with children.stopping() as stopped:
 
         def poll(part: float) -> bool:
@@ -135,14 +135,14 @@ def outcome(
 
 
 def _write_header(columns: list[Quantity], fd: int) -> None:
-    """Writes the CSV header; the runtime's own has no units of time and energy."""
+    """Writes the CSV header; the header of the runtime has no units of time and energy."""
     with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
         names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
         writer(file, lineterminator="\n").writerow(names)
 
 
 def sidecar(run: Runnable, outcome: Outcome, data: str) -> dict[str, object]:
-    """Returns the content of the sidecar of an output file: units, settings and the report."""
+    """Returns the content of the JSON file beside an output file: units, settings, the report."""
     compilation, settings, ensemble = run.compilation, run.settings, run.ensemble
     of = {"ensemble": ensemble.title} if ensemble else {}
     return {

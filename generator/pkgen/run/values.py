@@ -1,4 +1,4 @@
-"""Parses values, names and assignments in command line options for a model. Every error is a
+"""Parses values, names and assignments in a model's command line options. Every error is a
 UsageError."""
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Numbers:
         return found
 
     def of_run(self, options: argparse.Namespace) -> RunNumbers:
-        """Returns the numbers of a run that options set. Raises UsageError."""
+        """Parses the options that are numbers of a run, such as --until. Raises UsageError."""
         found = RunNumbers(
             **{
                 name: self.positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
@@ -99,7 +99,7 @@ class Numbers:
 
 
 class Values(Numbers):
-    """Parser of option values for one compiled model, with its names too."""
+    """Parser of option values for one compiled model, including its names."""
 
     def __init__(self, compilation: Compilation):
         super().__init__(compilation.model)
@@ -114,7 +114,7 @@ class Values(Numbers):
         known: named.Named,
         others: named.Named,
     ) -> tuple[tuple[int, float], ...]:
-        """Returns the assignments whose left side is in `known`, as (index, value)."""
+        """Returns the assignments to names in `known`, as (index, value)."""
         found = []
         for left, text in assignments:
             name = self.flat_name(option, left)
@@ -126,15 +126,15 @@ class Values(Numbers):
         return tuple(found)
 
     def unread(self, name: str) -> Parameter | None:
-        """Returns the parameter of a name that the scene removed; None for any other name."""
+        """Returns the parameter `name` if the scene removed it, else None."""
         if name not in self.compilation.report.unused:
             return None
         parameters = self.compilation.declared.parameters
         return next((p for p in parameters if p.name == parted(name)[0]), None)
 
     def read(self, sets: list[tuple[str, str]]) -> list[tuple[str, str]]:
-        """Returns the assignments of `--set` without those of parameters that the scene removed,
-        whose values are checked here."""
+        """Returns the assignments of `--set`, without parameters that the scene removed; checks the
+        values of removed parameters."""
         found = []
         for left, text in sets:
             name = self.flat_name("--set", left)
@@ -148,8 +148,8 @@ class Values(Numbers):
         return found
 
     def starts(self, given: list[str]) -> tuple[list[_Start], dict[int, float]]:
-        """Parses `--start`: returns starts of coordinates and rates, and starts that became
-        parameters, as index: value."""
+        """Parses `--start`: returns initial values of coordinates and rates, and {index: value} of
+        those that became parameters."""
         report = self.compilation.report
         parameters = named.parameters(self.compilation)
         declared = named.declared(self.compilation)
@@ -167,7 +167,7 @@ class Values(Numbers):
                 raise UsageError(
                     f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
                 )
-            elif name in self.coordinates or name in self.rates:  # the rates include the states
+            elif name in self.coordinates or name in self.rates:  # `rates` contains the states
                 order = side.order or int(name not in self.coordinates)
                 among = self.rates if order else self.coordinates
                 index, quantity = among[name + "'" * side.order]
@@ -185,7 +185,8 @@ class Values(Numbers):
         return found, of_parameters
 
     def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
-        """Returns the quantities that set the start of a rotation and of its body rates."""
+        """Returns for each rotation, and its body rates, the names of the numbers that set its
+        start."""
         rotations = single_rotations(self.compilation.declared)
         return {r.name: r.quaternion for r in rotations} | {
             f"omega({r.name})": r.rates for r in rotations
@@ -194,7 +195,7 @@ class Values(Numbers):
     def by_key(
         self, parameters: named.Named, values: dict[int, float]
     ) -> dict[tuple[str, int | None], float]:
-        """Returns values of parameters by (name, index)."""
+        """Returns values of parameters by (name, index), from values by flat index."""
         found = {}
         for item in parameters.declared:
             for flat, x in values.items():
@@ -204,7 +205,7 @@ class Values(Numbers):
         return found
 
     def shown(self, name: str, option: str = "--record") -> Shown:
-        """Returns the column of a name, with the index of the runtime. Raises UsageError."""
+        """Returns the column `name`, with its index in the runtime. Raises UsageError."""
         kinds = named.kinds(self.compilation)
         for kind, known in kinds.items():
             if name in known:

@@ -1,6 +1,6 @@
 """Finds the cheapest method, and its step or tolerance, for an accuracy.
 
-The answer is the cheapest measured point that keeps the accuracy and not by luck: slightly finer
+The answer is the cheapest measured point that keeps the accuracy, but not by luck: slightly finer
 runs keep it too (search.py measures missing points). Without such a point the answer is "none".
 """
 
@@ -17,8 +17,8 @@ ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 @record
 class Answer:
-    """`point` is None if no method keeps the accuracy; then `reason` says why. `unmeasured` names
-    methods that could be cheaper but were not measured in the time."""
+    """The answer for an accuracy. If no method keeps it, `point` is None and `reason` says why.
+    `unmeasured` names methods that may be cheaper but were not measured in time."""
 
     accuracy: float
     axis: str
@@ -30,18 +30,18 @@ class Answer:
 
 @record
 class Beside:
-    """The fastest answers of another package for each accuracy; or `why` it has none."""
+    """The fastest answers of another package for each accuracy; `why` is the reason if none."""
 
     name: str
     version: str
-    takes: str  # its input; "": the runtime has its methods
+    takes: str  # description of its input; "" if the runtime contains its methods
     answers: tuple[Answer, ...] = ()
     why: str = ""
 
 
 def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track]]:
-    """Returns the cheapest method for every accuracy by each measure of cost; and the tracks, with
-    the points that were added by the search."""
+    """Returns the cheapest method for every accuracy and measure of cost, and the tracks including
+    the points that the search added."""
     search = Search(bench, tracks)
     told = [accuracy for accuracy in ACCURACIES if accuracy > 10 * bench.floor]
     try:
@@ -50,15 +50,15 @@ def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track
         for accuracy in told:
             search.time_again(accuracy)
         best = _best(search, told)
-    except KeyboardInterrupt:  # left() is 0 now, so nothing more is measured
+    except KeyboardInterrupt:  # effort.left() is 0 now, so that nothing more is measured
         best = _best(search, told)
     found = [_answer(search, bench.floor, *asked, point) for asked, point in best.items()]
     return found, search.tracks(told)
 
 
 def _best(search: Search, told: list[float]) -> dict[tuple[float, str], Point | None]:
-    """Returns the cheapest points. Judging them may add points that change others: repeats until
-    stable."""
+    """Returns the cheapest points. Checking them may add points that change others, so this is
+    repeated until no point is added."""
     count = -1
     while count != search.measured:
         count = search.measured

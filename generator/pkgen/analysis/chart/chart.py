@@ -1,4 +1,4 @@
-"""Measures a chart: all data of the pictures, the tables and the page."""
+"""Measures a chart: all data for the pictures, the tables and the page."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ STEPWISE = "without dense output states on the way would cost steps of their own
 
 
 class Others(Protocol):
-    """Other packages' methods; an add-on has them."""
+    """The methods of other packages, which an add-on provides."""
 
     names: tuple[str, ...]
-    methods: list[str]  # of the runtime
+    methods: list[str]  # methods of the runtime
 
     def measure(self, *given: Any) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]: ...
 
@@ -43,18 +43,18 @@ class Others(Protocol):
 @record
 class Chart:
     model: str
-    unit: str  # unit of time; "" if dimensionless
-    values: list[tuple[str, float, str]]  # parameters and starts: name, value, unit
+    unit: str  # unit of time; "" if the model is dimensionless
+    values: list[tuple[str, float, str]]  # name, value and unit of parameters and initial values
     until: float
     kind: ErrorKind
     starts: int
-    reference: Reference  # of the first start
+    reference: Reference  # for the first start
     spectrum: Spectrum
-    tracks: list[Track]  # of the methods that apply
-    refused: dict[str, str]  # reasons, by methods that do not apply
+    tracks: list[Track]  # for the methods that apply
+    refused: dict[str, str]  # for each method that does not apply: the reason
     answers: list[Answer]
     beside: tuple[Beside, ...] = ()  # answers of other packages
-    unmeasured: tuple[str, ...] = ()  # methods and packages missing after an interrupt
+    unmeasured: tuple[str, ...] = ()  # methods and packages that an interrupt left unmeasured
     interrupted: bool = False
 
     @property
@@ -62,7 +62,7 @@ class Chart:
         return f"{self.until:g} {self.unit}".rstrip()
 
     def times(self, answer: Answer) -> float | None:
-        """Returns the time of another package's answer over that of pkgen's answer, or None."""
+        """Returns the time of another package's answer relative to pkgen's answer, or None."""
         mine = next(
             a.point for a in self.answers if (a.accuracy, a.axis) == (answer.accuracy, answer.axis)
         )
@@ -71,7 +71,7 @@ class Chart:
         return answer.point.seconds / mine.seconds
 
     def subtitle(self) -> str:
-        """Returns the parameters, the nonzero starts, and the duration."""
+        """Returns the parameters and nonzero initial values."""
         said = [f"{name} = {value:.6g} {unit}".rstrip() for name, value, unit in self.values]
         if len(said) > TITLE_PARAMETERS:
             said = [*said[:TITLE_PARAMETERS], "…"]
@@ -79,8 +79,8 @@ class Chart:
 
 
 def methods(wanted: list[str] | None, own: tuple[Own, ...] = ()) -> list[ChartedMethod]:
-    """Returns the `wanted` methods among those of the runtime and the model's `own`; None: all.
-    Raises KeyError for an unknown one."""
+    """Returns the methods named in `wanted` (None: all), of the runtime and the model's `own`.
+    Raises KeyError for an unknown name."""
     known = {}
     for m in (*own_methods(own), *runtime_methods()):
         limits = m.get("limits") or {}
@@ -106,8 +106,8 @@ def measure(
     starts: int = 1,
     others: Others | None = None,
 ) -> Chart:
-    """Measures errors of a kind from several starts, and of `others`. Raises NumericsFailed,
-    BuildError, or UsageError."""
+    """Measures errors of one kind from several starts, also of methods of other packages
+    (`others`). Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
     stepwise = {m.name: STEPWISE for m in chosen if kind.path and m.adaptive and not m.dense}
@@ -174,7 +174,7 @@ def measure(
 
 
 def _at(given: Settings, state: Exact) -> Settings:
-    """Returns settings that start from another state of the motion, which meets the constraints."""
+    """Returns settings that start from another state of the motion, which fulfils constraints."""
     q, v = state[: state.coordinates], state[state.coordinates :]
     return replace(
         given,

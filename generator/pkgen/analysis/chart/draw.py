@@ -1,5 +1,6 @@
-"""Draws the pictures of `--full`: one of all methods with the foremost drawn strong, and one with a
-panel per family. Each curve has its name at its end."""
+"""Draws the pictures of `--full`: one of all methods, in which the best have strong colours, and
+one with a panel per family. Each curve has its name at its end.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from .panel import FAILED, UNITS, Curve, Style, draw
 from .points import AXES, FAMILIES, Point
 
 STRONG_MOST = 10
-NAMED_MOST = 14  # with more methods, the overview names only the strong ones
+NAMED_MOST = 14  # with more methods, the first picture names only the strong ones
 LINE = 165  # characters per line of the subtitle
 FOOT = (
     "× failed, or lost: an error as large as the motion.   "
@@ -24,7 +25,7 @@ FOOT = (
 
 
 def pictures(chart: Chart, stem: Path) -> list[Path]:
-    """Writes STEM_full.svg, STEM_full.png, and the same of STEM_families; returns their paths."""
+    """Writes STEM_full and STEM_families as SVG and PNG; returns their paths."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -107,8 +108,7 @@ def _families(chart: Chart):
 
 
 def _answers(axes, chart: Chart, axis: str) -> None:
-    """Writes the cheapest method of each accuracy above the axes, in two rows since names are long.
-    """
+    """Writes the cheapest method for each accuracy above the axes, alternately in two rows."""
     told = [answer for answer in chart.answers if answer.axis == axis]
     for k, answer in enumerate(told):
         look = {"ha": "center", "va": "bottom", "fontsize": 7.5, "textcoords": "offset points"}
@@ -124,8 +124,7 @@ def _answers(axes, chart: Chart, axis: str) -> None:
 
 
 def _legend(figure, strong: int) -> None:
-    """Draws the legend of the unnamed curves; `strong` is the number of strong ones, 0: no legend.
-    """
+    """Draws the legend for curves without names, given the number of `strong` ones; 0: none."""
     from matplotlib.lines import Line2D
 
     if strong:
@@ -137,8 +136,7 @@ def _legend(figure, strong: int) -> None:
 
 
 def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:
-    """Adds title, parameters and footer; `bottom` and `height` in inches, gaps relative to a panel.
-    """
+    """Adds title, parameters, footer. `bottom` and `height`: inches; gaps: relative to a panel."""
     import textwrap
 
     width = figure.get_figwidth()

@@ -1,7 +1,7 @@
-"""Defines the error of a run: of its final state, along the motion, of the energy, or in time.
+"""Defines the error of a run: of its final state, along the motion, of the energy, or in phase.
 
-Errors of states are relative to the largest magnitude of each coordinate and rate along the motion,
-the drift of the energy to its largest parts (docs/diagnostics.md), a lead or lag to the duration.
+Errors of a coordinate or rate are relative to its largest magnitude along the motion, the drift of
+the energy is relative to its largest terms (docs/diagnostics.md), a lead or lag to the duration.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from ...system.exits import UsageError
 from .exact import Exact, difference
 
 ENERGY = "energy"
-END = 0.1  # part of the time over which a lead is averaged: a turning point shows none
+END = 0.1  # final part of the time, over which a lead is averaged
 State = tuple[float, Exact]
 
 
 @record
 class ErrorKind:
-    """`axis` is its name in pictures, `said` its definition; `path` means that it needs states at
-    equal times, not only the final one. `beside` states what it is relative to."""
+    """A kind of error: `axis` is its name in pictures, `said` its definition, `beside` the unit to
+    which it is relative. With `path` it needs states at equal intervals, not only the final one."""
 
     name: str
     axis: str
@@ -67,15 +67,15 @@ KINDS = {
 
 @record
 class Measure:
-    """Computes an error of a kind against a reference: its states at equal times, and scales."""
+    """Computes an error of a kind from the states of a reference at equal intervals, and scales."""
 
     kind: ErrorKind
     path: list[State]
     scales: list[float]
 
     def of(self, states: list[State], report: dict) -> float:
-        """Returns the error, which may be infinite. Raises UsageError if the model has no such
-        error."""
+        """Returns the error, which may be infinite. Raises UsageError if it is not defined for the
+        model."""
         if self.kind.name == ENERGY:
             found = [d["max"] for d in report["drifts"] if d["name"] == ENERGY]
             if not found:
@@ -84,8 +84,7 @@ class Measure:
         return _OF[self.kind.name](self, [state for _, state in states])
 
     def _far(self, states: list[Exact]) -> list[float]:
-        """Returns the error at each time of the reference. Raises ValueError if a time is missing.
-        """
+        """Returns the error at each time of the reference. Raises ValueError if one is missing."""
         pairs = zip(states, self.path, strict=True)
         return [difference(one, other, self.scales) for one, (_, other) in pairs]
 

@@ -10,15 +10,14 @@ from ...system.exits import NumericsFailed
 
 
 class Exact(list):
-    """A state with more digits than a double: fractions of the coordinates, then the rates and
+    """A state with more digits than a double, as fractions: the coordinates, then the rates and
     first-order variables."""
 
     coordinates = 0  # number of coordinates
 
     @staticmethod
     def of(high: Iterable[float], low: Iterable[float], coordinates: int) -> Exact:
-        """Returns the sums of pairs of doubles. Raises NumericsFailed for values that are not
-        finite."""
+        """Returns the sums of pairs of doubles. Raises NumericsFailed if one is not finite."""
         pairs = list(zip(high, low, strict=True))
         if not all(math.isfinite(x) for pair in pairs for x in pair):
             raise NumericsFailed("a state is not finite")
@@ -28,5 +27,5 @@ class Exact(list):
 
 
 def difference(one: Exact, other: Exact, scales: list[float]) -> float:
-    """Returns the largest difference of two states, each number relative to its scale."""
+    """Returns the largest component of the difference of two states, each relative to its scale."""
     return max(float(abs(a - b)) / s for a, b, s in zip(one, other, scales, strict=True))

@@ -7,7 +7,7 @@ from .points import AXES, FAMILIES, PEER, Track
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:
-    """Returns the methods that are cheapest at some error, the most frequent first."""
+    """Returns the methods that are cheapest at some error, sorted by how often they are."""
     wins: dict[str, int] = {}
     for k in range(4, 57):
         error = 10 ** (-k / 4)
@@ -19,8 +19,8 @@ def front(tracks: list[Track], axis: str) -> list[str]:
 
 
 def strong(chart: Chart) -> list[str]:
-    """Returns the methods of the answers, then the first by each cost, then the best of each
-    family."""
+    """Returns the methods of the answers, then the most frequent ones of front() by each cost, then
+    the best of each family."""
     named = [a.method.name for a in chart.answers if a.method]
     own = [t for t in chart.tracks if t.method.family != PEER]
     fronts = [front(own, axis) for axis in AXES]
@@ -32,7 +32,7 @@ def strong(chart: Chart) -> list[str]:
 
 
 def drawn(chart: Chart, most: int) -> list[str]:
-    """Returns `most` methods: the foremost, and for each package its most frequent answer."""
+    """Returns `most` methods: the first of strong(), and one for each other package."""
     peers = []
     for beside in chart.beside:
         names = [a.method.name for a in beside.answers if a.method]

@@ -1,5 +1,6 @@
-"""Places names of curves without overlaps: each goes to the free place nearest its anchor, the most
-important first."""
+"""Places the names of curves without overlaps: each gets the free position nearest to its anchor,
+the most important name first.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +9,12 @@ from itertools import pairwise
 
 from ...record import record
 
-PAD = 1.0  # margin around a text, in points
-# Vertical offsets of a label from its anchor, in label heights, in the order of preference. Each is
-# tried to the left and to the right of the anchor.
+PAD = 1.0  # margin around a label, in points
+# Vertical offsets of a label from its anchor, in label heights, in the order of preference. Each
+# offset is tried to the left and to the right of the anchor.
 REACH = (0.0, 0.6, -0.6, 1.1, -1.1, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.2, -4.2, 5.5, -5.5, 7, -7)
-COVERED = 0.35  # cost of each point of a curve under a label; an overlapped label costs 4
-FAR = 0.12  # cost of a vertical distance of one label height
+COVERED = 0.35  # cost of each point of a curve under a label; full overlap of two labels costs 4
+FAR = 0.12  # cost of each label height of vertical distance
 
 
 @record
@@ -34,7 +35,7 @@ class _Box:
     y1: float
 
     def shared(self, other: _Box) -> float:
-        """Returns the area of the intersection, relative to this box."""
+        """Returns the area of the intersection of the boxes, relative to this box."""
         w = min(self.x1, other.x1) - max(self.x0, other.x0)
         h = min(self.y1, other.y1) - max(self.y0, other.y0)
         if w <= 0 or h <= 0:
@@ -46,7 +47,7 @@ class _Box:
 
 
 def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]]]) -> None:
-    """Writes the labels into the axes, preferably not over `curves`. Limits and layout must be
+    """Writes the labels into the axes, off the `curves` if possible. Limits and layout must be
     final."""
     figure = axes.figure
     renderer = figure.canvas.get_renderer()
@@ -101,7 +102,7 @@ def _price(box: _Box, taken: list[_Box], covered: list[tuple[float, float]], roo
 
 
 def _along(transform, xs: list[float], ys: list[float]) -> list[tuple[float, float]]:
-    """Returns points along a curve in pixels, closer together than the size of a label."""
+    """Returns points along a curve in pixels, whose distance is below the size of a label."""
     ends = [tuple(transform((x, y))) for x, y in zip(xs, ys, strict=True)]
     found = ends[:1]
     for (x0, y0), (x1, y1) in pairwise(ends):

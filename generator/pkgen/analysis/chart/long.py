@@ -1,8 +1,8 @@
-"""Measures long runs: the drift of each constant by each fixed-step method over decades of steps.
+"""Measures long runs: the drift of each constant by each fixed-step method in 10, 100, ... steps.
 
-All methods take the same step, a part of the fastest period. A run of 10^k steps is an ordinary
-run; its monitor fits the growth of the drift (pk/diagnostics.h): bounded, sqrt(t), t, t^2. A method
-ends before a decade that would take more than its share of the time.
+All methods have the same step size, a fraction of the shortest period. A run of 10^k steps is an
+ordinary run, which fits the growth of the drift (pk/diagnostics.h): bounded, sqrt(t), t, t^2. Runs
+of a method end before one that would take more than the method's share of the time.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from .points import ChartedMethod
 from .reference import PRECISE, best
 from .sweep import Effort
 
-PERIOD = 32  # steps per period of the fastest oscillation
-SAFE = 0.5  # step relative to the smallest limit of stability
+PERIOD = 32  # steps in a period of the fastest oscillation
+SAFE = 0.5  # largest step size, relative to the smallest stability limit
 DECADES = range(1, 8)
-LEAST = 0.1  # least seconds of a method
+LEAST = 0.1  # least seconds for a method
 
 
 @record
@@ -42,14 +42,14 @@ class Decade:
 
 @record
 class Drifting:
-    """A method over the decades that fit in its time. `growth` (in words) and `exponents` (of t)
-    are those of each constant in the longest run."""
+    """The runs of a method that fit in its time. For each constant, `growth` (in words) and
+    `exponents` (of t) describe the drift in the longest run."""
 
     method: ChartedMethod
     decades: tuple[Decade, ...]
     growth: dict[str, str]
     exponents: dict[str, float | None]
-    reason: str = ""  # why it ended early
+    reason: str = ""  # why longer runs are missing
 
 
 @record
@@ -94,7 +94,7 @@ def measure(
         return Program(path, replace(settings, until=until, every=None), own)
 
     drifting, refused = [], {}
-    with suppress(KeyboardInterrupt):  # keeps the methods measured so far
+    with suppress(KeyboardInterrupt):  # keeps the methods that are measured already
         for k, method in enumerate(fixed):
             show(k / len(fixed), method.name)
             share = effort.left() / (len(fixed) - k)

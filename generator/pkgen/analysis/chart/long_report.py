@@ -1,4 +1,4 @@
-"""Writes the result of `pkgen chart --long` as a table in words, as CSV and as a picture."""
+"""Writes the result of `pkgen chart --long` as a text table, as CSV and as a picture."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...plot.style import Look
 from .labels import Label, place
 from .long import Drifting, Long
 
-MOST = 6  # lines per panel: first the best of each kind of growth
+MOST = 6  # most lines in a panel
 HEADINGS = ("method", "constant", "steps", "largest drift", "growth")
 
 
@@ -24,7 +24,7 @@ def _growth(one: Drifting, constant: str) -> str:
 
 
 def text(long: Long) -> str:
-    """Returns the table, a row per method and constant."""
+    """Returns the table, with a row for each method and constant."""
     rows = [HEADINGS]
     for one in long.drifting:
         last = one.decades[-1]
@@ -90,7 +90,7 @@ def write(long: Long, stem: Path, look: Look) -> list[Path]:
 
 
 def _figure(long: Long, look: Look):
-    """Draws a panel per constant: drift against time, both logarithmic."""
+    """Draws a panel for each constant: drift against time, both logarithmic."""
     from matplotlib import pyplot
 
     count = len(long.constants)
@@ -111,8 +111,8 @@ def _figure(long: Long, look: Look):
 
 
 def _panel(axes, long: Long, constant: str, dark: bool):
-    """Draws the best method of each kind of growth, then those of least drift; returns a function
-    that places the labels."""
+    """Draws the best method of each kind of growth, then the methods with the least drift; returns
+    a function that places the labels."""
     finite = [d for d in long.drifting if math.isfinite(d.decades[-1].drifts.get(constant, 0.0))]
     ranked = sorted(finite, key=lambda d: d.decades[-1].drifts.get(constant, math.inf))
     kinds = list({d.growth.get(constant): d for d in reversed(ranked)}.values())

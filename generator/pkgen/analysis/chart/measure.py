@@ -1,4 +1,4 @@
-"""Measures points of one model in process: a run by a method at a setting, and repeated laps."""
+"""Measures points of a model in this process: runs of a method at one setting, and their time."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ Measured = Callable[[ChartedMethod, float, float, float, Measure], Point]
 
 
 class Program:
-    """One compiled model in one precision, with constant settings."""
+    """A compiled model in one scalar type, with settings that do not change."""
 
     def __init__(self, path: Path, settings: Settings, own: tuple[Own, ...] = ()):
         self.known = known(own)
         self.library = load(path)
         self.settings = settings
-        self.peers: dict[str, Measured] = {}  # point() of others' methods, by name
+        self.peers: dict[str, Measured] = {}  # point() of methods of other packages
 
     def run(self, method: str, setting: float, **more: object) -> Run:
         """Runs a method at a step or rtol. Raises UsageError for wrong settings."""
@@ -47,14 +47,14 @@ class Program:
 
     @cached_property
     def start(self) -> dict[str, list[float]]:
-        """Returns the parameters and the start, as read from memory."""
+        """Returns the parameters and the initial state, as the runtime reads them."""
         return self.run("rk4", self.settings.until, bare=1).given()
 
     def given(self) -> Settings:
-        """Returns the settings with every parameter and start written out, as doubles."""
+        """Returns settings that contain every parameter and initial value, as doubles."""
         found = self.start
         numbers = map(float, found["parameters"])
-        lengths = [int(n) for n in found["families"]]  # 0: a scalar parameter
+        lengths = [int(n) for n in found["families"]]  # 0 for a single parameter
         given = [[(i, k, next(numbers)) for k in range(max(n, 1))] for i, n in enumerate(lengths)]
         return replace(
             self.settings,
@@ -71,14 +71,14 @@ class Program:
         return tuple(Shown(kind, i, "") for kind, xs in kinds for i in range(len(xs)))
 
     def states(self, done: Run) -> tuple[list[float], list[Exact]]:
-        """Returns the times and the states of a run that shows `state`."""
+        """Returns the times and the states of a run whose columns are `state`."""
         high, low = done.rows(), done.rows(low=True)
         n = len(self.start["q"])
         exact = [Exact.of(x[1:], y[1:], n) for x, y in zip(high, low, strict=True)]
         return [float(x[0]) for x in high], exact
 
     def path(self, method: str, tolerance: float, count: int, cap: float) -> Run:
-        """Runs an adaptive method and shows the state at `count` equal intervals."""
+        """Runs an adaptive method, with rows of the state after each of `count` equal intervals."""
         until = self.settings.until
         but = {"every": until / count, "show": self.state, "rows": "land"}
         return self.run(method, tolerance, but=but, bare=1, cap=cap)
@@ -86,8 +86,8 @@ class Program:
     def point(
         self, method: ChartedMethod, setting: float, seconds: float, cap: float, measure: Measure
     ) -> Point:
-        """Measures one integration and laps of it, compared with the reference. A step is shortened
-        to divide the duration, as a run does."""
+        """Measures the error of one integration against the reference, and its time by repetitions.
+        A step size is reduced to divide the duration, as in a run."""
         if method.name in self.peers:
             return self.peers[method.name](method, setting, seconds, cap, measure)
         until = self.settings.until
@@ -107,7 +107,7 @@ class Program:
                 states = list(zip(*self.states(seen), strict=True))
                 error = measure.of(states, seen.report)
                 fastest = done.laps(seconds)
-            else:  # the run with output rows ended early: report it
+            else:  # the run with output rows ended early: it is reported
                 done = seen
         found = done.report
         return Point(

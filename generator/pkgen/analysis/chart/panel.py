@@ -1,10 +1,10 @@
 """Draws one work-precision diagram: error (or drift) to the right, cost upwards, both logarithmic,
-as in Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, II.10). Left and low is
-better.
+as in Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, II.10). Points at the
+lower left are best.
 
-Failed points are crosses in a strip at the right, at the cost they would have had. A dotted line
-connects the strip with the point of the curve at the predicted limit of stability; crosses below it
-are failures beyond the limit.
+Failed points are crosses in a strip at the right, at their cost or the cost that they would have. A
+dotted line connects the strip with the curve at the predicted stability limit; crosses below this
+line are failures beyond the limit.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from .labels import Label, place
 from .points import Point, Track
 
 LEAST, MOST = 1e-16, 2.0  # range of errors
-STRIP = 100.0  # right end of the strip of failures, which begins at MOST
-OTHER = 0.3  # opacity of a method's other points
-LETTER, GAP = 0.68, 12.0  # width of a bold letter, relative to its size; points beside a name
+STRIP = 100.0  # right end of the strip of failures, whose left end is MOST
+OTHER = 0.3  # opacity of points that are not on the curve
+LETTER, GAP = 0.68, 12.0  # width of a bold letter in font sizes; gap at a name, in points
 FAILED = "#8a3a10"
 UNITS = {
     "seconds": "time of one integration",
@@ -44,8 +44,7 @@ BEHIND = Style(PALE, None, False, False)
 
 @record
 class Curve:
-    """A method's points: `measure` against the cost; `limit` is the step at its limit of stability.
-    """
+    """The points of a method: `measure` against cost; `limit` is its largest stable step size."""
 
     track: Track
     axis: str
@@ -57,7 +56,7 @@ class Curve:
         return self.track.method.name
 
     def good(self) -> list[tuple[float, float, Point]]:
-        """Returns the points up to one after the most accurate; later ones are round-off."""
+        """Returns the points up to one after the most accurate; later errors are round-off."""
         good = self.track.good
         errors = [p.error or 0.0 for p in good]
         found = []
@@ -68,7 +67,7 @@ class Curve:
         return found
 
     def best(self) -> list[tuple[float, float]]:
-        """Returns the points that no other one beats in both, without lucky ones."""
+        """Returns the points, except lucky ones, that no other beats in both error and cost."""
         found: list[tuple[float, float]] = []
         for value, cost, point in sorted(self.good(), key=lambda g: g[:2]):
             if not point.lucky and (not found or cost < found[-1][1]):
@@ -76,8 +75,7 @@ class Curve:
         return found[::-1]
 
     def failures(self) -> list[float]:
-        """Returns the cost of failed points, or the cost scaled by steps from the first good one.
-        """
+        """Returns the costs of failed points; if unknown, in proportion to the number of steps."""
         good, found = self.good(), []
         for point in (p for p in self.track.points if p.failed):
             cost = point.cost(self.axis)
@@ -89,7 +87,7 @@ class Curve:
         return found
 
     def cliff(self) -> tuple[float, float] | None:
-        """Returns the error (at most 1) and the cost where the step is the limit, or None."""
+        """Returns the error (at most 1) and the cost at the stability limit, or None."""
         good = self.good()
         if self.limit is None or not good:
             return None
@@ -100,7 +98,7 @@ class Curve:
 def draw(
     axes, curves: list[Curve], styles: Mapping[str, Style], chart: Chart, failures: bool
 ) -> Callable[[], None]:
-    """Draws the curves. Returns a function that places the names, to call after the layout."""
+    """Draws the curves. Returns a function that places the names, to be called after the layout."""
     drawn, labels = [], []
     for curve in sorted(curves, key=lambda c: styles.get(c.name, BEHIND).strong):
         style = styles.get(curve.name, BEHIND)
@@ -123,7 +121,7 @@ def draw(
         axes.text(0.99, 0.99, "failed", transform=axes.transAxes, **look)
         if chart.reference.error > 2 * LEAST:
             axes.axvspan(LEAST**2, chart.reference.error, color="#eeeeee", zorder=0, lw=0)
-    labels.reverse()  # strong ones come first
+    labels.reverse()  # strong curves first
 
     def names() -> None:
         _room(axes, labels, least, STRIP if failures else MOST)
@@ -133,7 +131,7 @@ def draw(
 
 
 def _room(axes, labels: list[Label], least: float, most: float) -> None:
-    """Sets the x limits to fit the errors, and the names at the left. The layout must be done."""
+    """Sets the x limits so that errors and names fit. The layout must be done."""
     from matplotlib.ticker import FixedLocator
 
     width = axes.get_window_extent().width * 72 / axes.figure.dpi
@@ -148,7 +146,7 @@ def _room(axes, labels: list[Label], least: float, most: float) -> None:
 
 
 def _others(axes, curve: Curve, style: Style) -> None:
-    """Draws pale the points of a method that are beaten or may be luck."""
+    """Draws in pale colour the points that are not on the curve, among them lucky ones."""
     best = {*curve.best()}
     rest = [g[:2] for g in curve.good() if g[:2] not in best]
     if rest and style is not BEHIND and style.strong:

@@ -1,7 +1,7 @@
 """Draws the default picture of a chart: one panel, at most six methods, the answers as sentences.
 
-It fits a journal: a column or a page wide, in fonts of 7 to 8 points, in colours that are
-distinguishable with any usual colour vision, and with a marker per method for print in grey.
+It fits a journal: it is as wide as a column or a page, with fonts of 7 to 8 points, colours for any
+usual colour vision, and a marker for each method for print in grey.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from .panel import UNITS, Curve, Style, draw
 MOST = 6  # most methods
 PALE = "Pale: runs that another of the same method beats, or that may be luck."
 SIZE = 2.8
-SPREAD = 0.35  # opacity of the range of errors of several starts
-LETTER, SIDES = 1.32, 18.0  # millimetres: mean width of a letter at 7 points, both margins
-COLUMN = 120.0  # width in millimetres from which the picture is higher
+SPREAD = 0.35  # opacity of the bar from the least to the largest error of several starts
+LETTER, SIDES = 1.32, 18.0  # in millimetres: mean width of a letter at 7 points, both margins
+COLUMN = 120.0  # least width in millimetres of a higher picture
 
 
 def sentence(answers: Sequence[Answer]) -> str:
-    """Returns the answers of one cost as a sentence, from loose to tight."""
+    """Returns the answers for one measure of cost as a sentence, from loose to tight."""
     told = []
     for a in answers:
         if a.method is None or a.point is None:
@@ -42,7 +42,7 @@ def sentence(answers: Sequence[Answer]) -> str:
 
 
 def picture(chart: Chart, axis: str, look: Look):
-    """Returns a figure in the look that is already set; `axis` is one of UNITS."""
+    """Returns a figure; the style of `look` must be active. `axis` is one of UNITS."""
     from matplotlib import pyplot
 
     inches, width = look.inches, look.width
@@ -74,7 +74,7 @@ def picture(chart: Chart, axis: str, look: Look):
 
 
 def _beside(chart: Chart) -> str:
-    """Returns a sentence: the time of other packages relative to pkgen's, from loose to tight."""
+    """Returns a sentence with the times of other packages relative to pkgen, loose to tight."""
     told = []
     for b in chart.beside:
         ratios = [chart.times(a) for a in b.answers]
@@ -92,5 +92,5 @@ def _spread(axes, points, axis: str, colour: str) -> None:
 
 
 def write(chart: Chart, stem: Path, look: Look, axis: str) -> list[Path]:
-    """Writes STEM.svg (always, for the page) and the other formats; returns their paths."""
+    """Writes STEM.svg (which the page needs) and the other formats; returns their paths."""
     return style.written(lambda look: picture(chart, axis, look), stem, look)

@@ -1,4 +1,4 @@
-"""Methods as the runtime lists them, and the measurements of one at one step or tolerance."""
+"""Methods as the runtime lists them, and measurements of a method at one step or tolerance."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import field
 
 from ...record import record
 
-LOST = 1.0  # an error as large as the motion itself: lost
+LOST = 1.0  # relative error of a motion that is lost
 AXES = ("seconds", "work")  # measures of cost
 
 EXPLICIT = "explicit Runge–Kutta, fixed step"
@@ -33,9 +33,9 @@ FAMILIES = (
 
 @record
 class ChartedMethod:
-    """A method. `imaginary` and `real` are its stability limits on these axes (of h times the
-    eigenvalue): infinite: unlimited; 0: stable at no step; None: unknown. `peer` is the package
-    with its version; "" for a method of the runtime."""
+    """A method. `imaginary` and `real` are its stability limits on these axes, of h times the
+    eigenvalue: infinite if there is none, 0 if no step is stable, None if unknown. `peer` is a
+    package with its version, or "" for a method of the runtime."""
 
     name: str
     order: int
@@ -63,7 +63,7 @@ class ChartedMethod:
 
     @property
     def setting(self) -> str:
-        """Returns the option of `pkgen run` that sets its accuracy."""
+        """Returns the option of `pkgen run` that sets the method's accuracy."""
         return "step" if self.fixed else "rtol"
 
     @property
@@ -85,8 +85,9 @@ class ChartedMethod:
 
 @record
 class Point:
-    """A measured point. `error` and `seconds` are None if the run failed. `slow`: it was stopped at
-    the time limit, which is no failure. Counts that another package does not report are None."""
+    """A measured point. If the run failed, `error` and `seconds` are None. `slow`: the run was
+    stopped at the time limit, which is no failure. Counts that another package does not report are
+    None."""
 
     method: str
     setting: float
@@ -100,12 +101,12 @@ class Point:
     rejections: int | None
     evaluations: int | None
     jacobians: int | None
-    work: int | None  # evaluations; a Jacobian counts as that many as finite differences need
+    work: int | None  # evaluations; a Jacobian counts as those of its finite differences
     took: float  # CPU seconds of the whole measurement
     drifts: dict[str, float] = field(default_factory=dict)
-    least: float | None = None  # range of errors over several starts; `error` is the median
+    least: float | None = None  # range of errors over several starts; `error` is their median
     most: float | None = None
-    lucky: bool = False  # keeps an accuracy by luck: slightly finer runs do not
+    lucky: bool = False  # keeps an accuracy that slightly finer runs do not
 
     @property
     def arrived(self) -> bool:
@@ -121,7 +122,7 @@ class Point:
 
     @property
     def failed(self) -> bool:
-        """Whether it ended early, or with an error of LOST or more."""
+        """Whether the run ended early, or with an error of LOST or more."""
         return not self.good and not self.slow and not self.refused
 
     @property
@@ -142,7 +143,7 @@ class Point:
 
 @record
 class Track:
-    """The points of a method, from loose to tight."""
+    """The points of a method, in the order from loose to tight settings."""
 
     method: ChartedMethod
     points: tuple[Point, ...]
@@ -152,6 +153,6 @@ class Track:
         return [p for p in self.points if p.good]
 
     def cost_at(self, error: float, axis: str) -> float | None:
-        """Returns the least cost of a point within the error, or None."""
+        """Returns the least cost of a point with at most this error, or None."""
         costs = [p.cost(axis) for p in self.good if p.error is not None and p.error <= error]
         return min((c for c in costs if c is not None), default=None)

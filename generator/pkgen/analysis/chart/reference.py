@@ -1,10 +1,11 @@
-"""Computes reference states beyond double precision, in __float128 (in long double without that
-type): by gauss of order 16 at a tolerance near round-off, again at a looser one, and by dop853,
-whose step shares no code with gauss. The largest disagreement of the three is the reference's
-error. All three use the model's own C equations; other tests check these.
+"""Computes reference states beyond double precision, in __float128 (or else in long double): by
+gauss of order 16 at a tolerance near round-off, then at a looser one, and by dop853, whose step
+shares no code with gauss. The largest difference of the three runs is the reference's error. All
+use the model's C equations, which other tests check.
 
-States are compared at a hundred equal times. This gives the largest magnitude of every coordinate
-and rate, the scale of errors; and, for a chaotic motion, the time until which the reference holds.
+States are compared at the ends of a hundred equal intervals. The largest magnitude of every
+coordinate and rate is the scale of errors; of a chaotic motion, the time is found until which the
+reference is valid.
 """
 
 from __future__ import annotations
@@ -24,18 +25,18 @@ from .measure import Program
 
 TIMES = 100
 PRECISE = ("gauss", "dop853")  # methods of the reference
-MUST_AGREE = 1e-13  # with a larger error of the reference, the chart is cut
-SLOWEST = 60.0  # CPU seconds allowed for one integration
+MUST_AGREE = 1e-13  # largest error of a reference for a full chart
+SLOWEST = 60.0  # most CPU seconds of one integration
 
-# Tolerances of gauss, gauss again and dop853, by type. dop853 needs h ~ tolerance^(1/8): it reaches
-# 1e-22 in the time of gauss.
+# By scalar type: tolerances of gauss, of the second run of gauss, and of dop853. At 1e-22 dop853,
+# whose h ~ tolerance^(1/8), takes as long as gauss.
 TOLERANCES = {"__float128": (1e-28, 1e-25, 1e-22), "long double": (1e-18, 1e-17, 1e-17)}
 
 
 @record
 class Reference:
-    """Reference states at equal times, the last at `until`; `error` is that of the last state,
-    `worst` the largest of all; until the time `holds` it is below MUST_AGREE."""
+    """Reference states at equal intervals up to `until`. `error` is that of the last state, `worst`
+    the largest of all; until the time `holds` the error is below MUST_AGREE."""
 
     path: list[State]
     scales: list[float]
@@ -69,8 +70,8 @@ class Reference:
 
 
 def find(compilation: Compilation, settings: Settings) -> Reference:
-    """Computes it. Raises NumericsFailed, UsageError if nothing moves, BuildError if the model does
-    not compile."""
+    """Computes the reference. Raises NumericsFailed; UsageError if nothing moves; BuildError if the
+    model does not compile."""
     found = wide.library(compilation.files, compilation.model.name, PRECISE)
     if found is None:
         raise BuildError("no C compiler here has a type wider than double")
@@ -79,14 +80,14 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
 
 
 def best(structure: Facts) -> str:
-    """Returns the method of the tightest runs: gauss is not valid across a kink."""
+    """Returns the method for the tightest runs: gauss is invalid if there are kinks."""
     return "gauss" if structure.smooth_in_pieces else "dop853"
 
 
 def _agree(program: Program, scalar: str, method: str) -> Reference:
     tight, loose, other = TOLERANCES[scalar]
     runs = [(method, tight), (method, loose), ("dop853", other)]
-    if method == "dop853":  # it is compared with itself
+    if method == "dop853":  # dop853 is compared with itself
         runs = [(method, other), (method, other * 100)]
     paths = [_path(program, *run) for run in runs]
     exact, checks = paths[0], paths[1:]
@@ -129,8 +130,8 @@ def _at_rest(states: list[Exact]) -> bool:
 
 
 def _scales(states: list[Exact]) -> list[float]:
-    """Returns the largest magnitude of each coordinate and rate; for one that stays 0, the largest
-    of its kind."""
+    """Returns the largest magnitude of each coordinate and rate; if that is 0, the largest
+    magnitude of all coordinates or all rates."""
     n = states[0].coordinates
     largest = [float(max(map(abs, xs))) for xs in zip(*states, strict=True)]
     scales: list[float] = []

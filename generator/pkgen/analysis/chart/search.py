@@ -1,8 +1,8 @@
 """Finds the loosest settings that keep an accuracy, between the points of a sweep.
 
 A point keeps an accuracy by luck if a slightly finer run does not: its error passes through zero
-there, or is round-off that happens to be small. So each possible answer is measured again at FINER
-times its setting; other points measured in that range count too.
+there, or is round-off that happens to be small. Therefore each possible answer is measured again at
+FINER times its setting; other measured points in this range count too.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from .points import AXES, ChartedMethod, Point, Track
 from .scale import ROUNDING, divided, two_digits
 from .sweep import TIGHTEST, Bench
 
-FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # factors on a step; on a tolerance
+FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # factors on a step, on a tolerance
 LOOSER = {True: (1.06, 1.12, 1.18, 1.25), False: (1.8, 3.2, 6.0, 10.0)}
 TRIALS = 12  # most trials between two points
-NEAR = 1.03  # ratio of costs that is not worth a trial
-AIM = 0.8  # aimed error, relative to the accuracy
-INNER = (0.25, 0.75)  # range of the next trial between two points, in logarithm
-COARSER, FALLING = 1.2, 0.7  # errors fall if a step COARSER times finer has FALLING times the error
-FOREMOST = 3  # number of methods continued per round
-UNSEEN = 1e-2  # aimed reduction of an unknown error
-ROUNDS, TIMED = 3, 1.5  # rounds of timing; for points within TIMED times the fastest
+NEAR = 1.03  # least ratio of costs that is worth a trial
+AIM = 0.8  # intended error of a trial, relative to the accuracy
+INNER = (0.25, 0.75)  # bounds on a trial between the looser (0) and the tighter point (1)
+COARSER, FALLING = 1.2, 0.7  # errors fall if a setting COARSER times finer reduces them by FALLING
+FOREMOST = 3  # most methods measured in one round of _go_on()
+UNSEEN = 1e-2  # intended reduction of an error that is not known
+ROUNDS, TIMED = 3, 1.5  # rounds of timing, for points within TIMED times the fastest
 
 
 class Search:
-    """The points of every method, with those that the search measures."""
+    """The points of every method, including those that the search measures."""
 
     def __init__(self, bench: Bench, tracks: list[Track]):
         self.bench = bench
@@ -45,7 +45,8 @@ class Search:
         return [p for points in self.points.values() for p in points if p.good]
 
     def tracks(self, accuracies: list[float]) -> list[Track]:
-        """Returns the tracks; a point cheaper than an answer for its accuracy is lucky."""
+        """Returns the tracks; marks points as lucky that are cheaper than the answer to their
+        accuracy."""
         best = {(a, x): self.cheapest(a, x) for a in accuracies for x in AXES}
 
         def lucky(p: Point) -> bool:
@@ -64,7 +65,7 @@ class Search:
         return next((p for p in able if self.keeps(p, accuracy)), None)
 
     def keeps(self, point: Point, accuracy: float) -> bool:
-        """Whether the point keeps the accuracy, and finer ones too."""
+        """Whether the point keeps the accuracy, and slightly finer points too."""
         if not _met(point, accuracy):
             return False
         method = self.methods[point.method]
@@ -77,11 +78,11 @@ class Search:
                 return False
         if any(self._within(method, bounds[-1], point.setting)):
             return True
-        tighter = self._within(method, 0.0, point.setting)  # used if the time to measure is up
+        tighter = self._within(method, 0.0, point.setting)  # decides if no time to measure is left
         return not tighter or _met(tighter[0], accuracy)
 
     def refine(self, accuracy: float) -> None:
-        """Measures possibly cheapest methods at their loosest setting for the accuracy."""
+        """Measures the methods that may be cheapest at their loosest setting for the accuracy."""
         for axis in AXES:
             for _ in range(TRIALS):
                 if not self._go_on(accuracy, axis):
@@ -92,9 +93,8 @@ class Search:
                 self._close_in(method, accuracy, axis)
 
     def unmeasured(self, accuracy: float, axis: str) -> tuple[str, ...]:
-        """Returns methods that could be cheaper, once the time is up: by the forecast of _ahead(),
-        or with an unmeasured setting between two points, the looser of which misses the accuracy.
-        """
+        """Returns, once the time is up, methods that may be cheaper: those of _ahead(), and those
+        with an untried setting between two points, the looser of which misses the accuracy."""
         if self.left > 0:
             return ()
         best = _cost(self.cheapest(accuracy, axis), axis)
@@ -108,7 +108,8 @@ class Search:
         return tuple(found)
 
     def time_again(self, accuracy: float) -> None:
-        """Times again in turns: per method near the fastest, its loosest and its fastest point."""
+        """Repeats the timing of each nearly fastest method in turns, at its loosest and its fastest
+        point."""
         least = _cost(self.cheapest(accuracy, "seconds"), "seconds")
         able = []
         for points in self.points.values():
@@ -121,8 +122,8 @@ class Search:
                 self._measure(self.methods[p.method], p.setting, again=True)
 
     def _soonest(self, point: Point) -> float:
-        """Returns the seconds of a point at the method's fastest rate of evaluations: other load on
-        the machine may have slowed this run."""
+        """Returns the seconds that a point takes at its method's fastest rate of evaluations, since
+        other load on the machine may have slowed this run."""
         paces = [p.seconds / p.work for p in self.points[point.method] if p.seconds and p.work]
         return min(_cost(point, "seconds"), (point.work or math.inf) * min(paces, default=math.inf))
 
@@ -142,8 +143,8 @@ class Search:
     def _looser(
         self, method: ChartedMethod, tight: Point, accuracy: float, best: float, axis: str
     ) -> bool:
-        """Measures looser points beyond some that miss the accuracy, since errors of long steps
-        need not be monotonic. Returns whether one keeps the accuracy."""
+        """Measures points LOOSER than `tight`, since errors of long steps need not be monotonic: a
+        point may keep the accuracy beyond one that misses it. Returns whether one does."""
         found = False
         for part in LOOSER[method.fixed] if _cost(tight, axis) < LOOSER[True][-1] * best else ():
             setting = tight.setting * part
@@ -153,13 +154,13 @@ class Search:
         return found
 
     def _go_on(self, accuracy: float, axis: str) -> bool:
-        """Measures the first methods of _ahead(); returns whether there was one."""
+        """Measures the first methods of _ahead(); returns whether it measured any."""
         able = self._ahead(accuracy, axis)[:FOREMOST]
         return any([self._measure(method, setting) for _, method, setting in able])
 
     def _ahead(self, accuracy: float, axis: str) -> list[tuple[float, ChartedMethod, float]]:
-        """Returns methods whose sweep ended before the accuracy while errors still fell, and that
-        could be cheaper than the cheapest there: forecast cost, method, and the setting to try
+        """Returns methods that may be cheaper than the cheapest one for this accuracy, and whose
+        sweep ended before it while errors still fell: forecast cost, method, and the setting to try
         next."""
         best = _cost(self.cheapest(accuracy, axis), axis)
         ahead = []
@@ -177,7 +178,7 @@ class Search:
                 continue
             order = max(1, method.order)
             share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER) if good else UNSEEN
-            finer = share ** (1 / order)  # factor on the step
+            finer = share ** (1 / order)  # factor on the step size
             setting = divided(self.bench.until, last.setting * finer)
             if not method.fixed:
                 setting = max(two_digits(last.setting * share), TIGHTEST)
@@ -190,8 +191,8 @@ class Search:
     def _bracket(
         self, method: ChartedMethod, accuracy: float, judged: bool
     ) -> tuple[Point, Point] | None:
-        """Returns the point before the loosest one that keeps the accuracy (or that one itself),
-        and it."""
+        """Returns the loosest point that keeps the accuracy, preceded by the next looser point, or
+        by itself if there is none."""
         points = [p for p in self.points[method.name] if not p.slow]
         for k, p in enumerate(points):
             if self.keeps(p, accuracy) if judged else _met(p, accuracy):
@@ -217,7 +218,7 @@ class Search:
                 yield until / max(whole + k, round(whole / part))
 
     def _within(self, method: ChartedMethod, low: float, high: float) -> list[Point]:
-        """Returns usable points with low <= setting < high, from loose to tight."""
+        """Returns points that ran, with low <= setting < high, from loose to tight."""
         return [
             p
             for p in self.points[method.name]
@@ -230,11 +231,11 @@ class Search:
         return next((p for p in points if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
 
     def _measure(self, method: ChartedMethod, setting: float, again: bool = False) -> Point | None:
-        """Returns a new point; None if it is known, unusable, or the time is up."""
+        """Returns a new point; None if it is already known or unusable, or if the time is up."""
         known, old = self.points[method.name], self._known(method.name, setting)
         if self.left <= 0 or (old is not None and not again):
             return None
-        # Laps are only for points that may be the fastest.
+        # Only points that may be the fastest are timed by repetitions.
         lap = self.bench.effort.lap_seconds if again else 0.0
         point = self.bench.point(method, setting, cap=self.bench.effort.seconds / 4, lap=lap)
         if old is not None:
@@ -261,7 +262,7 @@ def _cost(point: Point | None, axis: str) -> float:
 
 
 def _least(method: ChartedMethod, bracket: tuple[Point, Point], axis: str) -> float:
-    """Returns the least possible cost of a setting between the two."""
+    """Returns the least cost that a setting between the two points may have."""
     loose, tight = bracket
     foreseen = _cost(tight, axis) * tight.setting / loose.setting if method.fixed else 0.0
     return _cost(loose, axis) if loose.arrived else foreseen

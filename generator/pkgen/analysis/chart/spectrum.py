@@ -1,10 +1,10 @@
-"""Frequencies along a motion, and the limits of fixed-step methods that follow.
+"""Frequencies along a motion, from which stability limits of fixed-step methods follow.
 
 Near a state the equations of motion linearise to y' = J y, with J = [[0, 1], [da/dq, da/dv]]. A
-method is stable if h times each eigenvalue of J lies in its region of stability; the ends of that
-region on the imaginary and real axes are known (`pkgen methods`). So with omega the largest
-imaginary part of any eigenvalue at any of many times, and rho the largest -(real part) of the real
-ones (only in dissipative systems; else a real eigenvalue is a saddle that the motion passes),
+method is stable if h times each eigenvalue of J lies in its region of stability; the ends of this
+region on the imaginary and real axes are known (`pkgen methods`). Let omega be the largest
+imaginary part of an eigenvalue at any of many times, and rho the largest -(real part) of a real
+eigenvalue (only in dissipative systems; in others it is a saddle that the motion passes). Then
 
     h_limit = min(y_imaginary / omega, y_real / rho).
 
@@ -22,13 +22,13 @@ from .points import ChartedMethod
 
 TIMES = 200
 TOLERANCE = 1e-8
-SLOWEST = 10.0  # CPU seconds allowed for the integration
-DAMPED = 1e-6  # an eigenvalue with a smaller relative imaginary part counts as real
+SLOWEST = 10.0  # most CPU seconds of the integration
+DAMPED = 1e-6  # an eigenvalue with a relative imaginary part below this counts as real
 
 
 @record
 class Spectrum:
-    """The fastest rates of the motion up to `until`, per unit of time; 0: none."""
+    """The fastest oscillation and decay of the motion up to `until`, per unit of time; or 0."""
 
     omega: float
     rho: float
@@ -39,8 +39,7 @@ class Spectrum:
         return max(self.omega, self.rho) or 1.0 / self.until
 
     def limit(self, method: ChartedMethod) -> float | None:
-        """Returns the step at which a fixed-step method becomes unstable; None: none, or unknown.
-        """
+        """Returns the step at which a fixed-step method becomes unstable; None if none is known."""
         if not method.fixed:
             return None
         limits = [
@@ -62,7 +61,7 @@ class Spectrum:
 
 
 def find(program: Program, method: str, until: float, dissipative: bool) -> Spectrum:
-    """Returns the spectrum along the motion, integrated by the adaptive `method`."""
+    """Returns the spectrum along a motion, which is integrated by the adaptive `method`."""
     import numpy
 
     done = program.path(method, TOLERANCE, TIMES, SLOWEST)

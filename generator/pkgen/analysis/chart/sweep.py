@@ -1,5 +1,6 @@
 """Measures the points: each method at steps or tolerances from loose to tight, until its error is
-round-off, or the next point would take more than its share of the time."""
+round-off, or the next point would take more than the method's share of the time.
+"""
 
 from __future__ import annotations
 
@@ -19,42 +20,42 @@ from .points import ChartedMethod, Point, Track
 from .scale import pieces, slope
 from .spectrum import Spectrum
 
-# Most points of a method, seconds of laps of a point, seconds of all but drawing.
+# Most points of a method, seconds to time a point, seconds for all except drawing.
 FULL, QUICK = (16, 0.03, 55.0), (9, 0.004, 10.0)
-SWEPT = 2 / 3  # part of the time for the sweep; the rest is for the answers (search.py)
-LEAST = 0.25  # least part of the time for methods, after the reference
+SWEPT = 2 / 3  # fraction of the time for the sweep; the rest is for search.py
+LEAST = 0.25  # least fraction of the time that remains after the reference
 LOOSEST, TIGHTEST = 1e-2, 1e-14  # range of tolerances
-DECADES = 14.0  # decades of error that the steps of a method cover
+DECADES = 14.0  # ratio of the first to the last error, in decades, if a method has all points
 FINER = (1.12, 4.0)  # bounds on the ratio of successive steps
-UNKNOWN = 1.4  # ratio after a failed step
-PAST_LIMIT = 1.5  # first step, in units of the limit; without a limit see LONGEST
+UNKNOWN = 1.4  # ratio of steps after a failed step
+PAST_LIMIT = 1.5  # first step in units of the stability limit; if none, see LONGEST
 LONGEST = 3.0  # first step in radians of the fastest oscillation, or the order if larger
-ANSWER = 1e-3  # error below which a first step may already be an answer
-LONGER = 3  # factor on the first step that may be an answer
+ANSWER = 1e-3  # largest error of a first step that may already be an answer
+LONGER = 3  # factor to longer steps than the first, if it may be an answer
 ROUND_OFF = 3e-16
-EASED = 1e-8  # errors below it that no longer fall are round-off
+EASED = 1e-8  # errors below this that stop to fall are round-off
 
 
 def processor() -> float:
-    """Returns the CPU seconds of this process and its ended children."""
+    """Returns the CPU seconds of this process and its finished child processes."""
     return time.process_time() + sum(os.times()[2:4])
 
 
 @record
 class Effort:
-    """The time to measure, in CPU seconds: a busy machine measures as many points."""
+    """The time for measurements, in CPU seconds, so that load on the machine has no effect."""
 
     points: int  # most points of a method
-    lap_seconds: float  # seconds of laps of a point
+    lap_seconds: float  # seconds to time a point
     seconds: float  # seconds of everything except drawing
     began: float = field(default_factory=lambda: processor())
 
     def rest(self) -> Effort:
-        """Returns the effort that is left, but at least LEAST of all: references may take long."""
+        """Returns the remaining effort, but at least LEAST of it all: references may take long."""
         return Effort(self.points, self.lap_seconds, max(self.left(), LEAST * self.seconds))
 
     def left(self, part: float = 1.0) -> float:
-        """Returns the seconds left of a part of the time; 0 after an interrupt."""
+        """Returns the seconds left of the fraction `part` of the time; 0 after an interrupt."""
         if children.ended():
             return 0.0
         return max(0.0, part * self.seconds - (processor() - self.began))
@@ -67,11 +68,11 @@ class Effort:
 
 @record
 class Bench:
-    """The setup of a measurement. With several starts, each has a program and a measure; the error
-    is the median over the starts, and the time that of the first."""
+    """The setup of a measurement: a program and a measure for each start. The error of a point is
+    the median over the starts, its time that from the first start."""
 
     starts: list[tuple[Program, Measure]]
-    floor: float  # the reference's own error
+    floor: float  # error of the reference
     until: float
     effort: Effort
 
@@ -84,7 +85,7 @@ class Bench:
         if not others or first.refused or first.slow:
             return first
         points = [first, *(p.point(method, setting, 0.0, cap, m) for p, m in others)]
-        if any(p.slow for p in points):  # the median is unknown then
+        if any(p.slow for p in points):  # the median is unknown in this case
             return replace(first, slow=True, error=None, took=sum(p.took for p in points))
         errors = sorted(math.inf if p.error is None else p.error for p in points)
         median = statistics.median(errors)
@@ -101,9 +102,9 @@ class Bench:
 
 
 class Steps:
-    """Steps that divide the duration. The first is beyond the limit, or without a limit so long
-    that an oscillation has few steps. Each next step is finer by a factor that reduces the error by
-    its share of DECADES, extrapolated from the last two errors."""
+    """Steps that divide the duration. The first is beyond the stability limit or, without a limit,
+    so long that an oscillation has few steps. Each further step is chosen to reduce the error by an
+    equal share of DECADES, by extrapolation of the last two errors."""
 
     def __init__(self, method: ChartedMethod, spectrum: Spectrum, count: int):
         limit = spectrum.limit(method)
@@ -144,8 +145,8 @@ def measure(
     spectrum: Spectrum,
     on_progress: Callable[[str], None],
 ) -> list[Track]:
-    """Returns the points of all methods that the system admits, one point for a refused method;
-    after an interrupt, the points so far."""
+    """Returns the points of all methods; of a refused method, one point. After an interrupt it
+    returns the points measured so far."""
     kept: dict[str, list[Point]] = {}
     with suppress(KeyboardInterrupt):
         for k, method in enumerate(methods):
@@ -158,14 +159,14 @@ def measure(
 def _sweep(
     bench: Bench, method: ChartedMethod, spectrum: Spectrum, share: float, points: list[Point]
 ) -> None:
-    """Sweeps one method; adds to `points`."""
+    """Measures the points of one method, in time `share`, and appends them to `points`."""
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
     end = processor() + share
-    lap = share / (3 * count)  # the laps of loose points leave time for tight ones
+    lap = share / (3 * count)  # limits the timing of loose points, so that tight ones have time
     while len(points) < count:
         left = end - processor()
-        # A point takes two integrations or more, and a tighter one takes longer.
+        # A point takes at least two integrations, and a tighter one takes longer.
         if points and 4 * (points[-1].seconds or points[-1].took) > left:
             break
         cap = max(left / 2, bench.effort.lap_seconds)
@@ -180,8 +181,8 @@ def _sweep(
 def _longer(
     bench: Bench, method: ChartedMethod, plan: Steps, cap: float, lap: float, points: list[Point]
 ) -> None:
-    """While the first step is already an answer, adds longer ones before it: on a linear system an
-    exact method allows any step."""
+    """While the first step may already be an answer, inserts longer steps before it: an exact
+    method allows any step on a linear system."""
     whole = plan.whole
     while whole > 1 and points[0].good and (points[0].error or 0) < ANSWER:
         whole = max(1, whole // LONGER)
@@ -189,7 +190,7 @@ def _longer(
 
 
 def _at_round_off(points: list[Point], floor: float) -> bool:
-    """Whether the last error is below the reference's, or two points no longer improve."""
+    """Whether the last error is near the reference's, or the last two no longer fall."""
     errors = [p.error for p in points if p.good]
     if errors and errors[-1] < max(ROUND_OFF, 2 * floor):
         return True

@@ -1,4 +1,4 @@
-"""Writes the points of a chart as CSV and as JSON, a row per point."""
+"""Writes the points of a chart as CSV and as JSON, a row for each point."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COLUMNS = ("method", "family", "peer", "order", "step", "rtol", *OF_POINT)
 
 
 def record(method: ChartedMethod, point: Point) -> dict[str, object]:
-    """Returns a point by columns; None: no value."""
+    """Returns a point as {column: value}; a missing value is None."""
     return {
         "method": method.name,
         "family": method.family,
@@ -41,7 +41,7 @@ def record(method: ChartedMethod, point: Point) -> dict[str, object]:
 
 
 def invariants(tracks: list[Track]) -> list[str]:
-    """Returns the names of the constants of motion, in the order of the reports."""
+    """Returns the names of the constants of motion, in the order of reports."""
     longest = max((p.drifts for t in tracks for p in t.points), key=len, default={})
     return list(longest)
 

@@ -1,4 +1,4 @@
-"""Describes a chart in words: how it was made, and its answers."""
+"""Describes a chart in words: how it was measured, and its answers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ AXIS = {"seconds": "time", "work": "evaluations"}
 
 
 def seconds(value: float) -> str:
-    """Formats seconds with three digits and a prefix."""
+    """Formats seconds with three significant digits and an SI prefix."""
     for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if value >= size:
             return f"{value / size:.3g} {unit}"
@@ -59,7 +59,7 @@ def interrupted(chart: Chart) -> str:
 
 
 def unmeasured(chart: Chart) -> list[str]:
-    """Lists methods that could have been an answer but were not measured in the time."""
+    """Lists methods that may have been an answer but were not measured in time."""
     late: dict[str, list[str]] = {}
     for a in chart.answers:
         for name in a.unmeasured:
@@ -69,12 +69,12 @@ def unmeasured(chart: Chart) -> list[str]:
 
 
 def _exact(track: Track) -> bool:
-    """Whether the method is exact on this motion, such as a uniform one."""
+    """Whether the method is exact up to round-off on this motion, such as a uniform one."""
     return all(p.error is not None and p.error < EXACT for p in track.good)
 
 
 def answer_rows(chart: Chart) -> list[tuple[str, ...]]:
-    """Returns a row per answer: accuracy, measure of cost, method, setting, time, evaluations,
+    """Returns a row for each answer: accuracy, measure of cost, method, setting, time, evaluations,
     error."""
     rows = []
     for a in chart.answers:
@@ -91,8 +91,8 @@ BESIDE = ("accuracy", "package", "method", "", "time", "beside pkgen's", "error"
 
 
 def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
-    """Returns a row per answer of a package: accuracy, package, method, setting, time, time
-    relative to pkgen's answer, error."""
+    """Returns a row for each answer of another package: accuracy, package, method, setting, time,
+    this time relative to pkgen's, error."""
     rows = []
     for b in chart.beside:
         if b.why:
@@ -109,7 +109,7 @@ def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
 
 
 def how_beside(chart: Chart) -> list[str]:
-    """Describes the input of the packages."""
+    """Describes the input of the other packages."""
     given = [f"{b.name} calls {b.takes}" for b in chart.beside if b.takes]
     return given and [
         "other packages: one call of each one's Python API, what it compiles compiled before; "
@@ -121,7 +121,7 @@ HEADINGS = ("accuracy", "cheapest in", "method", "", "time", "evaluations", "err
 
 
 def command(chart: Chart, answer: Answer, model: str, given: list[str]) -> str:
-    """Returns the command of an answer's run."""
+    """Returns the `pkgen run` command for an answer."""
     assert answer.method is not None and answer.point is not None
     until = repr(chart.until)
     words = ["pkgen", "run", model, "--method", answer.method.name]
@@ -143,7 +143,7 @@ def report(chart: Chart, model: str, given: list[str]) -> str:
 
 
 def _lined(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    """Aligns columns; in a row without numbers the third cell is a sentence."""
+    """Aligns columns; a row without a setting ends with a sentence in its third cell."""
     rows = [headings, *rows]
     told = [r for r in rows if r[3] or r is headings]
     widths = [max(len(row[i]) for row in told) for i in range(len(headings))]

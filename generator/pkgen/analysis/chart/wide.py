@@ -1,4 +1,4 @@
-"""Libraries of a model in a type wider than double, whose runs are references."""
+"""Libraries of a model in a type wider than double, for reference runs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from ...system.exits import BuildError
 from ...system.files import scratch
 from ...system.toolchain import Toolchain, compile_c, find_toolchain
 
-# By type, the widest first: its macro of pk/real.h, its libraries, and a program that needs both.
+# For each type, the widest first: its macro in pk/real.h, the libraries it needs, and a header and
+# a function to test whether it exists.
 TYPES = {
     "__float128": ("-DPK_FLOAT128", ("-lquadmath",), "<quadmath.h>", "sqrtq"),
     "long double": ("-DPK_LONG_DOUBLE", ("-lm",), "<math.h>", "sqrtl"),
@@ -21,7 +22,7 @@ PROBE = "#include {}\nint main(int n, char **x) {{ return x && {}(n) < 0; }}\n"
 
 
 def precise_tools(scalar: str) -> Toolchain | None:
-    """Returns a compiler that has a type, with its flags; None: no compiler here has it."""
+    """Returns a compiler that has the type, with flags; None if no compiler here has it."""
     macro, libraries, header, function = TYPES[scalar]
     flags = ("-O2", "-ffp-contract=off", "-std=gnu11", macro)
     own = replace(find_toolchain(), flags=flags, gsl_cflags=None, gsl_libs=libraries)
@@ -40,9 +41,9 @@ def precise_tools(scalar: str) -> Toolchain | None:
 def library(
     files: dict[str, str], name: str, able: Sequence[str], types: Iterable[str] = TYPES
 ) -> tuple[Path, str] | None:
-    """Returns the library of a model with the methods `able` in the first of the types that a
-    compiler has, and the type; None: none has any. Raises BuildError if the model fails to
-    compile or link."""
+    """Returns the library of a model with the methods `able`, in the first type that a compiler
+    has, and this type; None if there is none. Raises BuildError if the model fails to compile or
+    link."""
     for scalar in types:
         if tools := precise_tools(scalar):
             return build_library(files, name, able=able, tools=tools), scalar

@@ -1,16 +1,16 @@
 """`accuracy` in a scene: the method and its step or tolerance that keep it at the least cost.
 
 trials      runs of the scene, made and measured in C
-reference   the motion by the tightest runs, and its own error
+reference   the motion by the tightest runs, and its error
 candidates  the table of methods that are tried
 search      the loosest setting of a method that keeps the accuracy
-race        the candidates at these settings, and the cheapest of them
-whole       the choice from trials of a part, verified over the whole scene
-choose      the whole procedure, from a `Task` to a Choice
+race        runs the candidates at these settings; the cheapest one
+whole       checks a choice, made on the first part of a scene, over the whole scene
+choose      the whole procedure, from a `Task` to a `Choice`
 prepared    the program that runs the trials
 sample      the members of an ensemble that are tried
-parts       the Choice for a scene, or one for each block of coordinates that is integrated apart
-report      the output on a choice
+parts       the Choice for a scene, or for each block of coordinates that is integrated separately
+report      messages about a choice
 """
 
 from .choice import Choice

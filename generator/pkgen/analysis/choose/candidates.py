@@ -1,8 +1,8 @@
-"""The methods that are tried on a scene, and why: each is among the cheapest on some scene of the
-test set when all methods are tried (docs/accuracy.md).
+"""The methods that are tried on a scene, with reasons: each is among the cheapest on some scene of
+the test set if all methods are tried (docs/accuracy.md).
 
-The runtime knows the requirements of a method; the facts here make it worth a trial. The first of
-two that cost the same is chosen, so simpler ones come first.
+The runtime knows the requirements of a method; further facts in the table make it worth a trial. If
+two methods cost the same, the first is chosen, so simpler methods come first.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .trials import DENSE, LAND
 
 @record
 class CandidateRow:
-    """A row of TABLE. `if_` and `if_not` are facts of a system, see enum pk_fact."""
+    """A row of TABLE. `if_` and `if_not` are facts of a system (enum pk_fact)."""
 
     method: str
     rows: str
@@ -66,7 +66,7 @@ class Candidate:
 
 
 def candidates(structure: object, methods: Iterable[ChartedMethod]) -> list[Candidate]:
-    """Returns the candidates that apply to a system with these facts."""
+    """Returns the candidates that apply to a system with the facts `structure`."""
     known = {m.name: m for m in methods}
     return [
         Candidate(known[line.method], line.rows, line.why)
@@ -76,7 +76,7 @@ def candidates(structure: object, methods: Iterable[ChartedMethod]) -> list[Cand
 
 
 def alone(name: str) -> Candidate:
-    """Returns a candidate that need not be in the table."""
+    """Returns the candidate `name`, which need not be in the table."""
     return Candidate(all_methods([name])[0], LAND, "the reference itself")
 
 

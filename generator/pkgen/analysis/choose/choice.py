@@ -1,4 +1,4 @@
-"""The method and setting chosen for a scene, and the evidence."""
+"""The method and setting chosen for a scene, and the evidence for them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .search import Found
 
 @record
 class GivenUp:
-    """A stopped trial of a whole scene: its time t after `seconds`, and its planned end."""
+    """A trial of a whole scene that was stopped at time t, after `seconds`, before `until`."""
 
     t: float
     seconds: float
@@ -21,7 +21,7 @@ class GivenUp:
 
 @record
 class Choice:
-    """A choice. `expected` is the error of this same run relative to a tighter one."""
+    """A choice. `expected` is the error of the run itself, relative to a tighter run."""
 
     accuracy: float
     method: str
@@ -33,24 +33,24 @@ class Choice:
     check: Check
     found: tuple[Found, ...]
     seconds: float  # CPU seconds of all trials
-    run_seconds: float  # forecast CPU seconds of the run
-    without: bool  # judged by start and end only: its event does not happen
+    run_seconds: float  # CPU seconds that the run is expected to take
+    without: bool  # its event does not happen: only start and end are compared
     max_step: float | None = None
-    given_up: GivenUp | None = None  # set if only a part was tried
+    given_up: GivenUp | None = None  # set if only the first part of the scene was tried
     compiled_for: tuple[str, ...] = ()
     compile_seconds: float = 0.0
-    left_out: tuple[str, ...] = ()  # columns that are zero up to errors
-    unsure: tuple[str, ...] = ()  # expectations smaller than the errors
-    sampled: int = 0  # number of members tried, of an ensemble
-    of: tuple[str, ...] = ()  # the coordinates of a part; empty: all
+    left_out: tuple[str, ...] = ()  # columns that are zero except for errors
+    unsure: tuple[str, ...] = ()  # expectations of quantities smaller than their errors
+    sampled: int = 0  # number of members tried, if an ensemble
+    of: tuple[str, ...] = ()  # the coordinates of a block; empty: all coordinates
 
     @property
     def kind(self) -> str:
-        """Returns the name of its setting."""
+        """Returns the name of the setting."""
         return "step" if self.fixed else "rtol"
 
     def settings(self, given: Settings) -> Settings:
-        """Returns the settings of the run, by the same program as the trials."""
+        """Returns the settings of a run by the program that ran the trials."""
         given = replace(given, method=self.method, rows=self.rows, compiled_for=self.compiled_for)
         if self.fixed:
             return replace(given, step=self.setting)
@@ -59,7 +59,7 @@ class Choice:
         return replace(given, step=None, rtol=self.setting, atol=None, max_step=longest)
 
     def of_part(self) -> PartSettings:
-        """Returns the settings of a part, a block of coordinates integrated by itself."""
+        """Returns the settings for a block of coordinates that is integrated separately."""
         if self.fixed:
             return PartSettings(self.method, self.setting, self.setting)
         return PartSettings(self.method, None, self.setting, self.max_step)

@@ -1,15 +1,15 @@
 """`accuracy` in a scene: chooses the method and its step or tolerance that keep it at the least
 cost.
 
-1. A reference (reference.py), over the whole scene if that takes little time, else over a part.
-2. Each candidate (candidates.py) at the loosest setting that keeps the accuracy (search.py).
-3. The cheapest ones are timed; among equals the first of the table is taken (race.py).
+1. A reference is computed (reference.py) for the scene, or for its first part if that takes long.
+2. The loosest setting of each candidate (candidates.py) is found that keeps it (search.py).
+3. The cheapest ones are timed; of equal ones the first in the table is chosen (race.py).
 4. If only a part was tried, the choice is compared over the whole scene with a tighter run, and
    its setting is tightened until it keeps the accuracy (whole.py).
 
-If round-off forbids the accuracy (a chaotic motion, or a very tight accuracy), the reference itself
-is the choice, with the time until which it holds. If no method arrives, the reference is run to
-report why.
+If round-off prevents the accuracy (a chaotic motion, or a very tight accuracy), the reference is
+the choice, with the time until which it is valid. If no method reaches the end, the reference is
+run to report the reason.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .reference import FLOOR, Check, Task
 from .search import Found
 from .whole import SECONDS, Kept, TooLong, Whole
 
-REFERENCE_SECONDS = 0.03  # CPU seconds of the reference; if it takes longer, only a part is tried
+REFERENCE_SECONDS = 0.03  # CPU seconds of a reference; for longer ones only a part is tried
 
 
 def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
@@ -61,7 +61,7 @@ def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
 
 
 def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
-    """Returns the reference as the choice, and the time until which two of its runs agree."""
+    """Returns the reference as the choice, with the time until which two of its runs agree."""
     if check.in_more_digits:
         return _farthest(asked, check, found)
     seconds = math.inf if check.ends else check.exact.seconds * asked.until / check.span
@@ -71,7 +71,7 @@ def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
 
 
 def _farthest(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
-    """Returns the run that keeps the accuracy longest, or the reference's method."""
+    """Returns the run that keeps the accuracy for longest, or that of the reference's method."""
     exact, own = check.exact, alone(check.method)
     how = {"accuracy": asked.accuracy, "every": check.every, "max_step": exact.max_step}
     again = asked.trials.attempt(exact.method, exact.setting, exact.rows, check.span, **how)
@@ -89,7 +89,7 @@ def _choice(asked: Task, check: Check, kept: Kept, found: Sequence[Found]) -> Ch
         rows=candidate.rows,
         setting=trial.setting,
         fixed=candidate.method.fixed,
-        expected=max(trial.error, check.floor),  # the error is known no better than the floor
+        expected=max(trial.error, check.floor),  # errors below the floor cannot be measured
         horizon=kept.horizon,
         check=check,
         found=tuple(found),

@@ -1,4 +1,4 @@
-"""Makes the choice for a scene, or one for each block of coordinates that is integrated apart."""
+"""Makes the choice for a scene, or for each block of coordinates that is integrated separately."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from .sample import of_members
 def chosen(
     compilation: Compilation, settings: Settings, ensemble: Ensemble | None
 ) -> tuple[Choice, ...]:
-    """Returns the choice for a scene, or one for each part."""
+    """Returns the choice for a scene, or one for each block."""
     if compilation.parts:
         return tuple(_of_part(compilation, part, settings) for part in compilation.parts)
     return (_of_all(compilation, settings, ensemble),)
 
 
 def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
-    """Returns the settings of the run with these choices."""
+    """Returns the settings of the run according to the choices."""
     if len(choices) < 2:
         return choices[0].settings(given) if choices else given
     return replace(given, method=choices[0].method, parts=tuple(c.of_part() for c in choices))
@@ -54,8 +54,7 @@ def _named(compilation: Compilation, settings: Settings, which: Sequence[int]) -
 
 
 def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
-    """Returns settings that also show the quantities of expectations, after the recorded columns.
-    """
+    """Returns settings that also show the quantities of expectations, as the last columns."""
     expected = settings.watched.columns()
     if not expected:
         return settings
@@ -63,21 +62,21 @@ def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
 
 
 def _all(compilation: Compilation) -> list[Shown]:
-    """Returns all columns of rows."""
+    """Returns all columns of rows, also those of large families."""
     shown = Values(compilation).shown
     return [shown(quantity.name) for quantity in columns(compilation, listed=sys.maxsize)[1:]]
 
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:
-    """Returns the choice by trials of the part alone, with its recorded columns; parts land on
-    rows."""
+    """Returns the choice for a block, from trials of this block, with its recorded columns; steps
+    of blocks must end at rows."""
     prepared = Prepared.of(compilation.files, part.name, part.structure, land=True)
     found = prepared.choose(alone(part, settings), settings.accuracy)
     return replace(found, of=tuple(q.name for q in part.equations.coordinates))
 
 
 def alone(part: CompiledPart, settings: Settings) -> Settings:
-    """Returns the settings with the part's own indices of coordinates; parameters keep theirs."""
+    """Returns the settings with indices of coordinates in the block; those of parameters stay."""
     place = {whole: k for k, whole in enumerate(part.coordinates)}
 
     def mine(starts: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:

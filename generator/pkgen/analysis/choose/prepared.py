@@ -1,4 +1,4 @@
-"""Compiles a program with all candidates for a system, which runs the trials."""
+"""Compiles the program that runs the trials, with all candidates for a system."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .choose import choose
 from .reference import Task
 from .trials import LAND, Trials
 
-WIDE = 63  # least mantissa bits of a type wider than double
+WIDE = 63  # least mantissa bits of a type that is wider than double
 
 
 @record
@@ -28,8 +28,8 @@ class Prepared:
     program: Path
     files: dict[str, str]
     name: str
-    methods: tuple[str, ...]  # methods compiled into it as the fastest
-    seconds: float  # seconds of its compilation
+    methods: tuple[str, ...]  # methods whose steps are inlined
+    seconds: float  # duration of its compilation
     able: tuple[Candidate, ...]
     exact: tuple[str, ...]
     damped: bool
@@ -39,9 +39,9 @@ class Prepared:
     def of(
         files: dict[str, str], name: str, structure: object, *, land: bool, events: bool = False
     ) -> Prepared:
-        """Compiles it. `land`: only methods with steps that end at rows. Raises BuildError."""
+        """Compiles the program. `land`: only methods whose steps end at rows. Raises BuildError."""
         began = time.perf_counter()
-        able = candidates(structure, all_methods(None))  # compiles the runtime first
+        able = candidates(structure, all_methods(None))  # this compiles the runtime
         methods = tuple(dict.fromkeys(c.name for c in able))
         exact = reference.methods(structure, events)
         program = build_library(files, name, *methods, able=("gauss", *exact))
@@ -74,7 +74,7 @@ class Prepared:
         return replace(choose(asked), compile_seconds=self.seconds)
 
     def _precise(self, trials: Trials) -> Trials | None:
-        """Returns trials in a wider type, with the same start as doubles; None: there is none."""
+        """Returns trials in a wider type, from the same start; None if there is no such type."""
         quick = numpy.finfo(numpy.longdouble).nmant >= WIDE
         types = ["long double" if quick else "__float128"]
         found = wide.library(self.files, self.name, ("gauss", *self.exact), types)

@@ -1,5 +1,6 @@
-"""Runs each candidate at the loosest setting that keeps the accuracy over the span of the
-reference, and finds the cheapest of them."""
+"""Finds the loosest setting of each candidate that keeps the accuracy, over the time that the
+reference covers, and the cheapest candidate at these settings.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +12,15 @@ from .reference import Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-MARGIN = 0.98  # part of the accuracy for a run's error plus twice the reference's error:
-# this same run is compared, and it is reproducible
-LEAST_CAP = 0.004  # seconds; a shorter trial is never stopped
-SLOWER = 1.3  # times the cheapest: the search of a candidate stops
-NEAR = (3.0, 1.3, 1.3)  # times the cheapest: retimed, in as many rounds
+MARGIN = 0.98  # of the accuracy: most error of a run, which is reproducible, plus 2 * floor
+LEAST_CAP = 0.004  # trials shorter than this are not stopped, in seconds
+SLOWER = 1.3  # the search of a candidate stops at this many times the least cost
+NEAR = (3.0, 1.3, 1.3)  # rounds of timing: candidates within these times the least cost
 TIE = 1.05
-# First fixed step in units of the reference's mean step, if rows are farther apart: after a
-# reference by gauss, whose steps are nearly as long as any method's can be, and after others.
+# First fixed step, if rows are farther apart, in units of the reference's mean step: after a
+# reference by gauss, whose steps are nearly the longest possible; after other references.
 FIRST, FIRST_OF_MANY = 4, 30
-LAPS = 0.002  # seconds of laps
+LAPS = 0.002  # seconds to time a run
 
 
 class Race:
@@ -29,12 +29,12 @@ class Race:
         self.best = math.inf
 
     def run(self) -> list[Found]:
-        """Returns the results of all candidates, in their order."""
+        """Returns the results of all candidates, in the order of the table."""
         asked, check = self.asked, self.check
         aim, every = MARGIN * asked.accuracy - 2 * check.floor, check.every or asked.every
         found, first = [], FIRST if check.method == "gauss" else FIRST_OF_MANY
         stride = first * check.span / max(check.exact.steps, 1)
-        # The reference's method comes first: its time is a limit for the others.
+        # The reference's method is first: its time limits that of the others.
         for candidate in sorted(self._able(), key=lambda c: c.name != check.method):
             accuracy = aim / growth(asked, check, "symplectic" in candidate.method.flags)
             start = min(every, stride) if candidate.method.fixed else accuracy
@@ -46,8 +46,8 @@ class Race:
         return sorted(found, key=lambda f: asked.able.index(f.candidate))
 
     def _able(self) -> list[Candidate]:
-        """Returns the candidates to run. If the reference is in more digits and only a part is
-        tried, energy errors dominate after the part: then only symplectic methods."""
+        """Returns the candidates to run. If only a part is tried and round-off prevents the
+        accuracy, errors of the energy dominate afterwards, so only symplectic methods are run."""
         steady = self.check.steady(self.asked) and self.check.span < self.asked.until
         able = [c for c in self.asked.able if not steady or "symplectic" in c.method.flags]
         return able or list(self.asked.able)
@@ -59,8 +59,8 @@ class Race:
         return self.asked.trials.attempt(*run, **how)
 
     def cheapest(self, kept: list[Found]) -> Found:
-        """Returns the first that ties with the cheapest. Near ones are retimed in turns, since the
-        first run of each has cold caches."""
+        """Returns the first candidate that costs about as little as the cheapest. Nearly cheapest
+        ones are timed again in turns, since the first run of each has cold caches."""
         seconds = {id(f): f.kept.seconds for f in kept}
         near = kept
         for times in NEAR:

@@ -1,9 +1,10 @@
-"""Computes the reference of a scene, by the tightest runs of the program itself, and its own error.
+"""Computes the reference of a scene, by the tightest runs of the scene's own program, and its
+error.
 
 Two runs of one method at tolerances near round-off differ by the effect of round-off on the motion,
-which every double-precision run has; a method of another family shows whether both are wrong (like
-gauss across a kink). The smaller of these differences is the reference's own error. Linear
-equations have an exact flow: there the two runs have one step per row, and two.
+which every run in double precision has; a method of another family shows whether both are wrong
+(like gauss across a kink). The smaller of the two differences is the reference's error. Linear
+equations have an exact flow: the two runs then take one and two steps per row.
 """
 
 from __future__ import annotations
@@ -16,23 +17,21 @@ from .candidates import Candidate, alone
 from .trials import DENSE, LAND, Trial, Trials
 
 EXACT = "exponential"
-TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5: tighter ones take too long
+TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5, so tighter tolerances take too long
 USUAL = (1e-15, 1e-14)
-NOISE = 0.1  # a column is only errors if two references differ by this part of it,
-TINY = 1e-10  # and it is this small relative to the largest column
-FINER = 1e-3  # tolerance with more digits, relative to that in double
+NOISE = 0.1  # least relative difference of two references in a column of errors only
+TINY = 1e-10  # largest scale of such a column, relative to the largest column
+FINER = 1e-3  # tolerance in a wider type, relative to that in double
 DIGITS = " in more digits"
-SLOWEST = 5.0  # seconds of a run with more digits
-NEARLY = 0.2  # the first method that gets this part of the farthest is taken: tighter tolerances
-FLOOR = 0.3  # of the accuracy: a reference with a larger error forbids it, and two runs that
-# differ by less both keep it: their difference is an order of magnitude
-ROUNDED = 2.0**-49  # error of an exact flow: the rounding of its coefficients, equal in all runs
-OTHER = 0.7  # longest step of a comparison run, relative to the exact run
-WRONG = 1e3  # times the difference of two runs of one method: another method may differ by this,
-# or by this times its own tolerance
+SLOWEST = 5.0  # most seconds of a run in a wider type
+NEARLY = 0.2  # the first method that gets this part of the farthest time is taken
+FLOOR = 0.3  # of the accuracy: largest error of a reference; two runs that differ less keep it
+ROUNDED = 2.0**-49  # error of an exact flow by round-off of its coefficients, equal in all runs
+OTHER = 0.7  # longest step of a run for comparison, relative to the exact run
+WRONG = 1e3  # another method may differ by this times two runs of a method, or its own tolerance
 
 
-STEPS = 1000  # least steps of an exact run, if the equations depend on time
+STEPS = 1000  # least number of steps of an exact run, if the equations depend on time
 
 
 @record
@@ -42,8 +41,8 @@ class Task:
     exact: tuple[str, ...]  # methods for the reference, tried in order until one arrives
     damped: bool
     accuracy: float
-    timed: bool = False  # the equations depend on time
-    precise: Callable[[], Trials | None] = lambda: None  # trials in more digits, or None
+    timed: bool = False  # whether the equations depend on time
+    precise: Callable[[], Trials | None] = lambda: None  # returns trials in a wider type, or None
 
     @property
     def until(self) -> float:
@@ -51,31 +50,30 @@ class Task:
 
     @property
     def every(self) -> float:
-        """Returns the interval of rows, or the duration."""
+        """Returns the interval of rows, or the duration if that is shorter."""
         return min(self.trials.settings.every or self.until, self.until)
 
     @property
     def max_step(self) -> float | None:
-        """Returns the longest step of the exact run: error control may miss features shorter than a
-        step. None: no bound."""
+        """Returns the longest step of the exact run, since error control may miss features shorter
+        than a step; None: no bound."""
         return self.until / STEPS if self.timed else None
 
 
 @record
 class Check:
-    """A reference up to `span`: the run `exact`, its own error `floor`, and the time `holds` until
-    which two runs agree to FLOOR times the accuracy."""
+    """A reference up to the time `span`: `exact` is its run, `floor` its error; until the time
+    `holds` two runs agree to FLOOR times the accuracy."""
 
     exact: Trial
     span: float
-    every: float  # interval of rows in trials; 0: that of the scene
+    every: float  # interval of rows in trials; 0: as in the scene
     floor: float
     holds: float
-    against: str  # method of the run that gave the floor
-    ignored: tuple[int, ...] = ()  # columns that are zero up to errors
-    unsure: tuple[int, ...] = ()  # columns of expectations, not of records, that are
-    # smaller than the errors
-    ends: str = ""  # reason if no method arrives
+    against: str  # method of the run for comparison, which gave the floor
+    ignored: tuple[int, ...] = ()  # columns that are zero except for errors
+    unsure: tuple[int, ...] = ()  # columns of expectations that are smaller than the errors
+    ends: str = ""  # reason if no method reaches the end
 
     @property
     def method(self) -> str:
@@ -83,12 +81,11 @@ class Check:
 
     @property
     def in_more_digits(self) -> bool:
-        """Whether the rows that trials are compared with have more digits; those of `exact` do not.
-        """
+        """Whether trials are compared with rows in a wider type (`exact` is a run in double)."""
         return self.against.endswith(DIGITS)
 
     def steady(self, asked: Task) -> bool:
-        """Whether round-off forbids the accuracy to all runs of an undamped motion."""
+        """Whether round-off prevents the accuracy in all runs of an undamped motion."""
         return self.in_more_digits and not asked.damped
 
 
@@ -101,13 +98,13 @@ def loose(method: str, every: float) -> float:
 
 
 def other_steps(asked: Task) -> float | None:
-    """Returns the longest step of a comparison run; equal ones miss the same features."""
+    """Returns the longest step of a run for comparison; equal ones miss the same features."""
     return asked.max_step and OTHER * asked.max_step
 
 
 def methods(structure: object, events: bool) -> tuple[str, ...]:
-    """Returns the methods for the reference, to be tried in order until one arrives. No exact flow
-    with events, since its steps as long as rows miss them."""
+    """Returns the methods for the reference, to be tried in order until one reaches the end. The
+    exact flow is not used with events, which its long steps, from row to row, would miss."""
     if not getattr(structure, "smooth_in_pieces", False):
         return ("dop853", "dopri5")
     exact = (EXACT,) if getattr(structure, "affine", False) and not events else ()
@@ -136,8 +133,8 @@ class _Finder:
         return self.attempt(name, setting, cap, other_steps(self.asked))
 
     def farthest(self, cap: float) -> Trial:
-        """Returns the run of the first method that arrives. Else cuts the span to the part reached
-        by the method that came farthest: stiffness stops one long before another."""
+        """Returns the run of the first method that reaches the end. If none does, the span ends at
+        a time reached by nearly the fastest method, since stiffness stops some methods early."""
         made = []
         for name in self.asked.exact:
             made.append(self.tight(name, cap))
@@ -151,7 +148,7 @@ class _Finder:
         return self.tight(first.method) if slow and self.span > 0 else first
 
     def beside(self, name: str, cap: float) -> Trial:
-        """Returns the run of another method, the last of those that arrive."""
+        """Returns the run of another method, the last of those that reach the end."""
         for other in reversed([other for other in self.asked.exact if other != name]):
             trial = self.loose(other, cap)
             if trial.arrived:
@@ -159,9 +156,9 @@ class _Finder:
         return trial
 
     def in_more_digits(self, check: Check) -> Check:
-        """Returns a check against two runs in more digits. Two tight runs in double differ by their
-        own round-off, which that of another method may be far below. Returns the same check without
-        such runs, or if they agree no better."""
+        """Returns a check against two runs in a wider type: the error of double-precision runs is
+        their round- off, which may be smaller for another method. Returns the same check if there
+        is no wider type, or if these runs agree no better."""
         name, asked = "gauss" if check.method == EXACT else check.method, self.asked
         how = {"cap": SLOWEST, "every": self.interval}
         precise = precise_rows(asked, name, self.span, max_step=asked.max_step, **how)
@@ -176,8 +173,8 @@ class _Finder:
 
 
 def precise_rows(asked: Task, name: str, span: float, **how: float | None) -> Trials | None:
-    """Returns trials in more digits, with the rows of a tight run as exact; None: there are none,
-    or the run does not arrive."""
+    """Returns trials in a wider type, with the rows of a tight run as exact rows; None if there is
+    no wider type or the run does not reach the end."""
     precise = asked.precise()
     if precise is None:
         return None
@@ -189,8 +186,8 @@ def precise_rows(asked: Task, name: str, span: float, **how: float | None) -> Tr
 
 
 def find(asked: Task, cap: float) -> Check:
-    """Returns the reference over the whole duration, or the part reached in `cap` seconds. Keeps
-    its rows in the trials."""
+    """Returns the reference over the whole duration, or over the part that it reaches in `cap`
+    seconds. Stores its rows in the trials."""
     finder = _Finder(asked)
     exact = finder.farthest(cap)
     if not exact.arrived:
@@ -208,7 +205,7 @@ def find(asked: Task, cap: float) -> Check:
     )
     for column in (*ignored, *unsure):
         asked.trials.ignore(column)
-    if ignored or unsure:  # judge again without these columns
+    if ignored or unsure:  # the comparison is repeated without these columns
         judge = finder.attempt(judge.method, judge.setting, max_step=judge.max_step)
     floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0
     check = Check(
@@ -227,15 +224,15 @@ def find(asked: Task, cap: float) -> Check:
 
 
 def growth(asked: Task, check: Check, steady: bool) -> float:
-    """Returns the growth of errors from the span of the trials to the end: linear if the method
-    keeps the energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3), or if
-    the motion is damped; else quadratic."""
+    """Returns the factor on errors from the span of the trials to the end: linear in time if the
+    method conserves energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3)
+    or the motion is damped; else quadratic."""
     ratio = asked.until / check.span
     return ratio if steady or asked.damped else ratio**2
 
 
 def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: float) -> Trial:
-    """Returns the run whose difference is the error of the reference."""
+    """Returns the run whose difference from the reference is the reference's error."""
     own, other = _error(again, ignored), _error(beside, ignored)
     if not beside.arrived:
         return again
@@ -246,11 +243,11 @@ def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: floa
 
 
 def part(t: float, every: float) -> tuple[float, float]:
-    """Returns a span below t of whole intervals, and their length; 0: that of the scene."""
+    """Returns a span of whole intervals below t, and their length (0: that of the scene's rows)."""
     count = int(0.9 * t / every)
     if count >= 8:
         return count * every, 0.0
-    # A scene has few rows: its intervals are divided.
+    # With few rows, their intervals are divided.
     interval = every
     while interval * 8 > 0.9 * t:
         interval /= 2
@@ -259,7 +256,7 @@ def part(t: float, every: float) -> tuple[float, float]:
 
 def _noise(agree: list[Trial], scales: tuple[float, ...]) -> tuple[int, ...]:
     def differ(i: int) -> float:
-        """Returns the least difference in column i, without identical runs: they show no errors."""
+        """Returns the least difference in column i, except 0: identical runs show no errors."""
         return min((t.columns[i] for t in agree if t.arrived and t.columns[i] > 0), default=0.0)
 
     tiny = TINY * max(scales, default=0.0)

@@ -1,4 +1,4 @@
-"""Reports a choice: a line for people, all of it in JSON."""
+"""Reports a choice: in lines of text, and in full as JSON."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from .choice import Choice
 from .reference import EXACT
 from .search import Found
 
-SHOWN = 0.1  # seconds of compilation from which it is reported
+SHOWN = 0.1  # least seconds of compilation that are reported
 
 
 def lines(choice: Choice, time: str, brief: bool) -> list[str]:
-    """Returns the choice, unless `brief`, and a warning if it does not hold."""
+    """Returns a line on the choice, unless `brief`, and warnings if the accuracy may fail."""
     said = []
     setting = f"{choice.kind} {choice.setting:.3g}"
     if choice.max_step is not None:
@@ -71,8 +71,9 @@ def _warning(choice: Choice, time: str) -> str:
 
 
 def _apart(choice: Choice) -> str:
-    """Describes how the tightest runs differ. A comparison of runs cannot decide between its two
-    causes; an exact flow has no step that is too long."""
+    """Describes the difference of the tightest runs. It has two possible causes, which a comparison
+    of runs cannot distinguish: round-off and too long steps; an exact flow has no too long steps.
+    """
     if choice.check.method == EXACT:
         return f"for round-off the tightest run is known to {choice.expected:.1e}"
     if choice.check.in_more_digits:

@@ -1,5 +1,4 @@
-"""Makes the choice for an ensemble or a swarm: a few members are tried, each as a run of its own.
-"""
+"""Makes the choice for an ensemble or a swarm from a few members, each tried as a separate run."""
 
 from __future__ import annotations
 
@@ -12,16 +11,16 @@ from ...system.exits import UsageError
 from .choice import Choice
 from .prepared import Prepared
 
-MOST = 5  # most members tried
-SPARE = 0.3  # of the accuracy: the error of tried members, as others may have larger ones
+MOST = 5  # most members that are tried
+SPARE = 0.3  # error of tried members relative to the accuracy, as other errors may be larger
 # The field of the settings for each kind of column.
 FIELDS = {"p": "parameters", "i": "inputs", "q": "start_q", "v": "start_v"}
 
 
 def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Choice:
-    """Returns the method of the member that takes longest, at the tightest setting of any tried
-    member, with a margin for members that were not tried."""
-    # Without an interval members have two rows; trials must have the same.
+    """Returns the method of the member that takes longest, at the tightest setting of all tried
+    members, with a margin for other members."""
+    # Without an interval of rows, runs of members have two rows, and trials must have the same.
     settings = replace(settings, every=settings.every or settings.until)
     accuracy = SPARE * settings.accuracy
     some, tried = _tried(prepared, settings, ensemble, accuracy)
@@ -49,8 +48,8 @@ def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Ch
 def _tried(
     prepared: Prepared, settings: Settings, ensemble: Ensemble, accuracy: float
 ) -> tuple[list[Settings], list[Choice]]:
-    """Returns tried members and their choices. A refused member, such as one out of bounds, is
-    replaced by another. Raises UsageError if all are refused."""
+    """Returns the tried members and their choices. A member that is refused, such as one out of
+    bounds, is replaced by another. Raises UsageError if all are refused."""
     some, tried = [], []
     refused: UsageError | None = None
     for one in members(settings, ensemble):
@@ -67,7 +66,7 @@ def _tried(
 
 
 def members(settings: Settings, ensemble: Ensemble) -> Iterator[Settings]:
-    """Yields members: first evenly spaced ones, then the others."""
+    """Yields the settings of all members, starting with evenly spaced members."""
     count = len(ensemble.lines)
     share = max(1, min(MOST, count) - 1)
     which = sorted({round(k * (count - 1) / share) for k in range(min(MOST, count))})

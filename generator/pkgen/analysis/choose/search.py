@@ -1,8 +1,9 @@
 """Finds the loosest setting of one method that keeps an accuracy on a scene, by a few trials.
 
-An error falls with a power of the step, or of the tolerance: the method's order, or the slope of
-two trials if there are two. The next setting is extrapolated with this power, between the tightest
-setting that missed and the loosest that kept; the search ends if a looser setting gains little.
+An error is proportional to a power of the step or tolerance: the method's order, or if there are
+two trials, the slope between them. The next setting is extrapolated with this power, between the
+tightest setting that missed the accuracy and the loosest that kept it. The search ends if a looser
+setting would save little time.
 """
 
 from __future__ import annotations
@@ -17,22 +18,22 @@ from .candidates import Candidate
 from .trials import Trial
 
 TRIALS = 8
-AIM = 0.85  # aimed error of a trial, relative to the accuracy
-LOST = 0.1  # a larger error does not show how errors fall
-BLIND = 3.0  # factor on a step after such an error
-GAIN = 1.05  # least gain in time that is worth another trial
+AIM = 0.85  # intended error of a trial, relative to the accuracy
+LOST = 0.1  # a larger error is not proportional to a power of the setting
+BLIND = 3.0  # step is divided by this after such an error
+GAIN = 1.05  # least speedup for which another trial is made
 LOOSEST, TIGHTEST = 0.5, 2.0**-51
-# The factor on the setting if a method's first trial is too slow: a looser tolerance, since errors
-# may be far below it; a shorter step, since the equations of a long step take long to solve.
+# Factor on the setting if a method's first trial is too slow: a larger tolerance, since the error
+# may be far too small; a shorter step, since equations of long steps take long to solve.
 LOOSENED, SHORTENED = 100.0, 0.25
-ITERATIONS = 40  # modelled iterations of an implicit step: rtol^(-1/ITERATIONS)
-FURTHEST = 1e5  # largest factor on a setting per trial
+ITERATIONS = 40  # model: an implicit step takes rtol^(-1/ITERATIONS) iterations
+FURTHEST = 1e5  # largest factor on the setting from one trial to the next
 
 
 @dataclass
 class Found:
-    """The result of one candidate; `kept` is None if it does not keep the accuracy, or would take
-    too long: `verdict` says which."""
+    """The result for one candidate. If it does not keep the accuracy, or would take too long,
+    `kept` is None and `verdict` is the reason."""
 
     candidate: Candidate
     kept: Trial | None = None
@@ -51,8 +52,8 @@ def loosest(
     limit: float,
     attempt: Attempt,
 ) -> Found:
-    """Finds the setting. `start` is the first one tried; steps divide `interval`. A setting
-    forecast to take more than `limit` seconds is not tried."""
+    """Finds the loosest setting. `start` is the first one tried; fixed steps divide `interval`. A
+    setting that is expected to take more than `limit` seconds is not tried."""
     steps = scale(candidate, interval)
     found = Found(candidate)
     setting = steps.allowed(start)
@@ -95,7 +96,7 @@ def scale(candidate: Candidate, interval: float) -> _Steps | _Tolerances:
 
 
 def next_setting(found: Found, accuracy: float) -> float:
-    """Returns the setting that is forecast to just keep the accuracy."""
+    """Returns the setting that is expected to just keep the accuracy."""
     trial = found.tried[-1]
     fixed = found.candidate.method.fixed
     power = float(max(found.candidate.method.order, 1)) if fixed else 1.0
@@ -120,7 +121,7 @@ def _little(scale: _Steps | _Tolerances, kept: Trial, setting: float) -> bool:
 
 
 class _Steps:
-    """Steps that divide the interval between rows."""
+    """Fixed steps, which divide the interval between rows."""
 
     def __init__(self, interval: float, method: ChartedMethod):
         self.interval = interval
@@ -142,9 +143,10 @@ class _Steps:
         return round(self.interval / trial.setting)
 
     def affordable(self, trial: Trial, setting: float, limit: float) -> float | None:
-        """Returns the setting, or the tightest one forecast to take at most `limit` seconds, or
-        None. Half of a trial's time is taken as independent of the step. A first step may be so
-        long that its error shows nothing: a method is slower only if a shorter one misses."""
+        """Returns the setting, or the shortest step that is expected to take at most `limit`
+        seconds; None if that is no shorter than the trial's. Half of a trial's time is assumed not
+        to depend on the step. A first error may show nothing, so that a longer step than `setting`
+        is tried, too."""
         if not limit < math.inf:
             return setting
         most = math.floor(self._count(trial) * (2 * limit / trial.seconds - 1))
@@ -182,8 +184,8 @@ class _Tolerances:
         return setting if trial.seconds <= limit else None
 
     def gain(self, kept: Trial, setting: float) -> float:
-        """Returns the speedup. If rows determine the steps, an implicit method still saves
-        iterations."""
+        """Returns the speedup. If rows determine the steps, only an implicit method has any, by
+        fewer iterations."""
         power = self.order
         if kept.steps <= 1.02 * (kept.compared - 1):
             power = ITERATIONS if self.implicit else math.inf

@@ -1,4 +1,4 @@
-"""Runs one scene, and compares the rows with those of an exact run."""
+"""Runs one scene with different methods, and compares the rows with those of an exact run."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from ...run.settings import Settings
 from ..chart.measure import Program
 
 LAND, DENSE = "land", "dense"
-MANY = 256  # rows from which the largest magnitudes between rows are not measured
+MANY = 256  # with more rows, largest magnitudes between rows are not measured
 
 
 @record
 class Trial:
-    """A run of one method at one setting. `error` is relative to each column's largest magnitude,
-    infinite if the run fails."""
+    """A run of one method at one setting. `error` is relative to the largest magnitude of each
+    column; it is infinite if the run fails."""
 
     method: str
     rows: str  # LAND or DENSE
     setting: float
-    able: bool  # the method applies
+    able: bool  # whether the method applies
     reason: str
     arrived: bool
-    slow: bool  # stopped at its cap of CPU seconds
+    slow: bool  # stopped at its limit of CPU seconds
     t: float  # last time reached
     seconds: float
     took: float
     steps: int
     compared: int  # number of rows compared
     error: float
-    holds: float  # time until which it kept the accuracy
-    max_step: float | None = None  # bound of its adaptive steps
+    holds: float  # time until which the accuracy was kept
+    max_step: float | None = None  # limit of its adaptive steps
     columns: tuple[float, ...] = field(default=(), repr=False)
 
     @property
@@ -46,14 +46,14 @@ class Trial:
 
 @record
 class Rows:
-    """The rows of a run; x + low has the full digits of the scalar type."""
+    """The rows of a run; x + low has all digits of the scalar type."""
 
     t: numpy.ndarray
-    x: numpy.ndarray  # one row per time
+    x: numpy.ndarray  # shape (times, columns)
     low: numpy.ndarray
-    by_number: bool  # rows at event times, which differ between runs: compared by index
-    without: bool = False  # no event occurred: the rows are the start and the end
-    between: numpy.ndarray | None = None  # largest magnitudes between rows
+    by_number: bool  # rows at events, whose times differ between runs: compared by index
+    without: bool = False  # no event occurred: the only rows are start and end
+    between: numpy.ndarray | None = None  # largest magnitude of each column between rows
 
     @property
     def scales(self) -> numpy.ndarray:
@@ -62,8 +62,8 @@ class Rows:
         return largest if self.between is None else numpy.maximum(largest, self.between)
 
     def found_in(self, tried: Rows) -> numpy.ndarray:
-        """Returns the index in `tried` of each row, -1 if missing. Times of rows are equal doubles
-        except the last, which may be that of an event."""
+        """Returns the index in `tried` of each row, -1 if it is missing. Times of rows are equal
+        doubles except the last, which may be the time of an event."""
         count, theirs = len(self.t), len(tried.t)
         if self.by_number:
             at = numpy.arange(count)
@@ -81,9 +81,9 @@ class Rows:
     def compare(
         self, tried: Rows, accuracy: float, ignored: set[int]
     ) -> tuple[tuple[float, ...], float, float]:
-        """Returns the largest error of each column of `tried`, relative to its scale here; the
-        largest error without ignored columns; and the time until which it is within the accuracy.
-        """
+        """Returns the largest error of each column of `tried`, relative to its scale in these rows;
+        the largest of these errors, without ignored columns; and the time until which it is within
+        the accuracy."""
         at = self.found_in(tried)
         there = at >= 0
         errors = numpy.full(self.x.shape, math.inf)
@@ -94,7 +94,7 @@ class Rows:
         kept = [i for i in range(self.x.shape[1]) if i not in ignored]
         row = errors[:, kept].max(axis=1, initial=0.0)
         row[~there] = math.inf
-        if len(self.t) and self.t[-1] > 0:  # the error of the time of an event counts too
+        if len(self.t) and self.t[-1] > 0:  # an error in the time of an event counts
             row[there] = numpy.maximum(
                 row[there], abs(tried.t[at[there]] - self.t[there]) / self.t[-1]
             )
@@ -117,11 +117,11 @@ class Trials(Program):
         self.exact: Rows | None = None
         self.ignored: set[int] = set()  # indices of columns
         self.last: Rows | None = None
-        self.between: numpy.ndarray | None = None  # Rows.between of rows kept as exact
+        self.between: numpy.ndarray | None = None  # for Rows.between of exact rows
 
     @property
     def without(self) -> bool:
-        """Whether the exact rows are only the start and the end: no event occurred."""
+        """Whether no event occurred, so that the exact rows are only the start and the end."""
         return self.exact is not None and self.exact.without
 
     def attempt(
@@ -137,8 +137,9 @@ class Trials(Program):
         every: float = 0.0,
         max_step: float | None = None,
     ) -> Trial:
-        """Makes one run up to `span`, and laps of it for `laps` seconds. It stops after `cap`
-        seconds (0: never). `every` 0: rows as in the scene."""
+        """Makes one run up to the time `span`, and repeats it to measure its time until `laps`
+        seconds are used. The first run stops after `cap` seconds (0: never). `every` is the
+        interval of rows (0: the scene's)."""
         bounds = [x for x in (max_step, self.settings.max_step) if x]
         but = {"until": span, "rows": rows, "diagnose": (), "max_step": min(bounds, default=None)}
         but["every"] = every or self.settings.every
@@ -189,13 +190,13 @@ class Trials(Program):
         return Rows(high[:, 0], high[:, 1:], low[:, 1:], at, without)
 
     def keep_as_exact(self) -> tuple[float, ...]:
-        """Keeps the rows of the last run as exact. Returns the largest magnitude of each column."""
+        """Stores the rows of the last run as exact. Returns each column's largest magnitude."""
         self.exact = replace(self.last, between=self.between)
         return tuple(map(float, self.exact.scales))
 
     def look_between(self, method: str, setting: float, rows: str, span: float) -> None:
-        """Measures the largest magnitudes between rows: a column may be small at all rows, such as
-        on a closed orbit, or at an event surface."""
+        """Measures the largest magnitudes between rows, since a column may be small in all rows,
+        such as after each period of an orbit, or at events."""
         if self.settings.at is None and len(self.last.t) > MANY:
             return
         but = {"until": span, "rows": rows, "diagnose": (), "at": None, "every": span / MANY}

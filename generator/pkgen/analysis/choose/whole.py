@@ -1,5 +1,7 @@
-"""Verifies over the whole scene a choice made by trials of a part: compares it with a tighter run
-and tightens it until it is kept. If even the tightest runs differ, finds until when they agree."""
+"""Checks over the whole scene a choice that was made on its first part: compares it with a tighter
+run, and tightens it until it keeps the accuracy. If even the tightest runs differ, finds the time
+until which they agree.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,15 @@ from .reference import FLOOR, Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-SECONDS = 5.0  # seconds of a trial of the whole scene; beyond, the choice is unverified
-TIGHTER = 0.03  # of the accuracy: the error of the run it is compared with
-SAME = 0.9  # settings closer than this ratio count as the same
-MENDED = 4  # most tightenings of the setting
+SECONDS = 5.0  # most seconds of a trial of the whole scene, after which it is given up
+TIGHTER = 0.03  # error of the run for comparison, relative to the accuracy
+SAME = 0.9  # settings with a ratio above this count as the same
+MENDED = 4  # most tightenings of a setting
 
 
 @record
 class Kept:
-    """A trial that keeps the accuracy, until the time `horizon` if it is given."""
+    """A trial that keeps the accuracy, or keeps it until the time `horizon`."""
 
     candidate: Candidate
     trial: Trial
@@ -30,7 +32,7 @@ class Kept:
 
 
 class TooLong(Exception):
-    """A trial was stopped at its limit of time."""
+    """A trial was stopped at its time limit."""
 
     def __init__(self, given_up: GivenUp):
         self.given_up = given_up
@@ -43,10 +45,10 @@ class Whole:
         self.asked, self.check, self.seconds = asked, check, seconds
 
     def verified(self, best: Found | None, found: list[Found]) -> Kept:
-        """Returns the verified choice. `best` is None if no candidate keeps the accuracy of the
+        """Returns the checked choice. `best` is None if no candidate keeps the accuracy on the
         part."""
-        # Two tight runs of one method share their energy errors, and agree better over the whole
-        # scene than the extrapolated error of the reference suggests.
+        # Two tight runs of one method have the same energy error, so over the whole scene they
+        # agree better than the extrapolated error of the reference.
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
         if best is None or floor > FLOOR * self.asked.accuracy:
             return self._tightest()
@@ -55,8 +57,8 @@ class Whole:
         return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
 
     def _mended(self, best: Found, found: list[Found], aim: float) -> Kept:
-        """Compares with the cheapest tighter run. If they differ by too much, both are tightened,
-        since the part that was tried may have been an easy one."""
+        """Compares the choice with the cheapest tighter run. If they differ by too much, both are
+        tightened, since the part that was tried may have been easier than the rest."""
         judge = min((f for f in found if f.kept), key=_tighter_cost)
         candidate = best.candidate
         whole = Found(candidate)
@@ -64,7 +66,7 @@ class Whole:
         setting, judged = scale.allowed(best.kept.setting), self._tighter(judge, 1.0)
         for _ in range(MENDED):
             if judge.candidate == candidate and judged > SAME * setting:
-                break  # no tighter setting exists
+                break  # there is no tighter setting
             if not self._run(judge.candidate, judged, self.asked.max_step).arrived:
                 break
             self.asked.trials.keep_as_exact()
@@ -77,7 +79,7 @@ class Whole:
         return self._tightest()
 
     def _tightest(self) -> Kept:
-        """Returns the reference's method near round-off, compared with a second such run."""
+        """Returns a run of the reference's method near round-off, compared with another one."""
         candidate, every = alone(self.check.method), self.asked.every
         setting = reference.tight(candidate.name, every)
         if self._in_more_digits(candidate):
@@ -96,8 +98,7 @@ class Whole:
         return Kept(candidate, trial, None if keeps else trial.holds)
 
     def _in_more_digits(self, candidate: Candidate) -> bool:
-        """Tries to replace the exact rows by those of a run in more digits; returns whether it did.
-        """
+        """Replaces the exact rows by a run in a wider type; returns whether there is one."""
         if candidate.name == reference.EXACT:
             return False
         how = {"cap": self.seconds, "max_step": reference.other_steps(self.asked)}
@@ -124,7 +125,7 @@ class Whole:
         return trial
 
     def _tighter(self, found: Found, more: float) -> float:
-        """Returns a setting with TIGHTER times the error, then divided by `more`."""
+        """Returns a setting that gives TIGHTER times the error, divided by `more`."""
         method = found.candidate.method
         power = max(method.order, 1) if method.fixed else 1
         setting = found.kept.setting * TIGHTER ** (1 / power) / more

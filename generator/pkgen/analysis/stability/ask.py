@@ -1,4 +1,4 @@
-"""Questions about a compiled model, and their answers as data."""
+"""Numerical experiments on a compiled model; the results are records."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from .rest import ZERO, Equilibrium, Mode, Rest
 from .system import MOST_STEPS, System
 from .unknowns import Unknowns
 
-SLOW = 0.01  # radians or e-foldings in the duration; a lower rate counts as round-off
-TRIES = 100  # starts from which equilibria are sought
-MOST_RATES = 128  # states along the motion at which rates are sought
+SLOW = 0.01  # least rate, in radians or e-foldings per run; a lower rate is round-off
+TRIES = 100  # initial guesses of the search for equilibria
+MOST_RATES = 128  # most states along the motion at which rates are computed
 
 
 @record
 class Motion:
-    """The motion itself: its end time, first energy, scale (the range of v.p), and start."""
+    """The reference motion: final time, first energy, scale (the range of v.p), initial state."""
 
     status: str
     t: float
@@ -37,9 +37,9 @@ class Motion:
     q: tuple[float, ...]
     v: tuple[float, ...]
     parameters: tuple[float, ...]
-    leaves: bool = False  # it still moves away at the end
-    horizon: float = math.inf  # time up to which a looser tolerance agrees
-    by_norm: bool = False  # first-order variables matter: judged by distance from the start
+    leaves: bool = False  # whether the motion still moves away at its end
+    horizon: float = math.inf  # time up to which a run at a looser tolerance agrees
+    by_norm: bool = False  # methods are judged by the distance from the start, not energy
     condition: dict | None = None  # condition numbers: `report.condition` of a run
     warning: str | None = None  # warning of an ill-conditioned motion
 
@@ -51,7 +51,8 @@ class Motion:
 
 @record
 class Point:
-    """A method's motion at step size h; rise and away are in units of the motion's scale."""
+    """A method's run at step size h. Units of `rise` and `away` (points.py): the scale of the
+    motion."""
 
     method: str
     h: float
@@ -60,16 +61,16 @@ class Point:
     steps: int
     rise: float | None
     away: float | None
-    cond: float | None  # condition number of the last step's equations; 0: no equations
+    cond: float | None  # condition number of the last step's equations; 0 if it solves none
     # The next three are None if the method fails (docs/maps.md).
-    exchange: float | None = None  # largest swing of a coordinate over the motion's
-    moved: float | None = None  # drift of the constant of motion that moved most
-    follows: float | None = None  # part of the time in which it stays near the motion
+    exchange: float | None = None  # largest ratio of a coordinate's swing to the motion's
+    moved: float | None = None  # largest relative drift of a constant of motion
+    follows: float | None = None  # fraction of the time that the run stays near the motion
     constant: str = ""
 
     @property
     def shown(self) -> str:
-        """Returns its class on a map."""
+        """Returns the class that the map shows for this point."""
         if self.kind == "bounded" and self.follows is not None and self.follows < 1:
             return "out of phase"
         if self.kind == "drifting" and self.away is not None and self.away < 0.01:
@@ -79,21 +80,21 @@ class Point:
 
 @record
 class Close:
-    """A method's motion that starts near an equilibrium."""
+    """A run of a method that starts near an equilibrium."""
 
     status: str
     steps: int
-    growth: float  # factor on the displacement; runs end at 1000
-    turn: float  # mean angle per step
+    growth: float  # factor by which the displacement grows; a run ends at 1000
+    turn: float  # mean rotation angle per step
 
 
 class TimeUp(Exception):
-    """Raised when the time for questions is used up."""
+    """Raised when the time budget is used up."""
 
 
 class Asker:
-    """Asks questions about one model with the `settings` of a run, in one thread at a time. Raises
-    UsageError where they are wrong, TimeUp when left() returns no more seconds."""
+    """Makes experiments on one model with the `settings` of a run, in one thread at a time. Raises
+    UsageError if the settings are wrong, TimeUp if left() returns no more seconds."""
 
     def __init__(self, program: Path, settings: Settings, left: Callable[[], float] | None = None):
         self.program, self.settings, self._left = program, settings, left
@@ -121,7 +122,7 @@ class Asker:
         return Asker(self.program, self.settings, left)
 
     def check(self) -> None:
-        """Raises UsageError where the settings are wrong."""
+        """Raises UsageError if the settings are wrong."""
         self.start()
 
     def rest(self, tries: int = TRIES) -> Rest:
@@ -132,7 +133,7 @@ class Asker:
         fastest = max((m.rate for e in places for m in e.modes), default=0.0)
 
         def cleared(mode: Mode) -> Mode:
-            """Sets rates near 0 to 0: inexact roots make vanishing linear terms small numbers."""
+            """Sets rates near 0 to 0: they are errors of an inexact equilibrium."""
             slow = mode.rate <= ZERO * fastest
             return replace(mode, growth=0.0, frequency=0.0) if slow else mode
 
@@ -146,13 +147,13 @@ class Asker:
     ) -> Equilibrium:
         state = numpy.array([*q, *v], float)
         status, found = modes.settled(self.system, state, numpy.array(doubt, float))
-        if self.system.by_norm:  # the distance from the start replaces the energy
+        if self.system.by_norm:  # energy is no measure of such motions
             energy = 0.0
         return Equilibrium(_floats(q), _floats(v), float(energy), tuple(found), status, slack)
 
     @numpy.errstate(all="ignore")
     def start(self) -> Motion:
-        """Returns the start of the motion only."""
+        """Returns the initial state, without integrating the motion."""
         return self._told(Reference(self.system))
 
     @numpy.errstate(all="ignore")
@@ -189,10 +190,10 @@ class Asker:
 
     @numpy.errstate(all="ignore")
     def rates(self) -> tuple[Mode, ...]:
-        """Returns the fastest rates of the equations linearised at states along the motion. Each
-        state gives the fastest decay, if no growth is half as fast, and the fastest other rate, a
-        decay counted as growth. Adds the rotation rate of bodies; drops rates below ZERO or SLOW.
-        """
+        """Returns the fastest eigenvalues of the equations linearised at states along the motion,
+        as modes. Each state contributes its fastest decay, unless a growth is half as fast, and its
+        fastest other mode, whose rate counts as growth. Adds the rotation rate of bodies; drops
+        rates below ZERO or SLOW."""
         found, turns = [], 0.0
         for t, state in self._along():
             turns = max(turns, self.system.turning_rate(state))
@@ -210,8 +211,7 @@ class Asker:
         return tuple(m for m in found if m.rate > least)
 
     def _along(self) -> list[tuple[float, numpy.ndarray]]:
-        """Returns up to MOST_RATES states at steps of the motion, which are short where rates are
-        large."""
+        """Returns up to MOST_RATES states along the motion, denser where rates are large."""
         system = self.system
         kept, stride, step, motion = [(0.0, system.start)], 1, 0, system.reference()
         while not motion.failed and motion.t < system.until and step < MOST_STEPS:
@@ -230,7 +230,7 @@ class Asker:
 
     def onto(self, begun: Settings, whole: Motion) -> Asker:
         """Returns an asker with settings `begun`, whose start is projected onto the constraints.
-        `whole` is the model's start. Raises UsageError if the projection fails."""
+        `whole` holds the model's own start. Raises UsageError if the projection fails."""
         q = tuple((dict(enumerate(whole.q)) | dict(begun.start_q)).values())
         v = tuple((dict(enumerate(whole.v)) | dict(begun.start_v)).values())
         status, on = self.system.reference().projected(numpy.array([*q, *v]))
@@ -244,7 +244,7 @@ class Asker:
         return self.with_settings(replace(begun, start_q=q, start_v=v))
 
     def at(self, place: Equilibrium) -> Asker:
-        """Returns an asker whose start is an equilibrium."""
+        """Returns an asker whose runs start at the equilibrium `place`."""
         q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
         found = self.with_settings(replace(self.settings, start_q=q, start_v=v))
         found._place = place
@@ -256,17 +256,17 @@ class Asker:
         return self._place.modes
 
     def near(self, **question: object) -> Close:
-        """Runs some steps near the start, which is an equilibrium: see at()."""
+        """Runs some steps from near the start, which must be an equilibrium (see at())."""
         self._look()
         return Close(**near.near(self.system, self._modes(), **question))
 
     def leave(self, mode: int, amplitude: float) -> float:
-        """Returns how fast the motion leaves the start, which is an equilibrium, along a mode."""
+        """Returns the growth rate of the motion along a mode of an equilibrium (see at())."""
         self._look()
         return near.leave(self.system, self._modes(), mode, amplitude)
 
     def orbits(self, **question: object) -> tuple[Orbit, ...] | None:
-        """Returns closed orbits: see orbits.orbits(); None if they are refused."""
+        """Returns closed orbits (see orbits.orbits()), or None if it cannot search them."""
         self._look()
         return orbits.orbits(self.system, self.unknowns, **_with_state(question))
 
@@ -283,7 +283,7 @@ class Asker:
         return distances.resolved(self.system, method, h, count)
 
     def spring(self, method: str, stiffness: float, damping: float, h: float) -> numpy.ndarray:
-        """Returns the map of (q, v) by a step on q'' = -stiffness q - damping q'."""
+        """Returns the 2 x 2 matrix of a step of (q, v) on q'' = -stiffness q - damping q'."""
         found = integration.spring(self.system.run, method, stiffness, damping, h)
         return numpy.array(found).reshape(2, 2)
 

@@ -1,8 +1,8 @@
-"""The time budget of a map: CPU time, so that other load on the machine changes no map.
+"""The time budget of a map, in CPU time, so that the machine's load does not change the map.
 
-Seconds are those of an idle machine: serial work counts in full, parallel work is divided by the
-number of cores. Some points are timed; then the number of points is reduced to fit, and the time
-left over is for the predictions.
+Seconds are estimates for an idle machine: serial work counts in full, parallel work is divided by
+the number of cores. Some points are timed; then the number of points is reduced to fit, and the
+remaining time is spent on the predictions.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 
 from ...record import record
 
-QUICK, FULL = 12.0, 54.0  # seconds; compiling and drawing come on top
-SERIAL, ROWS = 0.3, 0.65  # parts of the time by which serial work, and the rows, must end
-PROBES = (0.2, 0.5, 0.9)  # timed points: positions in the range of steps
-LEAST_UP, LEAST_ACROSS = 4, 6  # least values, step sizes; methods too costly for them are dropped
+QUICK, FULL = 12.0, 54.0  # seconds of a quick and a full map, without compiling and drawing
+SERIAL, ROWS = 0.3, 0.65  # fractions of the time by which serial work, and the rows, must end
+PROBES = (0.2, 0.5, 0.9)  # step sizes of timed points, as fractions of the range
+LEAST_UP, LEAST_ACROSS = 4, 6  # least rows and columns; too costly methods are dropped
 
 
 @dataclass
@@ -32,7 +32,7 @@ class Clock:
         self.serial = time.process_time() - self.began
 
     def left(self, part: float = 1.0) -> float:
-        """Returns the seconds left of a part of the budget."""
+        """Returns the seconds left of the fraction `part` of the budget."""
         used = time.process_time() - self.began
         if self.serial is None:
             return part * self.seconds - used
@@ -41,7 +41,7 @@ class Clock:
 
 @record
 class Cut:
-    """The size of a map: values, step sizes, methods."""
+    """The size of a map: numbers of values and of step sizes, and the methods."""
 
     up: int
     across: int
@@ -49,8 +49,8 @@ class Cut:
 
 
 def cost(point: Callable[[str, float], object], steps: dict[str, tuple[float, ...]], most: float):
-    """Returns the mean seconds of a point of each method, over PROBES or fewer within `most`
-    seconds."""
+    """Returns the mean seconds per point of each method, from up to len(PROBES) points, in about
+    `most` seconds."""
     found = {}
     for name, hs in steps.items():
         began, count = time.thread_time(), 0
@@ -64,8 +64,8 @@ def cost(point: Callable[[str, float], object], steps: dict[str, tuple[float, ..
 
 
 def cut(costs: dict[str, float], up: int, across: int, seconds: float) -> Cut:
-    """Returns what fits in the time: first drops the costliest methods, then reduces values and
-    steps."""
+    """Returns the map size that fits in `seconds`: drops the costliest methods, then reduces the
+    numbers of values and steps."""
     methods = dict(costs)
     least = min(up, LEAST_UP) * min(across, LEAST_ACROSS)
     while len(methods) > 1 and least * sum(methods.values()) > seconds:
@@ -76,7 +76,7 @@ def cut(costs: dict[str, float], up: int, across: int, seconds: float) -> Cut:
 
 
 def told(before: Cut, after: Cut, seconds: float) -> list[str]:
-    """Describes the reduction, and the option for more."""
+    """Describes how the map was reduced, and the option that allows more time."""
     said = []
     if (after.up, after.across) != (before.up, before.across):
         said.append(f"{after.across}x{after.up} points in place of {before.across}x{before.up}")
@@ -90,6 +90,6 @@ def told(before: Cut, after: Cut, seconds: float) -> list[str]:
 
 
 def fewer(values: tuple[float, ...], count: int) -> tuple[float, ...]:
-    """Returns `count` evenly spaced values, with the last one."""
+    """Returns `count` evenly spaced elements of `values`, including the last."""
     n = len(values)
     return tuple(values[round((k + 1) * n / count) - 1] for k in range(count))

@@ -1,4 +1,4 @@
-"""The look of a class of points: a colour, and sparse glyphs for prints in grey."""
+"""Colours of the classes of points, and sparse glyphs that distinguish them in grey prints."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from ...record import record
 class Class:
     colour: str
     dark: str
-    glyph: str = ""  # a marker of matplotlib's
+    glyph: str = ""  # matplotlib marker
 
 
-# Order: that of the legend.
+# The legend lists the classes in this order.
 CLASSES = {
     "bounded": Class("#DCEBF5", "#22333F"),
     "out of phase": Class("#B5D3E8", "#33566E"),
@@ -39,7 +39,7 @@ CLASSES = {
     "failed": Class("#999999", "#777777", "s"),
     "not judged": Class("#FFFFFF", style.DARK_GROUND, "."),
 }
-SAID_OF = {  # names in the legend
+SAID_OF = {  # legend texts that differ from the name of the class
     "not judged": "not judged: it leaves by itself",
     "out of phase": "bounded, the phase is lost",
     "wrong amplitude": "it settles at a wrong amplitude",
@@ -47,14 +47,14 @@ SAID_OF = {  # names in the legend
     "constant lost": "another constant is lost",
 }
 SIZE = 2.6  # size of a glyph, in points
-APART, CLEAR = 17.0, 8.0  # least distances in points: of glyphs of a class; of any two
+APART, CLEAR = 17.0, 8.0  # least distances between two glyphs of a class, of any class, in points
 MARGIN = 0.25  # margin of an isolated cell's square, relative to the cell
 UNCONFIRMED = "unconfirmed"
-DEEP = 2  # radius in cells of the neighbourhood that measures depth in a region
+DEEP = 2  # radius in cells of the neighbourhood that measures the depth inside a region
 
 
 def edges(values: np.ndarray) -> np.ndarray:
-    """Returns the borders of cells around ascending values."""
+    """Returns the borders between cells centred at ascending values."""
     if len(values) == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middles = (values[1:] + values[:-1]) / 2
@@ -63,7 +63,7 @@ def edges(values: np.ndarray) -> np.ndarray:
 
 
 def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look) -> set:
-    """Colours the cells; `kinds` has a row per x. Returns the kinds drawn."""
+    """Colours the cells; `kinds` has one row per element of xs. Returns the classes drawn."""
     order = list(CLASSES)
     cells = np.array([[order.index(kind) for kind in row] for row in kinds])
     colours = ListedColormap([_colour(kind, look) for kind in order])
@@ -85,7 +85,7 @@ def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]],
 
 
 def _neighbours(cells: np.ndarray) -> np.ndarray:
-    """Returns the eight neighbours of each cell, -1 beyond the edge: 8 x rows x columns."""
+    """Returns the eight neighbours of each cell, -1 beyond the edge: shape (8, rows, columns)."""
     padded = np.pad(cells, 1, constant_values=-1)
     rows, columns = cells.shape
     return np.array(
@@ -99,7 +99,7 @@ def _neighbours(cells: np.ndarray) -> np.ndarray:
 
 
 def _alone(cells: np.ndarray) -> np.ndarray:
-    """Returns whether each cell has no neighbour of its class: such a point may be accidental."""
+    """Returns which cells have no neighbour of their own class; such a point may be accidental."""
     return (_neighbours(cells) != cells).all(axis=0) if min(cells.shape) > 1 else cells < 0
 
 
@@ -112,7 +112,7 @@ def _around(cells: np.ndarray) -> np.ndarray:
 def glyphs(
     axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look
 ) -> None:
-    """Draws sparse glyphs, deep inside regions first. The layout must be done."""
+    """Draws sparse glyphs, starting deep inside regions. Call it after the layout of the figure."""
     cells = np.array(kinds)
     order = list(CLASSES)
     alone = _alone(np.array([[order.index(kind) for kind in row] for row in kinds])).ravel()
@@ -137,7 +137,7 @@ def glyphs(
 
 
 def _depth(cells: np.ndarray) -> np.ndarray:
-    """Returns the number of cells of the same class around each cell."""
+    """Returns the number of cells of the same class in the neighbourhood of each cell."""
     padded = np.pad(cells, DEEP, constant_values="")
     rows, columns = cells.shape
     return sum(
@@ -160,7 +160,7 @@ def _glyph(kind: str, look: Look) -> dict[str, object]:
 
 
 def handles(used: set[str], look: Look) -> list[tuple]:
-    """Returns legend entries: a colour with its glyph, and the name."""
+    """Returns legend entries: the colour and glyph of each class, and its name."""
     found = []
     for kind in (kind for kind in CLASSES if kind in used):
         patch = Patch(fc=_colour(kind, look), ec=style.GREY, lw=0.4)

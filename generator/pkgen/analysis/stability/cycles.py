@@ -1,11 +1,11 @@
-"""Limit cycles, and motions in phase with a driver: the step size at which a method loses them.
+"""Limit cycles and motions in phase with a driver: the step size at which a method loses them.
 
-The motion's own orbit closes after a period T; its Floquet multipliers are the growth of small
-displacements in a period. A method's orbit closes after m steps in k rounds, at h = k T/m; for a
-cycle of unknown period, h is an unknown of Newton's method. The prediction is the first h at which
-a multiplier leaves the unit circle. Multipliers that are 1 for the motion do not count (along the
-orbit; along a family of orbits). The measurement is the h at which two runs, one displaced by 1e-6
-of the range of the motion, part a thousandfold.
+The orbit of the equations closes after a period T; its Floquet multipliers are the growth factors
+of small displacements in a period. A method's orbit closes after m steps of size h = k T/m, in k
+periods; if the period is unknown, Newton's method also solves for h. The prediction is the first h
+at which a multiplier leaves the unit circle. Multipliers that are 1 for the exact orbit do not
+count: they belong to displacements along it or along a family of orbits. The measurement is the h
+at which the distance of two runs, initially 1e-6 of the motion's range, grows by a factor of 1000.
 
 Reference: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 1.5, 5.
 """
@@ -24,20 +24,20 @@ from .ask import Asker
 from .orbits import Orbit
 from .predict import Prediction
 
-FINEST, COARSER = 512, 0.8  # steps per period: at first, and the factor from one to the next
-FINE = 1000  # least steps of an orbit at the refined limit: precision of h is 1/FINE
-GROWS = 1e-3  # log of a multiplier from which it counts as outside the unit circle
-CLOSE = 0.1  # log of a multiplier this close to the unit circle: it crosses continuously
-DISPLACED = 1e-6  # relative to the range of the motion
-STILL = 1e-3  # largest |log| of a multiplier that is 1 up to round-off
+FINEST, COARSER = 512, 0.8  # most steps per period; factor to the next smaller number
+FINE = 1000  # least steps of an orbit at the refined limit, for a precision of h of 1/FINE
+GROWS = 1e-3  # least log of a modulus outside the unit circle
+CLOSE = 0.1  # largest |log| of the last modulus inside, if it crosses the circle continuously
+DISPLACED = 1e-6  # initial distance of two runs, relative to the range of the motion
+STILL = 1e-3  # a cycle with multipliers of modulus below 1 + STILL is stable
 WAVES = ("sin", "cos")
 MOST_PERIODS = 24  # longest common period, in periods of the slowest driver
-LONG, SHORT = 300_000, 10_000  # steps of a measurement: of a damped cycle; of another
+LONG, SHORT = 300_000, 10_000  # steps of a measurement: for a damped cycle, for an undamped cycle
 
 
 @record
 class Cycle:
-    """The cycle of the motion itself."""
+    """A periodic orbit of the equations."""
 
     period: float
     driven: bool
@@ -46,7 +46,7 @@ class Cycle:
 
     @property
     def stays(self) -> bool:
-        """Whether the cycle is stable, with a nontrivial multiplier that a method may lose."""
+        """Whether the cycle is stable and has a nontrivial multiplier."""
         rest = abs(self.orbit.beyond(self.trivial))
         return 0 < rest < 1 + STILL
 
@@ -57,14 +57,15 @@ class Cycle:
 
 @record
 class Lost:
-    """The step size h at which a method loses the cycle by a multiplier; None: no h searched.
+    """The step size h at which a method loses the cycle; None if it keeps it at all steps searched.
 
-    `sharp`: the multiplier crosses the unit circle continuously. Otherwise it jumps, or no closed
-    orbit is found beyond; then h is a scale, up to which the orbit was followed."""
+    `sharp`: a multiplier crosses the unit circle continuously. Otherwise it jumps, or no closed
+    orbit is found at longer steps; then h, up to which the orbit was followed, is only an estimate.
+    """
 
     method: str
     h: float | None
-    multiplier: complex | None  # at h; None if no closed orbit was found beyond
+    multiplier: complex | None  # at h; None if no closed orbit was found at longer steps
     measured: float | None
     sharp: bool
 
@@ -80,8 +81,8 @@ class Lost:
 
 
 def find(asker: Asker, period: float | None) -> Cycle | None:
-    """Returns the motion's cycle, searched from its final state, or None. `period` is the
-    driver's."""
+    """Returns the cycle that the motion approaches, searched from its final state, or None.
+    `period` is the driver's."""
     start, times = asker.returns(period or 0.0)
     for time in [period] if period is not None else times:
         for orbit in asker.orbits(state=start, h=time, count=1, free=period is None) or ():
@@ -95,8 +96,8 @@ def find(asker: Asker, period: float | None) -> Cycle | None:
 
 
 def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
-    """Returns the prediction of a sharp loss, or of a cycle that is kept at all steps searched; y
-    is h in units of the period over 2 pi."""
+    """Returns the prediction of a sharp loss, or of a cycle that is kept at all steps searched; `y`
+    is 2 pi h/period."""
     if cycle is None or lost is None or not lost.sharp:
         return []
     y = None if lost.h is None else 2 * math.pi * lost.h / cycle.period
@@ -105,14 +106,15 @@ def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
 
 
 class _Search:
-    """Finds orbits of one method that close after m steps in k rounds."""
+    """Finds orbits of one method that close after m steps in k periods."""
 
     def __init__(self, asker: Asker, method: str, cycle: Cycle):
         self.asker, self.method, self.cycle = asker, method, cycle
-        self.period = cycle.period  # the method's own period, at the last orbit found
+        self.period = cycle.period  # period of the method's last orbit found
 
     def orbit(self, k: int, m: int, beside: Orbit) -> Orbit | None:
-        """Returns the orbit, searched from `beside`, an orbit of a similar step size, or None."""
+        """Returns the orbit, or None; the search starts from `beside`, an orbit of similar step
+        size."""
         h = k * self.period / m
         question = {"method": self.method, "h": h, "count": m, "free": not self.cycle.driven}
         found = self.asker.orbits(state=beside.states[0], **question)
@@ -131,7 +133,7 @@ class _Search:
         return orbit is None or self.leaving(orbit) > GROWS
 
     def parts(self, orbit: Orbit) -> bool:
-        """Whether two runs with nearly equal starts part."""
+        """Whether two runs with nearly equal starts separate."""
         count = LONG if self.cycle.damped else SHORT
         question = {"method": self.method, "h": orbit.h, "count": count}
         state = orbit.states[0]
@@ -140,7 +142,7 @@ class _Search:
 
 
 def lost(asker: Asker, method: str, cycle: Cycle) -> Lost | None:
-    """Returns where a method loses the cycle; None if it has no such orbit at short steps."""
+    """Returns where a method loses the cycle; None if it has no stable cycle at short steps."""
     search = _Search(asker, method, cycle)
     m, last = FINEST, search.orbit(1, FINEST, cycle.orbit)
     if last is None or search.outside(last):
@@ -167,10 +169,10 @@ class _Side:
 
 
 def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
-    """Refines a limit between `most` and `fewest` steps per period. Orbits of k rounds allow finer
-    step sizes: k is multiplied by 3 until neighbouring orbits are so close that Newton's method
-    stays on one branch. k is odd, since a period-doubled orbit closes after an even number of
-    rounds."""
+    """Refines the step size of the loss, between `most` and `fewest` steps per period. Orbits of k
+    periods allow finer step sizes: k is multiplied by 3 until neighbouring orbits are so close that
+    Newton's method stays on one branch. k stays odd, since a period-doubled orbit closes after an
+    even number of periods."""
     period = inside.h * most
 
     def narrowed(test: Callable[[Orbit | None], bool]) -> tuple[_Side, _Side]:
@@ -201,8 +203,8 @@ def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
 
 
 def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float | None:
-    """Returns the common period of all sines and cosines of time, or None. Time may also occur
-    elsewhere: orbits.py checks whether the equations have this period."""
+    """Returns the common period of all sines and cosines of time, or None. Other functions of time
+    may occur: orbits.py checks whether the equations have this period."""
     g = equations.graph
     roots = [*equations.force, *equations.state_rates, *(x for row in equations.mass for x in row)]
     waves = [

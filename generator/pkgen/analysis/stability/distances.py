@@ -1,6 +1,5 @@
-"""Distances between motions: of a motion from its own past, of a method's steps from nearly the
-same start, of its steps from the motion. They are in boxes, the widths of the region of the
-motion."""
+"""Distances of a motion from its past, of two runs from nearly the same start, and of a run from
+the reference motion. Their unit, the box, is the width of the region that the motion covers."""
 
 from __future__ import annotations
 
@@ -14,16 +13,16 @@ from .system import System
 from .unknowns import Unknowns
 
 SAMPLES, MOST_RETURNS = 8192, 8
-RETURNED = 0.1  # largest distance that counts as a return
-FAR = 1e3  # growth at which the steps of beside() end
-LOOKS = 16  # states along the motion
-STILL = 0.1  # least unit of a variable, relative to the widest of its kind
+RETURNED = 0.1  # largest distance, in boxes, that counts as a return
+FAR = 1e3  # growth factor of the distance at which beside() stops
+LOOKS = 16  # states along the motion from which steps are compared
+STILL = 0.1  # least unit of a variable, relative to the largest unit of its kind
 
 
 @numpy.errstate(all="ignore")
 def returns(system: System, unknowns: Unknowns, period: float) -> tuple[numpy.ndarray, list[float]]:
-    """Returns the state at `until` (a multiple of the period, unless 0), and times after it at
-    which the motion returns to that state."""
+    """Returns the state at `until` (rounded up to a multiple of the period, if not 0), and the
+    elapsed times after which the motion returns to it."""
     until = system.until
     until = math.ceil(until / period) * period if period > 0 else until
     it, times, before, last, most = system.reference(), [], 0.0, 0.0, 0.0
@@ -50,8 +49,8 @@ def beside(
     amplitude: float,
     state: numpy.ndarray | None = None,
 ) -> tuple[str, float, numpy.ndarray]:
-    """Steps from a state and from one `amplitude` boxes away in each unknown. Returns the status,
-    the growth of their distance, and the other's last state."""
+    """Steps from `state` and from a second state, displaced by `amplitude` boxes in each unknown.
+    Returns the status, the growth factor of their distance, and the final second state."""
     if not h > 0 or not amplitude > 0:
         raise UsageError("a step is positive, and so is an amplitude")
     y = system.start if state is None else state
@@ -74,8 +73,9 @@ def beside(
 
 @numpy.errstate(all="ignore")
 def resolved(system: System, method: str, h: float, count: int) -> tuple[str, float]:
-    """Returns the status, and the largest error of `count` steps of a method from states along the
-    motion. A free body's energy may stay constant at any step size, so its state is compared."""
+    """Returns the status and the largest error, in boxes, of `count` steps of a method from states
+    along the motion. States are compared, since a free body's energy may stay constant at any step
+    size."""
     system.cover()
     motion, it = system.reference(), system.begin(method, h=h)
     most = 0.0
@@ -85,7 +85,7 @@ def resolved(system: System, method: str, h: float, count: int) -> tuple[str, fl
         it.restart(motion.state, motion.t)
         for row in it.steps(motion.t + (count + 1) * h, count):
             if not motion.to(float(row[0])):
-                return "PK_DONE", most  # a failure of the motion itself is not the method's
+                return "PK_DONE", most  # the reference motion failed, not the method
             most = max(most, _off(system, row[1:], motion))
     return it.status if it.failed else "PK_DONE", most
 

@@ -1,4 +1,4 @@
-"""Draws the picture: a map per method with its predictions. Maps are pixels to keep files small."""
+"""Draws the picture: one map per method, with predictions. Maps are pixels to keep files small."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from . import classes, overlay
 from .map import StabilityMap
 from .misses import unpredicted
 
-SAID = 12  # values of parameters and of the start in the caption
+SAID = 12  # most parameters and initial values in the caption
 LETTER = 1.32  # mean width of a letter at 7 points, in millimetres
 BETWEEN = 0.08  # inches above and below the caption
 MOST_COLUMNS = 4  # most columns of the legend
-WITHIN = 0.95  # part of the page width for the legend: fonts in files may be wider than on screen
-WIDE = 120.0  # page width in millimetres from which three maps stand side by side
+WITHIN = 0.95  # fraction of the page width for the legend: fonts may be wider in files
+WIDE = 120.0  # least page width for three maps side by side, in millimetres
 SMALL = 6.5  # font size of secondary axes, in points
 APART = 3.0  # least pixels between tick labels
 
 
 def pictures(made: StabilityMap, stem: Path, look: Look) -> list[Path]:
-    """Writes STEM.svg and the other formats of the look; returns their paths."""
+    """Writes STEM.svg and the other formats in `look`; returns their paths."""
     return style.written(lambda look: figure(made, look), stem, look)
 
 
 def figure(made: StabilityMap, look: Look) -> plt.Figure:
-    """Draws the figure in a look that is already set."""
+    """Draws the figure; the style of `look` must already be active."""
     methods = list(made.steps)
     columns = min(3 if look.width >= WIDE else 2, len(methods))
     rows = -(-len(methods) // columns)
@@ -69,7 +69,7 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
 
 
 def _words(page: plt.Figure, made: StabilityMap, look: Look) -> Text:
-    """Draws the title, and below the maps the caption with the model's settings."""
+    """Draws the title, and below the maps a caption with the model's settings."""
     title, *said = titles(made)
     wrap = int(look.width / LETTER)
     lines = [line for text in said for line in textwrap.wrap(text, wrap)]
@@ -82,12 +82,12 @@ def _words(page: plt.Figure, made: StabilityMap, look: Look) -> Text:
 
 
 def _inches(page: plt.Figure, of: Artist) -> float:
-    """Returns its height in inches."""
+    """Returns the height of an artist in inches."""
     return of.get_window_extent(page.canvas.get_renderer()).height / page.dpi
 
 
 def titles(made: StabilityMap) -> list[str]:
-    """Returns the title; then the lines of the caption: settings, duration, remarks."""
+    """Returns the title, then the lines of the caption: settings, duration, remarks."""
     time, per = ("", "") if made.compilation.model.dimensionless else ("s", "rad/s")
     values = [
         *zip(named.parameters(made.compilation).columns(64), made.motion.parameters, strict=False),
@@ -118,7 +118,7 @@ def titles(made: StabilityMap) -> list[str]:
 
 
 def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: int, last: bool):
-    """Draws one method's map. Returns the kinds drawn, and a function to call after the layout."""
+    """Draws a method's map. Returns keys of the legend, and a function to call after the layout."""
     hs, xs = np.array(made.steps[name]), np.array(made.asked.axis.values)
     kinds = [[p.shown for p in row.points if p.method == name] for row in made.rows]
     used = classes.fill(axes, hs, xs, kinds, look)
@@ -145,7 +145,7 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
 
 
 def _ticks(axes: plt.Axes) -> None:
-    """Sets up to five ticks, as many as fit. The layout must be done."""
+    """Sets up to five ticks per axis, as many as fit. Call it after the layout of the figure."""
     for axis in (axes.xaxis, *(other.xaxis for other in axes.child_axes)):
         for count in range(5, 0, -1):
             axis.set_major_locator(MaxNLocator(count))
@@ -185,7 +185,7 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
 
 
 def three(x: float, zeros: bool = False) -> str:
-    """Formats x with three digits: 1050; with `zeros`, for an axis, 2.50."""
+    """Formats x with three significant digits (1050); `zeros` keeps trailing zeros (2.50)."""
     rounded = float(f"{x:.3g}")
     return f"{rounded:#.3g}".rstrip(".") if zeros and abs(rounded) < 1000 else f"{rounded:g}"
 

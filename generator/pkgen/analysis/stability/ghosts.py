@@ -1,6 +1,6 @@
-"""Ghosts: fixed points and 2-cycles of a method's step map that the equations do not have. A run
-may end on an attracting one and look settled. They are sought at step sizes over the map by
-deflated Newton iteration from many starts (orbits.py); not all need be found.
+"""Ghosts are spurious fixed points and 2-cycles of a method's step map: the equations have none
+there. A run may converge to an attracting ghost and seem settled. Deflated Newton iteration from
+many starts (orbits.py) searches them at several step sizes of the map; it may miss some.
 
 Reference: A. Iserles, A. T. Peplow, A. M. Stuart, SIAM J. Numer. Anal. 28 (1991) 1723.
 """
@@ -13,11 +13,11 @@ from ...record import record
 from .ask import Asker
 from .orbits import Orbit
 
-# By number of unknowns: starts, step sizes, step sizes of a quick map. With more than four unknowns
-# so few starts find next to nothing.
+# By number of unknowns: starts, step sizes, step sizes of a quick map. With more than four
+# unknowns, few starts would find next to nothing.
 EFFORT = {1: (24, 24, 8), 2: (16, 24, 8), 3: (4, 12, 4), 4: (4, 12, 4)}
-RUN, BESIDE = 4000, 1e-3  # steps of a test run; its relative displacement
-AWAY = 30  # growth of the displacement from which the run has left
+RUN, BESIDE = 4000, 1e-3  # steps of a test run, and its initial displacement in boxes
+AWAY = 30  # growth of the displacement at which a run has left the ghost
 
 
 @record
@@ -26,9 +26,9 @@ class Ghost:
 
     method: str
     steps: int  # 1: a fixed point, 2: a 2-cycle
-    holds: bool  # attracts, or is neutral
-    orbits: tuple[Orbit, ...]  # h ascending
-    stays: bool | None  # whether a run from near the middle one stays; None: not `holds`
+    holds: bool  # whether it is attracting or neutral
+    orbits: tuple[Orbit, ...]  # in ascending h
+    stays: bool | None  # whether a run near `middle` stays there; None if not `holds`
 
     @property
     def middle(self) -> Orbit:
@@ -40,7 +40,7 @@ class Ghost:
 
 
 def ghosts(asker: Asker, method: str, hs: Sequence[float], quick: bool = False) -> list[Ghost]:
-    """Returns the ghosts of an autonomous model; none if it has more than four unknowns."""
+    """Returns the ghosts of an autonomous model with up to four unknowns; none of other models."""
     asker = asker.with_settings(asker.settings)
     found: dict[tuple[int, bool], list[Orbit]] = {}
     unknowns = len(asker.unknowns.of)

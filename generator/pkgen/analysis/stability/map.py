@@ -1,4 +1,4 @@
-"""Makes a stability map, with predictions, of a compiled model."""
+"""Makes the stability map of a compiled model, with predictions."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ Made = TypeVar("Made")
 
 @record
 class StabilityMap:
-    """All results: the picture, the page and the summary are made from it."""
+    """All results; the picture, the page and the summary are made from them."""
 
     compilation: Compilation
     asked: MapOptions
     until: float
-    motion: Motion  # the start only, not integrated
+    motion: Motion  # not integrated: only its start
     rest: Rest  # at the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
@@ -49,11 +49,11 @@ class StabilityMap:
     predictions: tuple[Prediction, ...]  # at the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
-    interrupted: str = ""  # message: how much of an interrupted map is complete
+    interrupted: str = ""  # says how much of an interrupted map is complete
     cycle: Cycle | None = None  # the limit cycle that the motion approaches
     lost: tuple[cycles.Lost, ...] = ()
     ghosts: tuple[Ghost, ...] = ()
-    turned: range = range(0)  # indices of quaternion components among the rates
+    turned: range = range(0)  # indices of quaternion components among the rates v
 
     def place(self, state: tuple[float, ...]) -> float:
         """Returns the value of the varied quantity in a state (q, v)."""
@@ -89,9 +89,7 @@ def make(
     primary = plan.nearest(rest, motion.q, cyclic)
     going = any(v for i, v in enumerate(motion.v) if i not in turned)
     if bound and primary is not None and (going or not rest.equilibria[primary].stable):
-        primary = (
-            None  # the motion is about no equilibrium: a body rotates or rolls at rates of its own
-        )
+        primary = None  # no small motion about an equilibrium: a body rotates or rolls
     at = plan.beside(rest, primary, motion.q, cyclic)
     if at is None and asked.axis.kind == "amplitude":
         asked = replace(asked, axis=plan.without_equilibrium(asked.axis, motion, turned))
@@ -134,10 +132,10 @@ def make(
     predicted = {}
     for name, step in maps.items():
         whole = cycles.predictions(cycle, lost.get(name))
-        # The Floquet multipliers of a cycle supersede the rates along it.
+        # The Floquet multipliers of a cycle replace the eigenvalues along it.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # About a stable equilibrium the range of steps does not depend on the local scale.
+    # If the equilibrium is stable, the range of steps ignores the "local" scale.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
     steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}
@@ -151,7 +149,7 @@ def make(
     def one(x: float, enough: Callable[[], float]) -> Row:
         here = started(x).within(enough)
         found, moved, points = measure.row(here, steps, None if moves else rest, tries, linear)
-        # Amplitudes refer to one equilibrium, however far the start is.
+        # All rows refer to one equilibrium when the amplitude is varied.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic) if at or not bound else None
         rates_here = here.rates() if moves else ()
@@ -163,7 +161,7 @@ def make(
         return Row(x, found, number, moved, tuple(lines), points)
 
     flat = tuple(p for name in maps for p in predicted[name])
-    # Resonances come last, since time may run out.
+    # Resonances are measured last, since time may run out.
     flat = tuple(sorted(flat, key=lambda p: p.kind in (*RESONANCES, *PAIRS)))
     size = _size(at, motion.q, cyclic) if at else 0.0
     amplitude = measure.small(rest, cyclic, size)
@@ -186,10 +184,10 @@ def make(
     clock.threads()
     timed = asker.within(clock.left)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        # Rows are ordered coarse to fine.
+        # Coarse rows are computed before the rows between them.
         xs = asked.axis.values
         rows = [
-            # The first two rows get three times the time, so that they complete.
+            # The first two rows get three times the budget, so that they complete.
             pool.submit(counted, partial(one, xs[k], partial(clock.left, ROWS if i > 1 else 3)))
             for i, k in enumerate(_spread(len(xs)))
         ]
@@ -205,7 +203,7 @@ def make(
         every = [*rows, *checks, *haunted, leaving]
         with suppress(KeyboardInterrupt):
             wait(every, return_when=FIRST_EXCEPTION)
-        pool.shutdown(cancel_futures=True)  # after a failure, queued work does not start
+        pool.shutdown(cancel_futures=True)  # after a failure, queued jobs do not start
     found = tuple(sorted(_kept(rows), key=lambda row: row.x))
     checked, growing = tuple(_kept(checks)), next(iter(_kept([leaving])), [])
     interrupted = ""
@@ -235,13 +233,13 @@ def make(
 
 
 def _spread(count: int) -> list[int]:
-    """Returns 0 .. count - 1 in bit-reversed order: an interrupted map is a coarser map."""
+    """Returns 0 .. count - 1 in bit-reversed order, so that an interrupted map is a coarser map."""
     bits = (count - 1).bit_length()
     return sorted(range(count), key=lambda k: int(f"{k:0{bits}b}"[::-1], 2))
 
 
 def _kept(futures: list[Future[Made]]) -> list[Made]:
-    """Returns the completed results, without None. Raises the exception of a failure."""
+    """Returns the results of completed jobs, without None. Raises the exception of a failed job."""
     found = []
     for future in futures:
         if future.done() and not future.cancelled():
@@ -253,7 +251,7 @@ def _kept(futures: list[Future[Made]]) -> list[Made]:
 def _cycle(
     compilation: Compilation, asked: MapOptions, asker: Asker, rest: Rest, motion: Motion
 ) -> Cycle | None:
-    """Returns the cycle that the motion approaches, or None: conservative systems have families."""
+    """Returns the cycle that the motion approaches, or None; conservative systems have none."""
     if compilation.structure.conservative and not motion.by_norm:
         return None
     period = asked.period or cycles.driven_period(compilation.equations, motion.parameters)
@@ -266,7 +264,7 @@ def _cycle(
 def _reduced(
     asked: MapOptions, steps: dict, started: Callable[[float], Asker], clock: Clock
 ) -> tuple[MapOptions, dict[str, tuple[float, ...]]]:
-    """Returns the options and steps that fit in the time, by the cost of some points."""
+    """Returns the options and steps that fit in the time, from the cost of some points."""
     here = started(asked.axis.values[len(asked.axis.values) // 2]).within(partial(clock.left, 3))
     here.motion()
     whole = Cut(len(asked.axis.values), asked.across, tuple(steps))
@@ -281,8 +279,8 @@ def _reduced(
 
 
 def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
-    """Drops methods that refuse the model's rotations or constraints, which only a run shows.
-    Raises UsageError if no method remains."""
+    """Drops methods that refuse the model's rotations or constraints, found by a trial run. Raises
+    UsageError if no method remains."""
     said = {m.name: asker.resolved(m.name, asker.settings.until, 0)[0] for m in asked.methods}
     left = [
         f"{name} is refused: not with these constraints" for name, s in said.items() if s == REFUSED
@@ -294,14 +292,14 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 
 
 def _quaternions(compilation: Compilation) -> range:
-    """Returns the indices of quaternion components among the rates."""
+    """Returns the indices of quaternion components among the rates v."""
     count = len(single_rotations(compilation.model))
-    # Body rates come before them in the model, but are not first-order variables here.
+    # Body rates precede them, and are not first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
 
 
 def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
-    """Returns the largest displacement of a non-cyclic coordinate from its equilibrium."""
+    """Returns the largest displacement of a non-cyclic coordinate from the equilibrium."""
     apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
     return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)

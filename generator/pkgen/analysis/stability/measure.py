@@ -1,10 +1,10 @@
 """Computes the points of the map, row by row, and measures each prediction on the model itself.
 
-A limit is measured by small motions: 4000 steps from a displacement of 1e-6 of the start's, in all
-modes that do not grow, must not grow a thousandfold. A resonance is the step size at which the
-mode's leading coordinate rotates, averaged over thousands of steps, by the predicted angle; the
-response is measured separately, at parts of the start's displacement. A branch is lost where a
-single step near the equilibrium fails. A growth rate is that of a reference motion along the mode.
+Limit: a displacement of all modes that do not grow, 1e-6 of the start's, must not grow by a factor
+of 1000 in 4000 steps. Resonance: the step size at which the leading coordinate of the mode rotates
+by the predicted angle per step, averaged over hundreds of steps; the response is measured
+separately, at fractions of the start's displacement. Branch: the shortest single step near the
+equilibrium that fails. Growth rate: that of a reference motion along the mode.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from .orbits import ROUNDED
 from .predict import RESONANCES, Prediction
 from .rest import Rest
 
-SMALL = 1e-6  # relative to the displacement of the start
-LEAST = 1e-8  # relative to the largest coordinate: above round-off
+SMALL = 1e-6  # amplitude of small motions, relative to the displacement of the start
+LEAST = 1e-8  # least amplitude above round-off, relative to the largest coordinate
 STEPS = 4000
-LONGER = 100  # factor on the number of steps, where growth just beyond a limit is slow
+LONGER = 100  # factor on the number of steps just beyond a limit, where growth is slow
 FAR = 1e3
-LOOKS = 16  # points of the coarse search
+LOOKS = 16  # points of the coarse search for a step size
 FINE = 1e-6  # relative precision of a step size found by search
-RESPONDS = 1.3  # growth at a resonance, relative to steps off it: a response
-LOST = 0.5  # relative to the range of v.p: the energy error of a lost motion
+RESPONDS = 1.3  # least growth at a resonance, relative to the growth beside it
+LOST = 0.5  # energy error of a lost motion, relative to the range of v.p
 FAILED = (
     "growing",
     "not converged",
@@ -38,14 +38,14 @@ FAILED = (
     "failed",
     "off constraints",
 )
-BESIDE = 0.06  # relative distance from the resonant step searched for a response
+BESIDE = 0.06  # half-width of the scan for a response, relative to the resonant step size
 
 
 @record
 class Effort:
     """The effort spent on the measurement of a resonance."""
 
-    turns: int  # steps over which the angle is averaged
+    turns: int  # steps over which the rotation angle is averaged
     scan: int  # step sizes at which a response is sought
     steps: int  # steps of each run
     sizes: tuple[float, ...]  # amplitudes, relative to the start's displacement
@@ -57,29 +57,29 @@ QUICK = Effort(500, 9, 700, (0.1, 0.5))
 
 @record
 class Row:
-    """One value on the vertical axis: its predictions and measured points."""
+    """The predictions and measured points at one value of the varied quantity."""
 
     x: float
     rest: Rest
     primary: int | None
     motion: Motion
     predictions: tuple[Prediction, ...]
-    points: tuple[Point, ...]  # by method, step sizes ascending
+    points: tuple[Point, ...]  # for each method, in ascending step size
 
 
 @record
 class Measured:
-    """A prediction and the step size h at which it was measured; None: it did not happen."""
+    """A prediction and its measured step size h; None if the event did not happen."""
 
     prediction: Prediction
     h: float | None
-    how: str  # describes what happened there
-    response: float | None = None  # of a resonance: peak growth relative to the growth off it
-    peak: float | None = None  # step size at the peak
+    how: str  # description of the event
+    response: float | None = None  # peak growth at a resonance, relative to the growth beside it
+    peak: float | None = None  # step size of the peak
 
     @property
     def silent(self) -> bool:
-        """Whether it is a resonance without a response."""
+        """Whether the prediction is a resonance and nothing responds to it."""
         return self.response is not None and self.response < RESPONDS
 
 
@@ -100,15 +100,16 @@ def row(
     tries: int,
     linear: bool = False,
 ) -> tuple[Rest, Motion, tuple[Point, ...]]:
-    """Returns the equilibria (`known`, or sought), the motion and its points."""
+    """Returns the equilibria (`known`, or else searched), the motion and the points of a row."""
     found, moved = known or asker.rest(tries), asker.motion()
     points = [asker.point(name, h) for name, hs in steps.items() for h in hs]
     return found, moved, tuple(_settled(asker, p) if linear else p for p in points)
 
 
 def _settled(asker: Asker, point: Point) -> Point:
-    """On a linear model steps grow only if a multiplier is outside the unit circle. Otherwise a
-    "growing" point settles at another amplitude, because steps sample the driver too coarsely."""
+    """Reclassifies a "growing" point of a linear model as "wrong amplitude" if no multiplier is
+    outside the unit circle: the run then settles at another amplitude, since steps sample the
+    driver coarsely."""
     if point.kind != "growing":
         return point
     found = radius(asker, point.method, point.h)
@@ -117,8 +118,8 @@ def _settled(asker: Asker, point: Point) -> Point:
 
 
 def radius(asker: Asker, method: str, h: float) -> float | None:
-    """Returns the largest modulus of the multipliers of a step on a linear model, driven or not:
-    the difference of two states obeys the homogeneous equations. Returns None if a step fails."""
+    """Returns the spectral radius of a step on a linear model, with or without a driver:
+    differences of two states obey the homogeneous equations. Returns None if a step fails."""
     import numpy
 
     begun = asker.start()
@@ -133,9 +134,9 @@ def radius(asker: Asker, method: str, h: float) -> float | None:
 
 
 def small(at: Rest, cyclic: frozenset[int], size: float) -> float:
-    """Returns an amplitude small enough for linear motion and above round-off, in the coordinates'
-    unit: SMALL times the start's displacement `size`, or times the largest equilibrium coordinate.
-    """
+    """Returns an amplitude, in the coordinates' unit, for linear motion above round-off: SMALL
+    times the start's displacement `size`, or if that is 0 times the largest coordinate of an
+    equilibrium."""
     largest = max(
         (abs(x) for e in at.equilibria for i, x in enumerate(e.q) if i not in cyclic), default=0.0
     )
@@ -151,8 +152,8 @@ def measured(
     effort: Effort = FULL,
     bound: bool = False,
 ) -> Measured:
-    """Measures a prediction on the model. `size` is the start's displacement, `amplitude` that of
-    small motions; `bound` means that the model has rotations or constraints."""
+    """Measures a prediction on the model. `size` is the displacement of the start, `amplitude` that
+    of small motions; `bound` means that the model has rotations or constraints."""
     if prediction.known:
         return Measured(prediction, *prediction.known)
     if prediction.equilibrium is None:
@@ -180,7 +181,7 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
 def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     fastest = at.equilibria[p.equilibrium].modes[p.mode].rate
     steps = 100 if p.h is None else STEPS
-    status = "PK_DONE"  # of the last step size that grew
+    status = "PK_DONE"  # status at the last step size with growth
 
     def grows(h: float) -> bool:
         nonlocal status
@@ -198,7 +199,7 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     elif p.h == 0:
         h = _search(grows, 0.0, 0.5 / fastest)
     elif not any(grows(p.h * x) for x in (0.5, 0.7, 0.9, 0.999)) and grows(1.001 * p.h):
-        h = _search(grows, 0.999 * p.h, 1.001 * p.h)  # intervals of growth may be narrow
+        h = _search(grows, 0.999 * p.h, 1.001 * p.h)  # the interval of growth may be narrow
     else:
         h = _search(grows, 0.5 * p.h, 1.5 * p.h)
         if h is None or h > 1.005 * p.h:
@@ -211,12 +212,12 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
 
 
 def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
-    """Measures the first step size, from an eighth of the prediction to eight times it, at which
-    the motion is lost: the method fails, or the error reaches LOST. The error is that of the energy
-    in units of the range of v.p; if `bound`, that of LEAP steps in units of the range of the
+    """Measures the first step size, between 1/8 and 8 times the prediction, at which the motion is
+    lost: the method fails, or its error reaches LOST. The error is that of the energy, relative to
+    the range of v.p; if `bound`, that of the state after LEAP steps, relative to the range of the
     motion."""
     assert p.h is not None
-    asker = asker.with_settings(asker.settings)  # other threads ask too
+    asker = asker.with_settings(asker.settings)  # a copy, since other threads use the asker
     if not bound and not asker.motion().judges:
         return Measured(p, None, "the motion itself ends or leaves")
     kind = ""
@@ -261,7 +262,7 @@ def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
 
 
 def _search(test: Callable[[float], bool], low: float, high: float) -> float | None:
-    """Returns the first x in (low, high] at which `test` becomes true, to FINE of `high`."""
+    """Returns the first x in (low, high] at which `test` becomes true, with error FINE high."""
     return first_change(test, low, high, looks=LOOKS, parts=2, close=FINE * high)
 
 
@@ -288,7 +289,7 @@ def _resonance(
 
 
 def secant(f: Callable[[float], float | None], a: float, b: float) -> float | None:
-    """Returns a root of f near a and b, by the secant method, or None."""
+    """Returns a root of f near a and b by the secant method, or None if it finds none."""
     fa, fb = f(a), f(b)
     for _ in range(4):
         if fa is None or fb is None:
@@ -306,10 +307,10 @@ def _response(
     asker: Asker, p: Prediction, size: float, effort: Effort
 ) -> tuple[float | None, float | None]:
     """Returns the step size near resonance with the strongest response, and the response: the
-    growth there relative to the larger growth at the two ends of the scan, maximal over all
-    amplitudes. Returns (None, None) if the ends themselves grow too far.
+    growth at this step size relative to the larger growth at the two ends of the scan, maximal over
+    all amplitudes. Returns (None, None) if both ends grow too far.
 
-    For a pair, the slower mode is measured; it starts at a hundredth of the faster one's amplitude.
+    For a pair, the slower mode is measured; it starts at 1/100 of the amplitude of the faster mode.
     """
     assert p.h is not None
     hs = [p.h * (1 + BESIDE * (2 * k / (effort.scan - 1) - 1)) for k in range(effort.scan)]
@@ -319,7 +320,7 @@ def _response(
         more = {} if p.other is None else {"other": p.other, "seed": amplitude / 100}
         more |= {"method": p.method, "mode": p.mode, "amplitude": amplitude}
         closes = [asker.near(h=h, count=effort.steps, **more) for h in hs]
-        # A motion that fails near resonance only counts as a response.
+        # A run that fails counts as growth by FAR.
         grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]
         beside = max(grown[0], grown[-1])
         if beside < FAR:

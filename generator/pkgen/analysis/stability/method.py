@@ -1,15 +1,15 @@
-"""A method's step on the linear oscillator: (q, v) -> A(y) (q, v), y = h omega. The runtime
-takes the step.
+"""A method's step on the linear oscillator, (q, v) -> A(y) (q, v) with y = h omega, made by the
+runtime.
 
-limit    the first y at which an eigenvalue of A leaves the unit circle: from the method's table
-         (pk/limits.h); for a damped mode, from steps on the oscillator with its damping
-angle    the rotation angle of a step: the method's own frequency is angle(y)/h. Verlet 2 asin(y/2),
+limit    the first y at which an eigenvalue of A leaves the unit circle, from the method's table
+         (pk/limits.h); for a damped mode, from steps on the damped oscillator
+angle    the rotation angle of a step, h times the method's frequency. Verlet 2 asin(y/2),
          midpoint 2 atan(y/2); E. Hairer, C. Lubich, G. Wanner, GNI I.5, VI.
-resonance  y at which the angle is 2 pi/3 or 2 pi/4: steps return to the same phases, and a
-         nonlinear force pushes there each time
+resonance  y at which the angle is a simple fraction of 2 pi, such as 2 pi/3: steps return to
+         the same phases, at which a nonlinear force always acts in the same direction
 pair     y at which the angles of two modes are in resonance
 pole     the first y at which a step on q'' = +q has no solution: an implicit method's equations
-         are singular there, and beyond it the solution that belongs to short steps is lost
+         are singular there, and longer steps lose the solution that short steps follow
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ from ...record import record
 from ..chart.points import ChartedMethod
 from .ask import Asker
 
-FURTHEST = 30.0  # y up to which limits and poles are sought
+FURTHEST = 30.0  # largest y in the search for limits and poles
 COARSE = 600  # points of the coarse search
-LEAP = 4  # steps of the test whether a motion is resolved
-OUTSIDE = 1e-9  # tolerance on the modulus of eigenvalues outside the unit circle
+LEAP = 4  # steps after which an error shows that the motion is not resolved
+OUTSIDE = 1e-9  # least excess over 1 of the modulus of an eigenvalue outside the unit circle
 FIRST_GROWTH = 0.05  # a limit below this y counts as growth at any step size
 TWO_PI = 2 * math.pi
-# Resonances of third order between two modes: a (angle of the faster) + b (angle of the slower) = 2
-# pi turns; values are (a, b, turns). In the first the step detunes the modes into 1:2; the others
-# exist only through the step, and in a sum resonance both modes may grow at once.
+# Resonances of third order between two modes: a (angle of the faster mode) + b (angle of the slower
+# mode) = 2 pi turns; values are (a, b, turns). In "1:2" the step shifts the frequency ratio to 2;
+# the others do not exist without steps, and in these sum resonances both modes may grow at once.
 PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
 
 
 @record
 class Map:
-    """Properties of the matrix A; None stands for a number that is not finite."""
+    """Properties of the matrix A; a number that is not finite is None."""
 
     growth: float | None  # largest modulus of the eigenvalues
-    turn: float | None  # the angle in (0, 2 pi); None if the step grows, damps or flips
+    turn: float | None  # rotation angle in (0, 2 pi); None if the step grows, damps or flips
     trace: float | None
 
     @property
@@ -53,7 +53,7 @@ class Map:
 
 
 def _once(find: Callable[..., Any]) -> Callable[..., Any]:
-    """Caches a StepMap method by its arguments, since many equilibria and rows repeat them."""
+    """Caches a method of StepMap by its arguments, since many equilibria and rows repeat them."""
 
     @wraps(find)
     def kept(of: StepMap, *given: str | float) -> Any:
@@ -72,14 +72,14 @@ class StepMap:
 
     traits: ChartedMethod
     asker: Asker
-    states: bool = False  # the system has first-order variables, stepped like u' = lambda u
+    states: bool = False  # the model has first-order variables, stepped like u' = lambda u
     bound: bool = False  # the model has rotations or constraints
     turning: bool = False  # the model has rotations
     linear: bool = False  # linear with constant coefficients: resonances have no effect
     found: dict[tuple, Any] = field(default_factory=dict)
 
     def map(self, y: float, stiffness: float = 1, damping: float = 0) -> Map:
-        """Returns the map of a step of size y; without values if the step fails."""
+        """Returns the properties of A for a step of size y; without values if the step fails."""
         (a, b), (c, d) = self.asker.spring(self.traits.name, stiffness, damping, float(y))
         half, det = (a + d) / 2, a * d - b * c
         if not math.isfinite(half * det):
@@ -92,7 +92,7 @@ class StepMap:
 
     @_once
     def limit(self, ratio: float) -> float | None:
-        """Returns the limit; None: no limit up to FURTHEST. 0: growth at any step size."""
+        """Returns the stability limit; None: none up to FURTHEST, 0: growth at any step size."""
         known = self.traits.imaginary
         if self.states and self.traits.real == math.inf:
             return None
@@ -105,24 +105,26 @@ class StepMap:
 
     @property
     def _partitioned(self) -> bool:
-        """For implicit methods: whether first-order variables are stepped unlike coordinates."""
+        """Whether an implicit method treats first-order variables unlike coordinates."""
         return self.traits.real != self.traits.imaginary
 
     @property
     def tells(self) -> bool:
-        """Whether the oscillator represents the model: off the group, attitudes are first-order."""
+        """Whether the oscillator represents the model: not if the method treats quaternions, as
+        first-order variables, unlike coordinates."""
         apart = self.traits.implicit and self._partitioned and "group" not in self.traits.flags
         return not (self.turning and apart)
 
     def pole(self) -> float | None:
-        """Returns the pole; None if each step up to FURTHEST has a solution."""
+        """Returns the first y at which a step on q'' = +q has no solution, up to FURTHEST; else
+        None."""
         if not self.traits.implicit or (self.states and self._partitioned):
             return None
         return self._pole()
 
     @_once
     def _pole(self) -> float | None:
-        """Returns the root of 1/trace, extrapolated: steps just below it may be refused."""
+        """Returns the root of 1/trace by extrapolation: steps just below the pole may fail."""
 
         def beyond(y: float) -> bool:
             trace = self.map(y, -1.0).trace
@@ -143,8 +145,9 @@ class StepMap:
 
     @_once
     def resolves(self, grows: bool) -> float | None:
-        """Returns the first y at which LEAP steps on the oscillator are off by half of its range;
-        with `grows`, on q'' = +q by half of the exact solution. None: no such y up to FURTHEST."""
+        """Returns the first y at which LEAP steps on the oscillator have an error of half its
+        range; with `grows`, on q'' = +q an error of half the exact solution. None: no such y up to
+        FURTHEST."""
 
         def off(y: float) -> bool:
             step = self.map(y, -1.0 if grows else 1.0)
@@ -154,13 +157,13 @@ class StepMap:
                 return not abs((step.growth / math.exp(y)) ** LEAP - 1) < 0.5
             cosine = max(-1.0, min(step.trace / (2 * step.growth), 1.0))
             made = (step.growth * cmath.exp(1j * math.acos(cosine))) ** LEAP
-            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # its range is twice the amplitude
+            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # the range is twice the amplitude
 
         return first_change(off, 0.0, FURTHEST, close=1e-9)
 
     @_once
     def angles(self) -> tuple[list[float], list[float]]:
-        """Returns y and the angle of a step, while A is a rotation (or up to FURTHEST)."""
+        """Returns ascending y and the rotation angles at them, until A is no rotation."""
         limit = self.limit(0.0)
         far = FURTHEST if limit is None else limit
         ys = [far * (k + 1) / COARSE for k in range(COARSE)] if far else []
@@ -182,10 +185,10 @@ class StepMap:
         return None
 
     def pair(self, kind: str, ratio: float) -> float | None:
-        """Returns y of the faster of two modes at which the angles of a step meet the condition
-        `kind` of PAIRS, or None; `ratio` is the ratio of their true frequencies."""
+        """Returns y of the faster of two modes at which the rotation angles meet the condition
+        `kind` of PAIRS, or None; `ratio` is the ratio of the exact frequencies."""
         if kind == "1:2" and abs(ratio - 2) < 1e-6:
-            return None  # the modes are in this resonance already; a step only detunes them
+            return None  # without a step the modes are already in this resonance
         return self._pair(kind, ratio)
 
     @_once
@@ -202,7 +205,7 @@ class StepMap:
 
 
 def combined(kind: str, fast: float, slow: float) -> float:
-    """Returns the distance of two modes' angles from the resonance."""
+    """Returns a angle(fast) + b angle(slow) - 2 pi turns, which is 0 at the resonance `kind`."""
     a, b, turns = PAIRS[kind]
     return a * fast + b * slow - turns * TWO_PI
 
@@ -215,9 +218,9 @@ def first_change(
     parts: int = 32,
     close: float = 0.0,
 ) -> float | None:
-    """Returns the first x in (low, high] at which `test` becomes true: a coarse search with `looks`
-    points, then refinements into `parts` intervals, to precision `close`; 0: to round-off. Misses
-    intervals narrower than the spacing of the coarse search."""
+    """Returns the first x in (low, high] at which `test` becomes true, from a coarse search with
+    `looks` points and refinements into `parts` intervals, to precision `close` (0: round-off). It
+    may miss intervals narrower than the spacing of the coarse search."""
     xs = [low + (high - low) * (k + 1) / looks for k in range(looks)]
     where = next((k for k, x in enumerate(xs) if test(x)), None)
     while where is not None:

@@ -8,20 +8,20 @@ from .measure import FAILED, Growth, Measured, Row
 from .predict import Prediction
 from .rest import UNDECIDED
 
-TOLERANCE = 0.01  # relative difference that counts as a miss
-LISTED = 4  # resonances named in one sentence
-NEXT = 0.03  # relative distance at which a failing point counts as near a prediction
+TOLERANCE = 0.01  # least relative difference of a miss
+LISTED = 4  # most resonances named in one sentence
+NEXT = 0.03  # relative distance within which a failing point is near a prediction
 
 
 @record
 class Miss:
     method: str
-    kind: str  # limit, 1:3, ..., response, below, above, growth
+    kind: str  # kind of the prediction, or response, below, above, growth
     text: str
 
 
 def difference(predicted: float | None, measured: float | None) -> float | None:
-    """Returns the relative difference; 0 if neither happens, None if only one does."""
+    """Returns the relative difference; 0 if neither event happens, None if only one does."""
     if predicted is None and measured is None:
         return 0.0
     if predicted is None or measured is None:
@@ -32,7 +32,7 @@ def difference(predicted: float | None, measured: float | None) -> float | None:
 
 
 def _missed(off: float | None, sharp: bool = True) -> bool:
-    """Whether a difference is a miss; a scale (not `sharp`) is met within a factor of 2."""
+    """Whether a difference is a miss; estimates (not `sharp`) may be off by a factor of 2."""
     return off is None or (abs(off) > TOLERANCE if sharp else not -0.5 <= off <= 1)
 
 
@@ -43,7 +43,7 @@ def name_mode(p: Prediction) -> str:
 
 
 def of_prediction(m: Measured) -> Miss | None:
-    """Returns the miss of a measured prediction, or None."""
+    """Returns a Miss if the measurement differs from the prediction, else None."""
     p = m.prediction
     off = difference(p.h, m.h)
     if not _missed(off, p.sharp):
@@ -63,8 +63,7 @@ def of_prediction(m: Measured) -> Miss | None:
 
 
 def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
-    """Returns a miss for resonances at which the mode rotates as predicted, but without a response.
-    """
+    """Returns a miss if modes rotate as predicted at resonances but do not respond."""
     silent = [m for m in measured if m.prediction.method == method and m.silent]
     if not silent:
         return []
@@ -92,9 +91,9 @@ def of_growth(g: Growth) -> Miss | None:
 
 
 def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
-    """Returns misses for points that fail below the limit of the row's primary equilibrium, and
-    points that do not fail above it: a linear prediction does not hold for motions of finite size.
-    """
+    """Returns a miss for points that fail below the stability limit of the row's primary
+    equilibrium, and one for points that do not fail above it: the limit only holds for small
+    motions."""
     below: list[tuple[float, float, str, Row]] = []
     above: list[tuple[float, float]] = []
     many_below = many_above = 0
@@ -133,7 +132,7 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
 
 
 def _close(row: Row, method: str, h: float) -> str:
-    """Names the prediction nearest to h, if one is near."""
+    """Names the prediction nearest to h if it is within the relative distance NEXT."""
     near = [p for p in row.predictions if p.method == method and p.h and abs(h / p.h - 1) < NEXT]
     if not near:
         return ""
@@ -142,7 +141,7 @@ def _close(row: Row, method: str, h: float) -> str:
 
 
 def unmeasured(made: StabilityMap) -> list[str]:
-    """Lists the predictions that were not measured, in a sentence."""
+    """Returns a sentence that lists the predictions that were not measured."""
     seen = [m.prediction for m in made.measured]
     left = [f"{p.kind} of {p.method}" for p in made.predictions if p not in seen]
     growing = sum(m.growth > 0 for e in made.rest.equilibria for m in e.modes)
@@ -176,7 +175,7 @@ def unsought(made: StabilityMap) -> str:
 
 
 def misses(made: StabilityMap) -> list[Miss]:
-    """Returns all misses: predictions first, then responses, then the map."""
+    """Returns all misses: first those of predictions, then of responses, then of points."""
     found = [miss for m in made.measured if (miss := of_prediction(m))]
     found += [miss for g in made.growths if (miss := of_growth(g))]
     for method in made.steps:

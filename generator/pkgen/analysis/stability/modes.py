@@ -1,14 +1,15 @@
-"""The modes of small motions about an equilibrium: u = Re(shape exp(lambda t)), lambda = growth +
-i frequency, the fastest first.
+"""The modes of small motions about an equilibrium, u = Re(shape exp(lambda t)) with lambda = growth
++ i frequency, sorted from the fastest.
 
-Momenta of cyclic coordinates c are held (Routh). For the others n, M u'' + C u' + K u = 0 with
+Momenta of the cyclic coordinates c are constant (Routh). The other coordinates n obey M u'' + C u'
++ K u = 0 with
 
-    M = M_nn + M_nc R,  C = D_nn + M_nc S + D_nc R,  K = -F_nn + D_nc S,  D = dp/dq - F',
-    F = d(pdot)/dq,  F' = d(pdot)/dv,  u_c' = R u' + S u,  R = -M_cn/M_cc,  S = -(dp/dq)_cn/M_cc
+M = M_nn + M_nc R, C = D_nn + M_nc S + D_nc R, K = -F_nn + D_nc S, D = dp/dq - F', F = d(pdot)/dq,
+F' = d(pdot)/dv, u_c' = R u' + S u, R = -M_cn/M_cc, S = -(dp/dq)_cn/M_cc
 
 With first-order variables or constraints the modes are those of z' = A z in the tangent space of
-the constraints, over all variables that a rate depends on: z is the unknowns, then the rates of the
-coordinates.
+the constraints, over all variables on which a rate depends; z holds the unknowns, then the
+coordinates' rates.
 
 References: L. Meirovitch, Methods of Analytical Dynamics, ch. 6; J. Marsden, T. Ratiu, Introduction
 to Mechanics and Symmetry, 8.9.
@@ -24,16 +25,16 @@ from numpy import linalg
 from .rest import ZERO, Mode
 from .system import System
 
-NATURAL = 1e-12  # relative size of C, and of what is not symmetric in K, that is round-off
-DEPENDENT = 1e-9  # singular value, relative to the largest, that counts as 0
-ROUNDED = 1e-13  # entry of A in the tangent space, relative to the largest of its kind: 0
-BESIDE = 6e-6  # differences for derivatives
+NATURAL = 1e-12  # largest relative size of C, and of the asymmetry of K, from round-off
+DEPENDENT = 1e-9  # a singular value below this part of the largest counts as 0
+ROUNDED = 1e-13  # an entry of A below this part of the largest of its kind becomes 0
+BESIDE = 6e-6  # step of numerical derivatives, relative
 TIED = 1e-9  # relative difference of equal rates
-SAME = 1e-2  # relative difference of lambda at an equilibrium and next to it
+SAME = 1e-2  # relative difference of lambda that shows a spurious mode
 
 
 def modes(system: System, state: numpy.ndarray) -> tuple[str, list[Mode]]:
-    """Returns the status and the modes, none unless it is PK_DONE."""
+    """Returns the status and the modes; without modes if the status is not PK_DONE."""
     try:
         if system.n > system.m or system.given["constraints"]:
             found = _first_order(system, state)
@@ -47,9 +48,9 @@ def modes(system: System, state: numpy.ndarray) -> tuple[str, list[Mode]]:
 
 
 def settled(system: System, state: numpy.ndarray, doubt: numpy.ndarray) -> tuple[str, list[Mode]]:
-    """Returns the modes, with lambda 0 of spurious ones. If the linear terms vanish at the root,
-    their numerical value is proportional to the error of the root, some `doubt`: a mode that
-    changes when the root is moved by that much is spurious."""
+    """Returns the status and the modes, with lambda = 0 for spurious modes. If the linear terms
+    vanish at an equilibrium, their numerical value is proportional to its error, estimated by
+    `doubt`: a mode that changes when the state moves by `doubt` is spurious."""
     status, found = modes(system, state)
     by_rate = numpy.arange(system.n) >= system.m
     by_rate[system.given["cyclic"]] = True
@@ -69,13 +70,13 @@ def settled(system: System, state: numpy.ndarray, doubt: numpy.ndarray) -> tuple
 
 
 def _first(a: Mode, b: Mode) -> bool:
-    """Whether a comes before b: it is faster, or as fast and grows more."""
+    """Whether mode a precedes b: it is faster, or as fast with more growth."""
     tie = TIED * b.rate
     return a.rate > b.rate + tie or (a.rate > b.rate - tie and a.growth > b.growth + tie)
 
 
 def _mode(value: complex, shape: numpy.ndarray, free: numpy.ndarray) -> Mode:
-    """Returns a mode whose largest free component is 1."""
+    """Returns a mode, scaled so that its largest component among `free` is 1."""
     sizes = abs(shape) * free
     lead = int((sizes >= sizes.max() / (1 + TIED)).argmax())
     shape = shape / shape[lead] if shape[lead] else shape
@@ -84,7 +85,7 @@ def _mode(value: complex, shape: numpy.ndarray, free: numpy.ndarray) -> Mode:
 
 
 def _cleared(values: numpy.ndarray) -> numpy.ndarray:
-    """Sets parts that are small beside the largest value to 0."""
+    """Sets real and imaginary parts that are small relative to the largest modulus to 0."""
     least = ZERO * abs(values).max(initial=0.0)
     parts = (numpy.where(abs(x) <= least, 0.0, x) for x in (values.real, values.imag))
     re, im = parts
@@ -143,7 +144,7 @@ def _first_order(system: System, state: numpy.ndarray) -> list[Mode] | None:
             return None
     values, shapes = linalg.eig(A)
     values = _cleared(values)
-    left = int(system.idle[:m].sum())  # zeros of the constant momenta of cyclic coordinates
+    left = int(system.idle[:m].sum())  # zero eigenvalues: constant momenta of cyclic coordinates
     zeros = numpy.flatnonzero(values == 0)[:left]
     found = []
     for k in numpy.flatnonzero(values.imag >= 0):
@@ -155,9 +156,9 @@ def _first_order(system: System, state: numpy.ndarray) -> list[Mode] | None:
 
 
 def kept(system: System, state: numpy.ndarray) -> numpy.ndarray:
-    """Returns the derivatives by z of what constraints and rotations keep at 0: phi of holonomic
-    constraints, J v + j0 of all, (|Q|^2 - 1)/2 of each rotation. A rotation of a body by a small
-    vector d adds Q (0, d)/2 to its quaternion."""
+    """Returns the derivatives by z of the functions that constraints and rotations keep at 0: phi
+    of holonomic constraints, J v + j0 of all constraints, (|Q|^2 - 1)/2 of each quaternion Q. A
+    rotation of a body by a small vector d adds Q (0, d)/2 to Q."""
     n, m, turning = system.n, system.m, system.turning
     h, c, first = system.given["holonomic"], system.given["constraints"], m + turning
     C = numpy.zeros((h + c + turning // 3, n + m))
@@ -191,9 +192,9 @@ def kept(system: System, state: numpy.ndarray) -> numpy.ndarray:
 def _tangent(
     system: System, state: numpy.ndarray, among: numpy.ndarray, A: numpy.ndarray
 ) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Returns an orthonormal basis of the null space of kept(), and A in it. Entries that are
-    round-off beside A's entries of the same kind (positions or rates, by positions or rates) are
-    set to 0: a free motion's eigenvalues would be their square root."""
+    """Returns an orthonormal basis of the null space of kept(), and A in this basis. Round-off
+    relative to the block of A (positions or rates, by positions or rates) is set to 0, since a free
+    motion's eigenvalues would be its square root."""
     C = kept(system, state)[:, among]
     h, c = system.given["holonomic"], system.given["constraints"]
     rate = (among >= system.n) | ((among >= system.m) & (among < system.m + system.turning))

@@ -1,11 +1,10 @@
-"""Motions that begin close to an equilibrium, the start, along its modes:
+"""Motions that begin close to an equilibrium q*, v*, displaced along its modes by the amplitude A:
 
-    q = q* + A sum Re(u),  v = v* + A sum Re(lambda u)
+q = q* + A sum Re(u), v = v* + A sum Re(lambda u)
 
-The growth of the largest displacement of a coordinate that is not cyclic, and the mean angle per
-step by which the mode's leading coordinate turns about q* in the plane (q, -v/omega), are measured
-along the steps. With a second mode, the growth is that of this mode's part of the motion, hypot(u.M
-(q - q*), u.M v/omega).
+Measures the growth of the largest displacement of a non-cyclic coordinate, and the mean angle per
+step by which the mode's leading coordinate rotates about q* in the plane (q, -v/omega). With a
+second mode, the growth is that of the second mode's component, hypot(u.M (q - q*), u.M v/omega).
 """
 
 from __future__ import annotations
@@ -19,11 +18,11 @@ from ...system.exits import UsageError
 from .rest import Mode
 from .system import EXACT, System
 
-FAR = 1e3  # growth at which the steps end
+FAR = 1e3  # growth factor at which the steps end
 
 
 def _displacement(system: System, modes: Sequence[Mode], amplitude: float) -> numpy.ndarray:
-    """Returns a displacement of the start along modes."""
+    """Returns the displacement of the start along `modes`, each with the same amplitude."""
     n, m = system.n, system.m
     moved = numpy.zeros(2 * n)
     for mode in modes:
@@ -35,24 +34,24 @@ def _displacement(system: System, modes: Sequence[Mode], amplitude: float) -> nu
 
 
 def _settled(system: System, state: numpy.ndarray) -> numpy.ndarray:
-    """Returns the state on the constraints: a mode is only tangential to them."""
+    """Projects a state onto the constraints, to which a mode is only tangential."""
     return system.reference().projected(state)[1] if system.bound else state
 
 
 def _largest(system: System, states: numpy.ndarray) -> numpy.ndarray:
-    """Returns the largest displacement of each state, without idle coordinates."""
+    """Returns the largest displacement in each state, without idle coordinates."""
     return abs(system.apart(states)[:, ~system.idle]).max(1, initial=0.0)
 
 
 class _Turning:
-    """The rotation of a coordinate about the equilibrium, step by step."""
+    """Measures the rotation of a coordinate about the equilibrium, step by step."""
 
     def __init__(self, system: System, mode: Mode, steps: int, state: numpy.ndarray):
         self.system, self.omega, self.half = system, mode.frequency, steps // 2
         free = numpy.flatnonzero(~system.idle)
         size = abs(numpy.array(mode.re))
         self.lead = int(free[size[free].argmax()]) if len(free) else 0
-        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sums over both halves
+        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sum of angles in each half
         self.angle = float(self._phase(state[None])[0])
 
     def _phase(self, states: numpy.ndarray) -> numpy.ndarray:
@@ -72,8 +71,9 @@ class _Turning:
 
     @property
     def mean(self) -> float:
-        """The mean angle per step. The orbit is no circle in that plane, so the phase oscillates
-        about a line; the difference of the means of both halves nearly cancels that."""
+        """The mean angle per step. The phase oscillates about a straight line in time, since the
+        orbit is no circle in that plane; the difference of the means of the two halves nearly
+        cancels this."""
         if self.half and self.steps >= 2 * self.half:
             return (self.sums[1] - self.sums[0]) / self.half**2
         return self.turned / self.steps if self.steps else 0.0
@@ -92,8 +92,8 @@ def near(
     other: int | None = None,
     seed: float = 0.0,
 ) -> dict[str, str | float]:
-    """Makes `count` steps from near the start, along `mode` or all modes (-1) that move and do not
-    grow, with mode `other` at the amplitude `seed`. Returns the fields of a Close."""
+    """Makes `count` steps from near the start, displaced along `mode`, or along all modes that move
+    and do not grow (-1), and along mode `other` by `seed`. Returns the fields of a Close."""
     if not modes or not all(-1 <= k < len(modes) for k in (mode, other or 0)):
         raise UsageError("no such mode")
     some = [m for m in modes if m.growth <= 0 and m.rate > 0] if mode < 0 else [modes[mode]]
@@ -126,12 +126,12 @@ def near(
 
 @numpy.errstate(all="ignore")
 def leave(system: System, modes: Sequence[Mode], mode: int, amplitude: float) -> float:
-    """Returns how fast the motion leaves the start along a mode that grows."""
+    """Returns the growth rate of the reference motion along a growing mode from the start."""
     of, most = modes[mode], max(m.growth for m in modes)
     if not of.growth > 0:
         raise UsageError("one mode that grows, please")
-    until = math.log(FAR) / most  # limited, since a faster mode grows from round-off
-    if of.frequency > 0:  # whole periods, so that the phase does not matter
+    until = math.log(FAR) / most  # short: later, a faster mode has grown from round-off
+    if of.frequency > 0:  # whole periods, so that the phase has no effect
         period = 2 * math.pi / of.frequency
         until = math.ceil(until / period) * period
     state = _settled(system, system.start + _displacement(system, [of], amplitude))

@@ -1,8 +1,7 @@
-"""Orbits of a method's step map that close after some steps, and their multipliers: fixed points
-and 2-cycles that the equations do not have (ghosts), cycles, motions in phase with a drive.
-Newton's method is applied to the map itself: its derivative by central differences, minimal
-corrections by singular values (orbits may come in families), known roots deflated. Not all
-orbits need be found.
+"""Orbits of a method's step map that close after some steps, and their multipliers: spurious fixed
+points and 2-cycles (ghosts), limit cycles, and motions in phase with a driver. Newton's method
+solves for the closed orbit: derivatives by central differences, minimum-norm corrections by
+singular values (orbits may form families), deflation of known orbits. Some orbits may be missed.
 
 References: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026; A. R.
 Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions).
@@ -19,15 +18,15 @@ from .unknowns import TURN, Unknowns, halton, primes
 
 MOST_KNOWN, MOST_ORBITS, MOST_TURNS = 128, 32, 60
 STATES = 4  # most states of an orbit that are returned
-BESIDE = 1e-6  # central differences, in boxes: errors are about 1e-10
-FLAT = 1e-7  # singular value, relative to the largest, that counts as 0
-SMALL = 1e-9  # correction at which the iteration ends
-CLOSED = 1e-6  # largest gap of a closed orbit
-FURTHEST = 0.5  # largest correction; a quarter of it for log h
-SAME = 1e-5  # distance of equal states
-REST = 1e-6  # motion in a step at an equilibrium
-AWAY = 16.0  # distance at which an orbit is ignored
-ROUNDED = 1e-6  # round-off of a modulus of 1
+BESIDE = 1e-6  # step of central differences, in boxes; their error is about 1e-10
+FLAT = 1e-7  # a singular value below this part of the largest counts as 0
+SMALL = 1e-9  # size of the correction at which the iteration ends
+CLOSED = 1e-6  # largest distance between the ends of a closed orbit
+FURTHEST = 0.5  # largest correction of a state in boxes; of log h: a quarter of this
+SAME = 1e-5  # largest distance of states that count as equal
+REST = 1e-6  # largest motion per step at an equilibrium
+AWAY = 16.0  # distance from the region of the motion beyond which an orbit is ignored
+ROUNDED = 1e-6  # round-off of the modulus of a multiplier
 
 
 @record
@@ -37,8 +36,8 @@ class Orbit:
     steps: int
     h: float
     states: tuple[tuple[float, ...], ...]
-    multipliers: tuple[complex, ...]  # the largest modulus first
-    rests: bool  # the equations rest there too: no ghost
+    multipliers: tuple[complex, ...]  # in descending modulus
+    rests: bool  # whether the state is an equilibrium of the equations, so no ghost
     residual: float
 
     @property
@@ -48,31 +47,31 @@ class Orbit:
 
     @property
     def holds(self) -> bool:
-        """Whether it attracts or is neutral."""
+        """Whether the orbit is attracting or neutral."""
         return self.growth < 1 + ROUNDED
 
     def beyond(self, trivial: int) -> complex:
-        """Returns the multiplier of largest modulus, without the `trivial` ones nearest to 1; 0:
-        none."""
+        """Returns the largest multiplier except the `trivial` ones nearest to 1, or 0."""
         others = sorted(self.multipliers, key=lambda z: abs(z - 1))[trivial:]
         return max(others, key=abs, default=0j)
 
 
 @record
 class Closed:
-    """A state whose gap is closed, and the derivatives of the gap there."""
+    """A solution of Newton's method, and the derivatives of the gap there (see _Search)."""
 
     y: numpy.ndarray
     h: float
     slopes: numpy.ndarray
-    gap: float  # the largest left
+    gap: float  # largest remaining component
     steps: int
 
 
 class _Search:
-    """Newton's method for the gaps y -> end - y of some steps of a method, from several starts at
-    once. Deflation multiplies a gap by p = prod (1 + 1/|y - known|^2). Its correction is that of
-    the gap times 1/(1 - grad(p).correction/p), so it needs no other derivative."""
+    """Solves gap(y) = 0 by Newton's method from several starts at once; the gap is the end of some
+    steps of a method minus their start y. Deflation multiplies the gap by p = prod (1 + 1/|y -
+    known|^2). Its correction is that of the gap times 1/(1 - grad(p).correction/p), without other
+    derivatives."""
 
     def __init__(
         self, system: System, unknowns: Unknowns, method: str | None, h: float, free: bool
@@ -86,8 +85,8 @@ class _Search:
         return self.unknowns.apart(y, self.it.mapped(y, h, steps))
 
     def slopes(self, y: numpy.ndarray, h: float, steps: int) -> numpy.ndarray:
-        """Returns the derivatives of each gap, in rows, by the unknowns; with a free h, by log h in
-        a last column."""
+        """Returns the derivatives of each gap by the unknowns; with a free h, the last column is
+        the derivative by log h."""
         d = len(self.unknowns.of)
         by = numpy.zeros((d, y.shape[1]))
         by[range(d), self.unknowns.of] = BESIDE * self.unknowns.box
@@ -109,7 +108,7 @@ class _Search:
         return numpy.where(slope == 1, 1.0, 1 / (1 - slope))
 
     def newton(self, y: numpy.ndarray, h: float, steps: int) -> dict[int, Closed]:
-        """Returns by the number of a start where its gap has closed. A free h is of one start."""
+        """Returns the solutions found, by index of the start; one start only if h is unknown."""
         d, y, at, found = len(self.unknowns.of), y.copy(), numpy.arange(len(y)), {}
         for _ in range(MOST_TURNS):
             gap, slopes = self.gap(y, h, steps), self.slopes(y, h, steps)
@@ -120,7 +119,7 @@ class _Search:
             u, s, v = numpy.linalg.svd(slopes, full_matrices=False)
             parts = numpy.einsum("kij,ki->kj", u, gap)
             parts = numpy.where(s > FLAT * s[:, :1], -parts / numpy.where(s > 0, s, 1), 0.0)
-            step = numpy.einsum("kj,kji->ki", parts, v)  # the shortest correction
+            step = numpy.einsum("kj,kji->ki", parts, v)  # minimum-norm correction
             by = self._deflated(y, step[:, :d])[:, None]
             size = abs(by * step * numpy.where(numpy.arange(step.shape[1]) < d, 1, 4)).max(1)
             step = by * step * numpy.fmin(1, FURTHEST / numpy.fmax(size, FURTHEST))[:, None]
@@ -137,8 +136,8 @@ class _Search:
         return found
 
     def sought(self, starts: numpy.ndarray, h: float, first: int, steps: int, many: bool) -> None:
-        """Finds the orbits that Newton's method reaches; with `many` they are deflated, and each
-        start that reached one is tried again."""
+        """Finds the orbits that Newton's method reaches; with `many`, known orbits are deflated,
+        and each start that reached an orbit is used again."""
         while len(starts) and len(self.orbits) < MOST_ORBITS and len(self.known) < MOST_KNOWN:
             before, again = len(self.known), []
             for number, found in self.newton(starts, h, steps).items():
@@ -149,7 +148,7 @@ class _Search:
             starts = starts[again] if many else starts[:0]
 
     def _take(self, found: Closed, first: int, many: bool) -> bool:
-        """Keeps an orbit with the least number of steps after which it closes."""
+        """Keeps an orbit, with the least number of steps after which it closes."""
         y, h = found.y, found.h
         for k in range(1, found.steps if many else 1):
             if found.steps % k or not abs(self.gap(y[None], h, k)).max() < SAME:
@@ -213,10 +212,10 @@ def orbits(
     tries: int = 0,
     free: bool = False,
 ) -> tuple[Orbit, ...] | None:
-    """Returns the orbits that close after `first` (default: count) to `count` steps of h,
-    searched from `state` and `tries` more; with `free` h is an unknown, and without a method they
-    are of the motion over h. None: refused; or the equations depend on time and do not have these
-    periods."""
+    """Returns the orbits that close after `first` (default: count) to `count` steps of size h,
+    searched from `state` and `tries` more starts. With `free` h is unknown; without a method they
+    are orbits of the equations, over a time h. Returns None if the method is refused, or if the
+    equations depend on time and do not have these periods."""
     if not h > 0 or count < 1:
         raise UsageError("a step is positive, and there is one at least")
     numbers = range(first or count, count + 1)

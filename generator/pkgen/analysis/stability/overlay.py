@@ -15,7 +15,7 @@ from .measure import Row
 from .method import PAIRS
 from .predict import RESONANCES
 
-# Kind of a prediction -> line, text.
+# Kind of a prediction -> line style, label.
 LINES = {
     "limit": ("-", "limit"),
     "branch": ((0, (6, 2)), "branch"),
@@ -27,7 +27,7 @@ LINES = {
     "3:4": ("-.", "3:4"),
     **dict.fromkeys(PAIRS, (":", "")),
 }
-WORDS = {  # in the legend
+WORDS = {  # texts in the legend
     "limit": "predicted limit",
     "branch": "branch: predicted loss of the solution",
     "1:3": "step resonance 1:3, 2:3",
@@ -36,18 +36,18 @@ WORDS = {  # in the legend
     "cycle": "predicted loss of the cycle",
     "local": "scale: resolves the fastest motion",
 }
-APART = 0.09  # least distance of two stars, relative to the axes
+APART = 0.09  # least distance of two stars, relative to the lengths of the axes
 GHOSTS = {"ghost": "ghost that keeps a run", "ghost that repels": "ghost that repels"}
 PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
 SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # colours of a resonance without a response
 SIZE = 6.0  # font size of a label, in points
-DOWN = 24  # positions tried along a line for its label
-COVERED = 0.3  # cost of another line under a label, relative to moving down the whole line
+DOWN = 24  # number of positions along a line that are tried for its label
+COVERED = 0.3  # cost of a label over another line; moving it down the full line costs 1
 
 
 @record(eq=False)
 class Marked:
-    """A line with its label, which label() places."""
+    """A line and the text of its label, which label() places."""
 
     text: str
     h: np.ndarray
@@ -56,7 +56,7 @@ class Marked:
 
 
 def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, float]]]:
-    """Returns the points (x, h) of each predicted line, by what identifies the line."""
+    """Returns the points (x, h) of each predicted line, by a key that identifies the line."""
     found: dict[tuple, list[tuple[float, float]]] = {}
     for row in rows:
         for p in row.predictions:
@@ -70,8 +70,8 @@ def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, f
 def lines(
     axes: plt.Axes, made: StabilityMap, name: str, look: Look
 ) -> tuple[set[str], list[Marked]]:
-    """Draws the lines. Returns the kinds drawn, and "silent" for resonances without a response; and
-    the lines to be labelled."""
+    """Draws the lines. Returns the kinds drawn, with "silent" for resonances without a response,
+    and the lines to be labelled."""
     drawn: set[str] = set()
     low, high = axes.get_xlim()
     bottom, top = axes.get_ylim()
@@ -85,7 +85,7 @@ def lines(
             continue
         mark = (kind, round(1e4 * hs[-1] / (high - low)))
         if mark in seen:
-            continue  # a mirror image of the equilibrium has the same line
+            continue  # the line of a mirror image of the equilibrium
         seen.add(mark)
         xs = np.array([row.x for row in made.rows])
         at = dict(line)
@@ -114,10 +114,9 @@ def lines(
 
 
 def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
-    """Places upright texts on the lines, by priority: clear of other texts, if possible clear of
-    other lines, and as high as possible. Letters have a halo and no box, to leave cells visible.
-    Omits a label without a free position; the legend still shows its line. The layout must be done.
-    """
+    """Places upright labels on the lines, by priority: free of other labels, if possible free of
+    other lines, and as high as possible. Letters have a halo and no box, so that cells stay
+    visible. A label without a free position is omitted. Call it after the layout of the figure."""
     renderer = axes.figure.canvas.get_renderer()
     frame = axes.get_window_extent(renderer)
     gap = axes.figure.dpi / 72
@@ -139,7 +138,7 @@ def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
             if not frame.x0 <= x <= frame.x1:
                 continue
             half = size.width / 2 + 2 * gap
-            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keep it inside the frame
+            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keeps the label inside the frame
             here = Bbox.from_bounds(
                 x - size.width / 2 - gap, y - size.height / 2 - 2 * gap, size.width + 2 * gap,
                 size.height + 4 * gap,
@@ -167,18 +166,18 @@ def _silent(look: Look) -> str:
 
 
 def omega(mode: int) -> str:
-    """Returns the name of a mode's frequency, with a subscript."""
+    """Returns the symbol of a mode's frequency, such as ω₁ for mode 0."""
     return "ω" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(mode + 1))
 
 
 def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
-    """Draws triangles on the lower edge at the measured limits; returns whether there are any."""
+    """Draws triangles on the lower edge at the measured limits; returns whether any are drawn."""
     low, high = axes.get_xlim()
     own = [m for m in made.measured if m.prediction.method == name and m.h]
     failing = [m.h for m in own if m.prediction.kind in ("limit", "branch", "cycle")]
     places = [h for h in failing if low < h < high]
     if not places:
-        return False  # the layout fails on an empty unclipped line: it has no size
+        return False  # an empty unclipped line has no size: the layout would fail
     how = {"marker": "^", "ls": "", "ms": 4.5, "color": look.ink, "mec": look.ground, "mew": 0.5}
     at = {"clip_on": False, "transform": axes.get_xaxis_transform(), "zorder": 5}
     axes.plot(places, [0.0] * len(places), **how, **at)
@@ -186,8 +185,8 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
 
 
 def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> set[str]:
-    """Draws stars at the step sizes and states of ghosts, filled if a run stays there. Omits stars
-    near others, filled ones last. Returns the kinds drawn."""
+    """Draws stars at the step sizes and states of ghosts, filled if a run stays there. Stars too
+    close together are omitted, empty ones first. Returns the kinds drawn."""
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     places: dict[str, list[tuple[float, float]]] = {}
     taken: list[tuple[float, float]] = []
@@ -212,7 +211,7 @@ def _star(kind: str, look: Look) -> dict[str, object]:
 
 
 def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
-    """Returns legend entries for what lines(), measured() and ghosts() drew."""
+    """Returns legend entries for everything drawn by lines(), measured() and ghosts()."""
     same = {"2:3": "1:3", "3:4": "1:4", **dict.fromkeys(PAIRS, "1:2")}
     shown = {same.get(kind, kind) for kind in drawn}
     found = [

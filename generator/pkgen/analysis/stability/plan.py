@@ -24,23 +24,24 @@ from .ask import Motion
 from .cycles import Cycle
 from .rest import Equilibrium, Rest
 
-# One or two methods of each family, chosen to fail in different ways.
+# One or two methods of each family, which fail in different ways.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
-HOLONOMIC = ("rattle", "lie_midpoint")  # replace verlet, yoshida4 with constraints
+HOLONOMIC = ("rattle", "lie_midpoint")  # used with constraints, in place of verlet and yoshida4
 PANELS = 6
-FACTORS = ("amplitude", "rates", "coordinates")  # factors on the start
-AMPLITUDES = (0.0, 1.5)  # range of the factor on the start's displacement
-AT_REST = 1e-12  # relative distance below which a start is at the equilibrium
-PERIODS = 50  # duration of a point, in periods of the slowest mode
-FULL, QUICK = (48, 32), (24, 12)  # step sizes, and values of the varied quantity
+FACTORS = ("amplitude", "rates", "coordinates")  # kinds of axis that multiply the start
+AMPLITUDES = (0.0, 1.5)  # range of the factor on the displacement of the start
+AT_REST = 1e-12  # relative distance from the equilibrium below which the start is at it
+PERIODS = 50  # duration of each run, in periods of the slowest mode
+FULL, QUICK = (48, 32), (24, 12)  # default numbers of step sizes and of rows
 MOST_POINTS = 1_000_000
 
 
 @record
 class Axis:
-    """The vertical axis. `amplitude` is a factor on the start's displacement from the equilibrium.
-    Without an equilibrium it is a factor on the `rates` of the start (with its first-order
-    variables) or its `coordinates`. Else it is one start value or parameter, given by its index."""
+    """The vertical axis. `amplitude` multiplies the start's displacement from the equilibrium.
+    Without an equilibrium, `rates` multiplies the start's rates and first-order variables, or
+    `coordinates` its coordinates. The other kinds are one start value or parameter, given by its
+    index."""
 
     kind: str  # amplitude, rates, coordinates, q, v, parameter
     name: str
@@ -62,8 +63,9 @@ class Axis:
         motion: Motion,
         turned: range = range(0),
     ) -> Settings:
-        """Returns the settings of the row at x. The start is displaced from `at`; `turned` are the
-        indices of quaternions among the rates. The start is not yet projected or normalised."""
+        """Returns the settings of the row at x. `at` is the equilibrium from which the start is
+        displaced, `turned` the indices of quaternions among the rates. The start is not yet
+        projected or normalised."""
         if self.kind == "rates":
             v = [v if i in turned else x * v for i, v in enumerate(motion.v)]
             return replace(base, start_v=tuple(enumerate(v)))
@@ -86,12 +88,13 @@ class Axis:
 
     @staticmethod
     def _turned(x: float, part: float, k: int) -> float:
-        """Returns part k of a quaternion whose distance from the identity is multiplied by x."""
+        """Returns component k of a quaternion whose difference from the identity is multiplied by
+        x."""
         none = 1.0 if k % 4 == 0 else 0.0
         return none + x * (part - none)
 
     def place(self, state: Sequence[float], at: Equilibrium | None, motion: Motion) -> float:
-        """Returns x of settings() for a state; a factor is that of the largest displacement."""
+        """Returns the x at which a state lies; a factor is that of the largest displacement."""
         half = len(motion.q)
         if self.kind == "parameter":
             return motion.parameters[self.index]
@@ -120,7 +123,7 @@ def numbers(text: str | None, quick: bool) -> tuple[int, int]:
 
 
 def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
-    """Reads `--vary "theta=0..3.1"`, `--vary "k=1..100 [N/m]"`; default: the amplitude."""
+    """Reads `--vary "theta=0..3.1"` or `--vary "k=1..100 [N/m]"`; the default is the amplitude."""
     if text is None:
         return Axis("amplitude", "amplitude", "", _spread(*AMPLITUDES, count, open_low=True))
     left, equal, right = text.partition("=")
@@ -143,8 +146,8 @@ def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
 
 
 def without_equilibrium(axis: Axis, motion: Motion, turned: range = range(0)) -> Axis:
-    """Returns the axis for a model without an equilibrium: the rates of the start; if the start is
-    at rest, its coordinates and the rotation angles of bodies."""
+    """Returns the axis for a model without an equilibrium: the rates of the start or, if it is at
+    rest, its coordinates and the rotation angles of bodies."""
     moves = any(v for i, v in enumerate(motion.v) if i not in turned)
     kind = "rates" if moves else "coordinates"
     return replace(axis, kind=kind, name=kind)
@@ -153,8 +156,8 @@ def without_equilibrium(axis: Axis, motion: Motion, turned: range = range(0)) ->
 def still(
     axis: Axis, at: Equilibrium | None, motion: Motion, cyclic: frozenset[int], autonomous: bool
 ) -> bool:
-    """Returns whether all rows start alike, since a factor multiplies zeros. Raises UsageError if
-    additionally nothing moves."""
+    """Returns whether all rows have the same start, because a factor multiplies zeros. Raises
+    UsageError if nothing moves either."""
     if axis.kind not in FACTORS:
         return False
     rest = (*at.q, *at.v) if at and axis.kind == "amplitude" else (0.0,) * 2 * len(motion.q)
@@ -175,7 +178,7 @@ def still(
 def span(
     option: str, text: str, values: parsing.Values, unit: str, name: str
 ) -> tuple[float, float]:
-    """Reads `LO..HI`; a unit at the end applies to both."""
+    """Reads `LO..HI`; a unit at the end applies to both numbers."""
     low, _, high = text.partition("..")
     high, bracket, written = high.partition("[")
     ends = [
@@ -187,8 +190,7 @@ def span(
 
 
 def _spread(low: float, high: float, count: int, open_low: bool = False) -> tuple[float, ...]:
-    """Returns `count` values from low to high; with `open_low` the first is one spacing above low.
-    """
+    """Returns `count` values from low (one spacing above it with `open_low`) to high."""
     if open_low:
         return tuple(low + (high - low) * (k + 1) / count for k in range(count))
     return tuple(low + (high - low) * k / max(count - 1, 1) for k in range(count))
@@ -201,7 +203,7 @@ def methods(
     own: Sequence[str] = (),
     bound: bool = False,
 ) -> tuple[list[ChartedMethod], list[str]]:
-    """Returns the methods to map, and a sentence for each one left out."""
+    """Returns the methods to map, and a sentence on each method that is left out."""
     by_name = {m.name: m for m in known}
     names = (
         [n.strip() for n in text.split(",") if n.strip()]
@@ -236,7 +238,7 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
 
 
 def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int | None:
-    """Returns the index of the equilibrium nearest to `place`; stable ones are preferred."""
+    """Returns the index of the equilibrium nearest to `place`, of a stable one if there is any."""
 
     def distance(number: int) -> tuple[bool, float]:
         at = rest.equilibria[number]
@@ -253,7 +255,7 @@ def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int |
 def beside(
     rest: Rest, number: int | None, place: Sequence[float], cyclic: frozenset[int]
 ) -> Equilibrium | None:
-    """Returns equilibrium `number`, its angles shifted by whole turns towards `place`."""
+    """Returns equilibrium `number`, with angles shifted by multiples of 2 pi to be near `place`."""
     if number is None:
         return None
     at = rest.equilibria[number]
@@ -265,7 +267,7 @@ def beside(
 
 
 def duration(at: Equilibrium | None, given: float | None, cycle: Cycle | None = None) -> float:
-    """Returns `given`, or PERIODS of the cycle or of the slowest mode, or the default of a run."""
+    """Returns `given`, else PERIODS of the cycle or slowest mode, else the default of a run."""
     if given is not None:
         return given
     slow = [at.modes[k].frequency for k in at.oscillating] if at else []

@@ -1,31 +1,28 @@
-"""Classifies a method's run at one step size, mostly by its energy E. E0 is the first energy, S the
-range of v.p over the reference motion (twice the kinetic energy that comes and goes), [a, b] the
-range of E in the last quarter of the run, and R = |v.p| + |L| the size of round-off:
+"""Classifies a method's run at one step size, mostly by its energy E. E0 is the initial energy, S
+the range of v.p over the reference motion (twice the varying kinetic energy), [a, b] the range of E
+in the last quarter of the run, and R = |v.p| + |L| a bound on E, to which round-off is relative:
 
-    away      distance of E0 from [a, b]
-    rise      max E - E0;   early: the same over the first eighth
-    growing   rise > S, and it continues (rise > 2 early), or E does not return (away > S/2 or
-              away > (b - a)/4), or rise is larger than any beat (rise > 1e4 S)
-    drifting  not growing, away > (b - a)/4 and away > 1e-11 R
-    exchange  not growing, and a coordinate swings TIMES as far as in the reference motion
-    constant lost   not drifting, and another constant has moved by MOVED
-    bounded   otherwise: E returns to E0
+away distance of E0 from [a, b] rise max E - E0; early: max E - E0 in the first eighth of the run
+growing rise > S, and it continues (rise > 2 early), or E does not return (away > S/2 or away > (b -
+a)/4), or rise is larger than any beat (rise > 1e4 S) drifting not growing, away > (b - a)/4 and
+away > 1e-11 R exchange not growing, and the amplitude of a coordinate is TIMES that in the
+reference motion constant lost not drifting, and a constant other than E has changed by MOVED
+bounded otherwise: E returns to E0
 
-A drift smaller than 2.2 times the oscillation is not seen. Near a resonance with the step, the
-energy may oscillate more slowly than the run is long, or the motion may lock to the resonance: a
-symplectic or symmetric method drifts only if after four times as long `away` is a fifth larger. If
-energy is not constant by itself, E0 is replaced by energies of the reference motion: the range in
-its last quarter, and the largest. A run has at least LEAST_STEPS steps; the reference motion is
-followed for as long. If that leaves or ends, the run is `not judged`. Below its limit, Verlet's
-energy may rise by E0/(1 - y^2/4) and return: that is bounded. The other classes are failures of the
-steps.
+A drift smaller than 2.2 times the oscillation of E is not detected. Near a step resonance the
+oscillation of E may be slower than the run: a symplectic or symmetric method is `drifting` only if
+`away` is a fifth larger in a run four times as long. If the energy of the model is not constant, E0
+is replaced by energies of the reference motion: the range in its last quarter, and the maximum. A
+run has at least LEAST_STEPS steps; the reference motion lasts as long. If the reference motion
+leaves or ends, the run is `not judged`. Below its stability limit, Verlet's energy may rise by
+E0/(1 - y^2/4) and return, which is bounded. The other classes are failures of the steps.
 
-A share is the largest |v_i p_i| of a coordinate, its part of v.p. Only coordinates with a share
-above SHARE of the largest count:
+The share of a coordinate is its largest |v_i p_i|. Only coordinates with a share above SHARE of the
+largest count:
 
-    exchange  the square root of the ratio of the shares by the method and in the reference motion
-    moved     largest secular change of a proved constant, relative to its scale (pk/diagnostics.h)
-    follows   part of the time up to the horizon in which the method stays near the motion
+exchange square root of the ratio of the shares in the run and in the reference motion moved largest
+secular change of a proved constant, relative to its scale (pk/diagnostics.h) follows fraction of
+the time, up to the horizon, for which the run stays near the motion
 """
 
 from __future__ import annotations
@@ -40,10 +37,10 @@ from .reference import SHARE, Reference, Summary, Watch
 from .system import MOST_STEPS, System
 
 LEAST_STEPS = 200
-TIMES = 3.0  # amplitude ratio above which energy has gone to a coordinate
-MOVED = 1e-2  # relative change above which a constant is lost
-STEADY = 1e-6  # largest relative change of a constant in the exact motion
-SECULAR = 0.5  # part of the change that is a slope, not an oscillation
+TIMES = 3.0  # least amplitude ratio that counts as exchange of energy
+MOVED = 1e-2  # relative change above which a constant counts as lost
+STEADY = 1e-6  # largest relative change of a constant in the reference motion
+SECULAR = 0.5  # least part of the change that is a linear trend, not an oscillation
 NOT_FINITE = "PK_NOT_FINITE"
 FAILURES = {
     "PK_REFUSED": "refused",
@@ -59,19 +56,19 @@ FAILURES = {
 
 
 class _Energies:
-    """The energies of a method's run so far, and what else is watched."""
+    """The energies of a method's run so far, and its other measures."""
 
     def __init__(self, reference: Reference, it: Integration):
         self.reference, self.system, self.it = reference, reference.system, it
         self.most = self.early_most = -math.inf
-        self.low, self.high = math.inf, -math.inf  # range in the last quarter
+        self.low, self.high = math.inf, -math.inf  # range of energy in the last quarter
         self.rise = self.early = self.away = 0.0
-        self.steps, self.lost = 0, math.inf  # `lost`: when it was first apart from the motion
+        self.steps, self.lost = 0, math.inf  # `lost`: time at which it leaves the motion
         self.watch, self.status = Watch(self.system), it.status
 
     def follow(self, steps: int, h: float) -> Summary | None:
-        """Steps until there are `steps` in all, and compares with the motion over the same time.
-        Returns its summary, or None where a step fails."""
+        """Continues the run to a total of `steps` steps. Returns the summary of the reference
+        motion over the same time, or None if a step fails."""
         self.low, self.high = math.inf, -math.inf
         while self.steps < steps:
             rows = self.it.steps((steps + 1) * h, steps - self.steps)
@@ -124,7 +121,7 @@ class _Energies:
 
 @numpy.errstate(all="ignore")
 def classified(reference: Reference, method: str, h: float) -> dict[str, str | float | None]:
-    """Returns the fields of a Point."""
+    """Runs a method with step size h; returns the fields of a Point (ask.py)."""
     system = reference.system
     if not reference.followed:
         raise UsageError("ask for the motion first")
@@ -187,7 +184,8 @@ def _exchange(system: System, mine: numpy.ndarray, its: numpy.ndarray) -> float:
 
 def _secular(mine: dict[str, float | None], its: dict[str, float | None]) -> float:
     """Returns the largest change of a constant, relative to its scale in the reference motion, if
-    it is mostly a slope; 0 if it oscillates, has no scale, or is not constant in that motion."""
+    most of it is a linear trend; else 0, also if the constant has no scale or varies in that
+    motion."""
     numbers = *(mine[key] for key in ("max", "slope", "mean_t")), its["max"], its["scale"]
     if None in numbers:
         return 0.0

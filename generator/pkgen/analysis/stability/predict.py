@@ -1,4 +1,4 @@
-"""Predicts step sizes of events from an equilibrium's modes and a method's step map."""
+"""Predicts the step sizes of events from an equilibrium's modes and a method's step map."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from .method import PAIRS, StepMap, first_change
 from .orbits import ROUNDED
 from .rest import Equilibrium, Mode, Rest
 
-SAME = 0.1  # relative: a scale this near to a sharp limit is left out
-TURNS = 2.1 * math.pi  # y of the fastest mode up to which the limit of impulses is sought
-LOOKS = 4000  # points of that search: growth occurs in narrow intervals of y
-# Most equilibria other than the primary one; most modes (the fastest) and pairs of modes (the
-# nearest to 1:2) with predicted resonances.
+SAME = 0.1  # an estimate within this relative distance of a sharp limit is omitted
+TURNS = 2.1 * math.pi  # largest y of the fastest mode in the search for the limit of impulses()
+LOOKS = 4000  # points of this search: growth occurs in narrow intervals of y
+# Most non-primary equilibria with predictions; most modes (the fastest), and most pairs of modes
+# (the nearest to 1:2), with predicted resonances.
 MOST = 4
-# Rotation angles of a step. The last two are for methods that rotate by more than pi per step.
+# Rotation angle per step at each resonance. The last two are for methods that rotate by more than
+# pi per step.
 RESONANCES = {
     "1:3": 2 * math.pi / 3,
     "1:4": 2 * math.pi / 4,
@@ -30,22 +31,23 @@ class Prediction:
     """An event of a `kind` at step size h, near an equilibrium or along the motion.
 
     `kind` is limit, branch, local, cycle, or a key of RESONANCES or PAIRS. `mode` is the index of
-    the mode with y = h |lambda| (for a pair, of the faster), `other` that of the slower. h is None
-    if the event never happens. If not `sharp`, h is a scale, right within a factor of 2."""
+    the mode (the faster one of a pair), for which y = h |lambda|; `other` is the index of the
+    slower mode. h is None if the event never happens. Without `sharp`, h is an estimate within a
+    factor of 2."""
 
     kind: str
     method: str
-    equilibrium: int | None  # index; None: along the motion itself
+    equilibrium: int | None  # index; None for an event along the motion
     mode: int | None
     other: int | None
     h: float | None
     y: float | None
     sharp: bool = True
-    known: tuple[float | None, str] | None = None  # measured h and description, if already measured
+    known: tuple[float | None, str] | None = None  # measured h and description, if known
 
 
 def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """Returns the smallest limit of the modes; None if no mode oscillates or decays."""
+    """Returns the smallest stability limit of the modes; None if no mode oscillates or decays."""
     name, found = step.traits.name, []
     for k, mode in enumerate(at.modes):
         if mode.rate == 0 or mode.growth > 0:
@@ -57,7 +59,7 @@ def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
-    """Returns RESONANCES of modes and PAIRS of two modes, below the limit of the equilibrium."""
+    """Returns RESONANCES of modes and PAIRS of two modes, below the equilibrium's limit."""
     found, name = [], step.traits.name
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
@@ -85,9 +87,9 @@ def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
 
 
 def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """Returns the limit of a method with inner steps for the fast forces, which one spring cannot
-    show: the first step size at which its own linear map at the equilibrium has a multiplier
-    outside the unit circle."""
+    """Returns the limit of a method that steps fast forces with inner steps, which a single
+    oscillator cannot show: the first step size at which the linearised step at the equilibrium has
+    a multiplier outside the unit circle."""
     if not at.stable or not at.oscillating:
         return None
     mode = at.oscillating[0]
@@ -104,8 +106,8 @@ def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """Returns where an implicit step's equations lose their solution, by the fastest real growth.
-    """
+    """Returns where an implicit step's equations lose their solution near an unstable equilibrium,
+    from the fastest real growth."""
     pole = step.pole() if step.traits.implicit else None
     real = [k for k, m in enumerate(at.modes) if m.growth > 0 and m.frequency == 0]
     if pole is None or not real:
@@ -117,11 +119,11 @@ def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
     """Returns the shortest limit of the rates along the motion: a longer step does not resolve the
     motion where it is fastest. Growth counts as oscillation of equal rate; E. Hairer, S. P.
-    Norsett, G. Wanner, Solving ODE I, I.10 (the logarithmic norm), II, IV.2. An implicit method
-    without a limit has its pole instead, except with first-order variables, which pass the pole
-    where growth is short. Returns None for methods with neither, or that grow at any step. With
-    rotations or constraints the energy is no measure; then the scale is the y up to which steps
-    resolve: StepMap.resolves()."""
+    Norsett, G. Wanner, Solving ODE I, I.10 (the logarithmic norm), II, IV.2. Without a limit, an
+    implicit method has its pole instead, except with first-order variables, which pass the pole
+    where growth is brief. Returns None for methods with neither, or that grow at any step. With
+    rotations or constraints the energy does not show errors, and the limit is StepMap.resolves().
+    """
     best: tuple[float, float] | None = None
     for mode in rates:
         if (mode.on_group and "group" not in step.traits.flags) or (
@@ -146,10 +148,10 @@ def predictions(
     step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
 ) -> list[Prediction]:
     """Returns limits at stable equilibria, branches at unstable ones, and resonances at the primary
-    one. Linear models have no resonances, since nothing detunes or pushes; first-order variables
-    and bound models do not oscillate in a plane of their own. Among equilibria of equal modes
-    (mirror images) one is kept, and of those other than the primary one the MOST with the shortest
-    steps. The scale of the motion's `rates` comes first."""
+    one. Linear models have no resonances, since nothing couples modes or shifts frequencies; modes
+    of first- order variables and of bound models are no planar oscillators. Keeps one of several
+    equilibria with equal modes (mirror images), and of the non-primary ones the MOST with the
+    shortest steps. An estimate from `rates` along the motion comes first."""
     split = "fast" in step.traits.requires
     found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()
@@ -176,5 +178,5 @@ def predictions(
 
 
 def _says(p: Prediction, along: Prediction) -> bool:
-    """Whether the scale of a small motion repeats the limit of its equilibrium."""
+    """Whether an estimate along the motion repeats the limit of its equilibrium."""
     return bool(p.kind == "limit" and p.h and along.h and abs(along.h / p.h - 1) < SAME)

@@ -1,11 +1,11 @@
-"""The reference motion, by dop853 at system.RTOL. It is followed for as long as a point of the map,
-which at long steps goes past `until`.
+"""The reference motion, by dop853 with rtol = system.RTOL, with which methods are compared. It
+lasts as long as the method's run, which at long steps exceeds `until`.
 
-The motion "leaves", and then judges no method, if two conditions hold. A coordinate that is not
-cyclic still moves away at `until`, by a fifth more in each of the last two quarters. And nothing
-returns: v.p, twice the kinetic energy, has no extremum in the last half; or, if energy is constant,
-the range of v.p grows by half in each of these quarters. x'' = x, a fall and a free flight leave; a
-driven resonance and a chain that drifts while it vibrates do not.
+The motion "leaves", and then judges no method, under two conditions. First, a non-cyclic coordinate
+still moves away at `until`: its largest displacement grows by a fifth in each of the last two
+quarters. Second, nothing returns: v.p, twice the kinetic energy, has no extremum in the last half
+or, if energy is constant, the range of v.p grows by half in each of these quarters. Solutions of
+x'' = x, a fall and a free flight leave; a driven resonance and a vibrating, drifting chain do not.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from ...record import record
 from ...run.integration import CONDITION, CONSTANTS
 from .system import MOST_STEPS, System
 
-LOOSER = 1e3  # factor on rtol of the motion that shows the horizon
-SLIGHT = 1e-3  # least range of v.p, relative to the largest |v.p|
-APART = 0.5  # distance that counts as apart, relative to the motion's reach: pi/3 in phase
-SHARE = 1e-4  # least part of v.p of a coordinate that is compared, relative to the largest
-MOST_REALS = 4_000_000  # numbers kept of states
+LOOSER = 1e3  # factor on rtol of a second run, which shows up to when the motion is known
+SLIGHT = 1e-3  # least scale, relative to the largest |v.p|
+APART = 0.5  # least difference that counts, relative to the displacement: pi/3 in phase
+SHARE = 1e-4  # least |v_i p_i| of a coordinate that is compared, relative to the largest
+MOST_REALS = 4_000_000  # most numbers stored of past states
 
 
 @record
 class Summary:
-    """The reference motion over the duration of a point."""
+    """Energies of the reference motion up to the end of a method's run."""
 
     scale: float  # range of v.p
-    size: float  # largest |v.p| + |L|: what round-off of the energy is relative to
-    low: float  # energies in the last quarter; the first one where energy is constant
+    size: float  # largest |v.p| + |L|, to which round-off of the energy is relative
+    low: float  # least energy in the last quarter; the initial energy if it is constant
     high: float
-    top: float  # largest energy; the first one where energy is constant
+    top: float  # largest energy; the initial energy if it is constant
 
 
 class Watch:
@@ -49,7 +49,7 @@ class Watch:
 
 
 class Reference:
-    """The motion from the start. follow() extends it; `judges` is known after follow_whole()."""
+    """The reference motion. follow() extends it; `judges` is known after follow_whole()."""
 
     def __init__(self, system: System):
         if system.by_norm:
@@ -61,7 +61,7 @@ class Reference:
         self.leaves, self.horizon, self.followed = False, math.inf, False
         self._kept: list[numpy.ndarray] = []  # rows of t, energy, v.p, size
         self._states: list[numpy.ndarray] = []
-        self._reported: tuple[int, dict] = 0, {}  # of so many records
+        self._reported: tuple[int, dict] = 0, {}  # number of records at the last report
         self._room = MOST_REALS // (2 * system.n)
         self._keep(numpy.array([[0.0, *system.start]]))
 
@@ -71,7 +71,7 @@ class Reference:
 
     @property
     def judges(self) -> bool:
-        """Whether it does not end or leave, so that methods are judged by it."""
+        """Whether the motion neither ends early nor leaves, so that methods are judged by it."""
         return self.followed and not self.leaves and not self._it.failed
 
     def report(self) -> dict:
@@ -96,7 +96,7 @@ class Reference:
             self._room -= len(states)
 
     def follow(self, until: float) -> None:
-        """Follows the motion to `until`, or to its end."""
+        """Extends the motion to `until`, or until it fails."""
         left = MOST_STEPS - len(self.records)
         while not self._it.failed and self._it.t < until and left > 0:
             rows = self._it.steps(until, left)
@@ -110,8 +110,8 @@ class Reference:
 
     @numpy.errstate(all="ignore")
     def follow_whole(self) -> None:
-        """Follows the motion to the end of its duration, and finds whether it leaves, and how long
-        it is known."""
+        """Extends the motion to its full duration; finds whether it leaves, and up to which time it
+        is known."""
         until, far, scales = self.system.until, [], []
         for part in (0.5, 0.75, 1.0):
             self.follow(part * until)
@@ -139,7 +139,7 @@ class Reference:
         conservative = self.system.given["conservative"]
         away = ((more > 1.2 * half) & (whole > 1.2 * more))[~self.system.idle].any()
         faster = scales[1] > 1.5 * scales[0] and scales[2] > 1.5 * scales[1]
-        # With rotations or constraints, the coordinates of a steady motion are not marked cyclic.
+        # With rotations or constraints, cyclic coordinates of a steady motion are not recognised.
         evenly = self.system.bound and conservative
         faster = faster and conservative and not self.system.by_norm
         return bool(away) and (faster or (not evenly and self._turns_no_more()))
@@ -154,7 +154,8 @@ class Reference:
         return abs(numpy.diff(vp)).sum() <= 1.01 * (vp.max() - vp.min()) + 1e-6 * most
 
     def _horizon(self) -> float:
-        """Returns the time until which a looser tolerance agrees: so long the motion is known."""
+        """Returns the time up to which a run at a looser tolerance agrees, so that the motion is
+        known."""
         until = self.system.until
         other = self.system.reference(LOOSER)
         while not other.failed and other.t < until:
@@ -166,13 +167,13 @@ class Reference:
 
     @property
     def known(self) -> float:
-        """How long the motion is known."""
+        """The time up to which the motion is known."""
         return min(self.horizon, self.system.until)
 
     def apart_at(self, rows: numpy.ndarray) -> float | None:
-        """Returns the first time, up to `until`, at which a coordinate differs from the motion by
-        more than APART of its reach, or its rate by more than the largest rate. Positions between
-        two records are a cubic Hermite interpolant, rates a linear one."""
+        """Returns the first time, up to `until`, at which a coordinate in `rows` differs from the
+        motion by more than APART of its largest displacement, or its rate by more than the largest
+        rate. The motion is interpolated: positions by cubic Hermite polynomials, rates linearly."""
         if len(self._states) > 1:
             self._states = [numpy.concatenate(self._states)]
         states, times = self._states[0], self.records[: len(self._states[0]), 0]

@@ -6,19 +6,19 @@ import math
 
 from ...record import record
 
-ZERO = 1e-7  # relative to the largest rate at any equilibrium; a lower rate counts as 0
+ZERO = 1e-7  # a rate below this part of the largest at any equilibrium counts as 0
 UNDECIDED = "not decided by the linear terms"
 
 
 @record
 class Mode:
-    """exp(lambda t), lambda = growth + i frequency; real and imaginary parts of the shape."""
+    """A motion Re(shape exp(lambda t)), lambda = growth + i frequency, shape = re + i im."""
 
     growth: float
     frequency: float
     re: tuple[float, ...]
     im: tuple[float, ...]
-    on_group: bool = False  # rotation rate of a body, seen by methods on the group
+    on_group: bool = False  # a body's rotation rate, which limits Lie-group methods only
 
     @property
     def rate(self) -> float:
@@ -31,9 +31,9 @@ class Equilibrium:
     q: tuple[float, ...]
     v: tuple[float, ...]
     energy: float
-    modes: tuple[Mode, ...]  # fastest first
+    modes: tuple[Mode, ...]  # in descending rate
     status: str = "PK_DONE"  # status of the computation of modes
-    slack: int = 0  # dimension of the continuum of equilibria it belongs to
+    slack: int = 0  # dimension of the continuum of equilibria around it
 
     @property
     def stable(self) -> bool:
@@ -47,7 +47,7 @@ class Equilibrium:
 
     @property
     def verdict(self) -> str:
-        """Describes the stability. A mode of rate 0 is undecided by the linear terms."""
+        """Describes the stability. Linear terms do not decide it if a mode has rate 0."""
         if self.status != "PK_DONE":
             return f"modes: {self.status}"
         if self._grows:
@@ -71,11 +71,12 @@ class Rest:
     failed: int
     singular: int
     more: bool
-    turns: tuple[bool, ...] = ()  # of each coordinate: whether it has the period 2 pi
-    middle: tuple[float, ...] = ()  # search region: middle +- box, or further (docs/maps.md)
+    turns: tuple[bool, ...] = ()  # for each coordinate: whether it has the period 2 pi
+    middle: tuple[float, ...] = ()  # search region: middle +- box, and further (docs/maps.md)
     box: tuple[float, ...] = ()
 
     def beside(self, q: float, place: float, i: int) -> float:
-        """Returns q_i; an angle is shifted by whole turns to lie nearest to `place`."""
+        """Returns coordinate i, q; an angle is shifted by multiples of 2 pi to lie nearest to
+        `place`."""
         turns = bool(self.turns) and self.turns[i]
         return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q

@@ -1,4 +1,4 @@
-"""The options of a map, the range of step sizes, and the refusal of maps without use."""
+"""The options of a map, its range of step sizes, and errors for maps that would show nothing."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .ask import Motion
 from .plan import Axis
 from .predict import Prediction
 
-MARGIN = 1.25  # range of step sizes relative to the predicted limit
-TURNS_UNLIMITED = 1.25  # longest step without a limit, in periods of the fastest mode
-MOST_STEPS = 2_000_000  # most steps of a point
+MARGIN = 1.25  # longest step size, relative to the predicted limit
+TURNS_UNLIMITED = 1.25  # longest step if there is no limit, in periods of the fastest mode
+MOST_STEPS = 2_000_000  # most steps of a run
 
 
 @record
@@ -26,16 +26,16 @@ class MapOptions:
     axis: Axis
     across: int  # number of step sizes
     methods: tuple[ChartedMethod, ...]
-    left: tuple[str, ...]  # sentences: why other methods are not mapped
+    left: tuple[str, ...]  # sentences on methods that are not mapped
     steps: tuple[float, float] | None
     until: float | None
-    period: float | None  # period of the driver
+    period: float | None  # given period of the driver
     quick: bool
     seconds: float
 
 
 def refuse_unjudged(motions: Iterable[Motion]) -> None:
-    """Raises UsageError if no row has a motion by which methods can be judged."""
+    """Raises UsageError if methods can be judged by none of the motions."""
     first = None
     for motion in motions:
         if motion.judges:
@@ -61,7 +61,7 @@ def steps_over(
     fastest: float,
     until: float,
 ) -> list[float]:
-    """Returns evenly spaced step sizes up to somewhat beyond the predictions. Raises UsageError."""
+    """Returns evenly spaced step sizes up to MARGIN times the predictions. Raises UsageError."""
     count = asked.across
     if asked.steps:
         low, high = asked.steps

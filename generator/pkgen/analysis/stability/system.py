@@ -1,4 +1,4 @@
-"""A compiled model with the settings of a run: its facts, its kernels, integrations from it."""
+"""A compiled model with the settings of a run: its properties, kernels and integrations."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ from ...run.settings import Settings
 from ...system.exits import UsageError
 
 MOST_STEPS = 4_000_000
-RTOL = 1e-10  # of the reference motion, by dop853
+RTOL = 1e-10  # relative tolerance of the reference motion
 EXACT = "dop853"
 
 
 class System:
-    """States are arrays of q, then v. Unknown i is q_i, or v_i of a first-order variable."""
+    """States are arrays of q, then v. Unknown i is q_i, or v_i for a first-order variable."""
 
     def __init__(self, program: Path, settings: Settings, look: Callable[[], None]):
-        """`look` is called between calls of the runtime, and may raise."""
+        """`look` is called between calls of the runtime; it may raise an exception."""
         self.settings, self.look = settings, look
         self.run = load(program).run(settings, idle=True, bare=1)
         if self.run.code:
             raise UsageError(self.run.messages.strip().splitlines()[-1])
         given = self.run.given()
         self.given = given
-        self.n, self.m = len(given["v"]), len(given["q"])  # unknowns, of them coordinates
-        self.turning = 3 * given["rotations"]  # body rates; behind them the quaternions
+        self.n, self.m = len(given["v"]), len(given["q"])  # numbers of unknowns and of coordinates
+        self.turning = 3 * given["rotations"]  # number of body rates; quaternions follow them
         self.bound = bool(given["rotations"] or given["constraints"])
         self.start = numpy.array(
             [*map(_number, given["q"]), *[0.0] * (self.n - self.m), *map(_number, given["v"])]
         )
         self.until = settings.until
-        self.idle = numpy.zeros(self.n, bool)  # nothing depends on the unknown
+        self.idle = numpy.zeros(self.n, bool)  # unknowns on which nothing depends
         self.idle[given["cyclic"]] = True
         others = self.m + 7 * given["rotations"]
         if self.n > others:
             self.idle[self.m :] = self._unread()
-        # First-order variables matter: motions are judged by their distance from the start.
+        # If rates depend on first-order variables, motions are judged by distance from the start.
         self.by_norm = not self.idle[others:].all()
         self.reach: numpy.ndarray | None = None  # largest distance of each unknown from the start
-        self.middle = self.box = numpy.zeros(0)  # of each number of a state; see cover()
+        self.middle = self.box = numpy.zeros(0)  # one value per number in a state; set by cover()
 
     def q(self, states: numpy.ndarray) -> numpy.ndarray:
         return states[..., : self.n]
@@ -63,20 +63,21 @@ class System:
         )
 
     def reference(self, looser: float = 1.0, watch: int = 0) -> Integration:
-        """Begins the reference motion."""
+        """Begins the reference motion, with its rtol multiplied by `looser`."""
         return self.begin(EXACT, rtol=looser * RTOL, watch=watch)
 
     def apart(self, states: numpy.ndarray) -> numpy.ndarray:
-        """Returns the distance of each unknown from the start."""
+        """Returns the displacement of each unknown from the start."""
         m, moved = self.m, states - self.start
         return numpy.concatenate([self.q(moved)[..., :m], self.v(moved)[..., m:]], -1)
 
     def energies(
         self, t: numpy.ndarray | float, states: numpy.ndarray
     ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-        """Returns what states are judged by: the energy; v.p, whose range is the scale; |v.p| +
-        |L|, the size of round-off; the parts |v_i p_i|. With by_norm the first three are half the
-        squared distance from the start in units of reach, 0 before cover()."""
+        """Returns the quantities by which states are judged: the energy; v.p, whose range is the
+        scale; |v.p| + |L|, to which round-off is relative; |v_i p_i| of each coordinate. With
+        by_norm the first three are half the squared displacement in units of `reach`, 0 before
+        cover()."""
         if self.by_norm:
             norm = numpy.zeros(len(states))
             if self.reach is not None:
@@ -89,11 +90,11 @@ class System:
         return energy, vp, abs(vp) + abs(vp - energy), abs(parts[:, : self.m])
 
     def linearised(self, t: float, state: numpy.ndarray) -> numpy.ndarray:
-        """Returns A of z' = A z, z = (displacements of the unknowns; of the coordinates' rates);
-        NaN where M is singular."""
+        """Returns A of z' = A z; z holds displacements of the unknowns, then of the coordinates'
+        rates. A is NaN if M is singular."""
         n, m = self.n, self.m
         a_q, a_v = self.kernel("jacobian", t, state).reshape(2, n, n)
-        columns = [*range(n, n + m), *range(m, n)]  # where the rates of all unknowns are in z
+        columns = [*range(n, n + m), *range(m, n)]  # positions in z of the rates of all unknowns
         full = numpy.zeros((n, n + m))
         full[:, :m] = a_q[:, :m]
         full[:, columns] = a_v
@@ -101,7 +102,8 @@ class System:
         return numpy.concatenate([above, full[m:], full[:m]])
 
     def _unread(self) -> numpy.ndarray:
-        """Returns of each first-order variable whether no rate depends on it, at three states."""
+        """Returns for each first-order variable whether no rate depends on it, at three test
+        states."""
         unread = numpy.ones(self.n - self.m, bool)
         number = numpy.tile(numpy.arange(self.n), 2)
         by = numpy.where(numpy.arange(2 * self.n) < self.n, 0.01 + 0.013 * number, 0.0)
@@ -112,15 +114,16 @@ class System:
         return unread
 
     def kinds(self) -> list[range]:
-        """Returns the places in a state of coordinates, integrals of first-order variables, rates,
-        body rates, quaternions, other first-order variables."""
+        """Returns the index ranges, in a state, of coordinates, integrals of first-order variables,
+        rates, body rates, quaternions, other first-order variables."""
         n, m, r = self.n, self.m, self.given["rotations"]
         ends = (0, m, n, n + m, n + m + 3 * r, n + m + 7 * r, 2 * n)
         return [range(a, b) for a, b in pairwise(ends)]
 
     def cover(self) -> None:
-        """Sets middle and box, the centre and width of the region of the motion, and reach. The
-        width of a constant is its magnitude; of what stays at 0, that of the widest of its kind."""
+        """Sets `middle` and `box`, centre and width of the region of the motion, and `reach`. A
+        constant has its magnitude as width; a number that stays 0 has the largest width of its
+        kind."""
         if self.reach is not None:
             return
         low, high = self.start.copy(), self.start.copy()
@@ -145,7 +148,7 @@ class System:
         self.box = box
 
     def turning_rate(self, state: numpy.ndarray) -> float:
-        """Returns the largest rate of a rotation; eigenvalues of a quaternion are half of it."""
+        """Returns the fastest rotation rate of a body, twice an eigenvalue of its quaternion."""
         rates = self.v(state)[self.m : self.m + self.turning].reshape(-1, 3)
         return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
 

@@ -1,4 +1,4 @@
-"""Writes the summary, and the tables that the page shows too."""
+"""Writes the summary, and the tables that the HTML page shows too."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from .misses import difference, misses, name_mode, unmeasured, unpredicted, unso
 from .predict import Prediction
 from .rest import Equilibrium, Mode
 
-MODES = 6  # listed modes of each equilibrium
-FAR = ("rise", "away", "exchange", "moved", "follows")  # distances of a point: columns of the CSV
+MODES = 6  # most modes listed for each equilibrium
+FAR = ("rise", "away", "exchange", "moved", "follows")  # measures of a point in the CSV
 Table = tuple[list[str], list[list[str]]]
 
 
@@ -32,7 +32,7 @@ def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
 
 
 def _shown(made: StabilityMap) -> list[tuple[int, tuple[str, bool]]]:
-    """Returns _unknowns() with their indices, without the rates of bodies, which are 0 at rest."""
+    """Returns _unknowns() with indices, without body rates, which are 0 at equilibria."""
     first = made.turned.start - 3 * len(made.turned) // 4
     still = range(first, made.turned.start)
     return [(i, one) for i, one in enumerate(_unknowns(made)) if i not in still]
@@ -50,14 +50,13 @@ def place(made: StabilityMap, at: Equilibrium) -> str:
 
 
 def _sizes(states: list[tuple[float, ...]]) -> list[float]:
-    """Returns the largest magnitude of each column; if it starts at 0, the largest of all columns.
-    """
+    """Returns the largest magnitude of each column, or of all columns for one that starts at 0."""
     whole = max((abs(x) for state in states for x in state), default=0.0)
     return [max(map(abs, column)) if column[0] else whole for column in zip(*states, strict=True)]
 
 
 def _short(x: float, largest: float) -> str:
-    """Formats x; round-off relative to `largest` becomes 0."""
+    """Formats x, or 0 if x is round-off relative to `largest`."""
     return f"{0.0 if abs(x) < 1e-12 * largest else x:.6g}"
 
 
@@ -110,7 +109,7 @@ def _off(off: float | None) -> str:
 
 
 def _times(p: Prediction, h: float | None) -> str:
-    """Formats the measured step as a multiple of the prediction, for a scale."""
+    """Formats the measured step size as a multiple of an estimate."""
     return "MISSED" if h is None or not p.h else f"x {h / p.h:.2g}"
 
 
@@ -124,7 +123,7 @@ def rates(made: StabilityMap) -> Table:
 
 
 def ghosts(made: StabilityMap) -> Table:
-    """Returns the table of ghosts, each represented by the middle one of its step sizes."""
+    """Returns the table of ghosts (ghosts.py), each at the middle one of its step sizes."""
     rows = []
     for g in made.ghosts:
         one = g.middle
@@ -136,7 +135,7 @@ def ghosts(made: StabilityMap) -> Table:
 
 
 def _state(made: StabilityMap, y: tuple[float, ...], beside: tuple[tuple[float, ...], ...]) -> str:
-    """Formats a state with coordinates and rates, since a ghost may move where the equations rest.
+    """Formats the coordinates and rates of a state of a ghost, whose rates may differ from 0.
     Angles are in (-pi, pi]."""
     places = [c.name for c in named.coordinates(made.compilation).columns(64)]
     rates = [c.name for c in named.coordinates(made.compilation, rates=True).columns(64)]
@@ -152,7 +151,7 @@ def _state(made: StabilityMap, y: tuple[float, ...], beside: tuple[tuple[float, 
 
 
 def cycle(made: StabilityMap) -> str:
-    """Describes the cycle in a sentence."""
+    """Returns a sentence on the limit cycle and its stability."""
     assert made.cycle
     unit = "" if made.compilation.model.dimensionless else " s"
     kind = "in step with what drives it, of period" if made.cycle.driven else "on a cycle of period"
@@ -176,7 +175,7 @@ def counts(made: StabilityMap) -> Table:
 
 
 def searched(made: StabilityMap) -> str:
-    """Describes how many equilibria were found, and the region searched."""
+    """Describes the number of equilibria found, and the region searched."""
     rest, names, turned = made.rest, _shown(made), made.turned
     parts = []
     for i, (name, by_rate) in names[:6]:
@@ -196,7 +195,7 @@ def searched(made: StabilityMap) -> str:
 
 
 def remarks(made: StabilityMap) -> list[str]:
-    """Returns sentences on everything left out, with the reasons."""
+    """Returns sentences on everything that the map omits, with reasons."""
     found = [*([made.interrupted] if made.interrupted else []), *made.asked.left]
     rest = made.rest
     if rest.status == "PK_REFUSED":
@@ -258,7 +257,7 @@ def remarks(made: StabilityMap) -> list[str]:
 
 
 def conditions(made: StabilityMap) -> list[str]:
-    """Returns the largest condition numbers of the motions' equations and of the methods' steps."""
+    """Returns sentences on the largest condition numbers of motions and steps."""
     found = [row.motion.warning for row in made.rows if row.motion.warning][:1]
     looked = [(row, row.motion.condition) for row in made.rows if row.motion.condition]
     said = []
@@ -286,7 +285,7 @@ def _columns(table: Table) -> list[str]:
 
 
 def sentences(made: StabilityMap) -> list[str]:
-    """Returns the misses; their absence is stated only if something is predicted."""
+    """Returns sentences on the misses, or one that says that nothing is missed or predicted."""
     why = unpredicted(made)
     if why:
         return [f"nothing is predicted here: {why}"]
@@ -295,7 +294,7 @@ def sentences(made: StabilityMap) -> list[str]:
 
 
 def tables(made: StabilityMap) -> list[tuple[str, str, Table]]:
-    """Returns the tables that are not empty: title, extension of the title on the page, table."""
+    """Returns the nonempty tables: title, continuation of the title on the page, table."""
     found = [
         ("Predicted and measured", "", predicted(made)),
         ("Growth rates", " at unstable equilibria", rates(made)),

@@ -1,6 +1,7 @@
-"""The unknowns of closed orbits: the numbers of a state on which something depends. A closed orbit
-may advance a cyclic coordinate or a quadrature, and by multiples of 2 pi a coordinate in which the
-equations have that period. Distances are in boxes, the widths of the region of the motion.
+"""The unknowns of closed orbits are the numbers of a state on which the equations depend. On a
+closed orbit a cyclic coordinate or an integral may advance by any amount, and a coordinate in which
+the equations have the period 2 pi by multiples of it. Distances are in boxes, the widths of the
+region of the motion.
 
 Reference: J. H. Halton, Numer. Math. 2 (1960) 84 (points that fill a box evenly).
 """
@@ -15,8 +16,8 @@ import numpy
 from .system import System
 
 TURN = 2 * math.pi
-PROBES, ODD = 3, 16  # ODD skips Halton's first points, where a sine may vanish
-ALIKE = 1e-11  # relative difference of equal rates
+PROBES, ODD = 3, 16  # test points; first points skipped, where a sine may vanish
+ALIKE = 1e-11  # largest relative difference of rates that count as equal
 
 
 def primes(n: int) -> list[int]:
@@ -24,7 +25,7 @@ def primes(n: int) -> list[int]:
 
 
 def halton(k: int, base: int) -> float:
-    """Returns number k of Halton's sequence, in (0, 1)."""
+    """Returns element k of Halton's sequence, in (0, 1)."""
     x, digit = 0.0, 1.0
     while k:
         k, rest = divmod(k, base)
@@ -34,7 +35,7 @@ def halton(k: int, base: int) -> float:
 
 
 class Unknowns:
-    """Indices `of` the unknowns in a state, and which of them `turns` by 2 pi without effect."""
+    """Indices `of` the unknowns in a state; `turns` marks coordinates of period 2 pi."""
 
     def __init__(self, system: System):
         system.cover()
@@ -50,8 +51,8 @@ class Unknowns:
         system.box[self.of] = self.box
 
     def _same(self, i: int | None, by: float) -> bool:
-        """Returns whether the rates at some states stay the same if number i of the state, or t, is
-        increased by `by`."""
+        """Returns whether the rates at PROBES states stay the same if number i of the state, or t
+        if i is None, increases by `by`."""
         system = self.system
         bases = primes(8 * PROBES)
         wide = range(2 * system.n)
@@ -70,10 +71,10 @@ class Unknowns:
         return bool((abs(before - after) <= ALIKE * abs(before).max(1, initial=0)[:, None]).all())
 
     def in_step(self, times: list[float]) -> bool:
-        """Returns whether the equations have each of these periods."""
+        """Returns whether the equations are periodic in time with each of these periods."""
         return all(self._same(None, t) for t in times)
 
     def apart(self, a: numpy.ndarray, b: numpy.ndarray) -> numpy.ndarray:
-        """Returns b - a of the unknowns, in boxes; an angle is taken modulo 2 pi."""
+        """Returns b - a for the unknowns, in boxes; angles are taken modulo 2 pi."""
         d = (b - a)[..., self.of]
         return (d - self.turns * TURN * numpy.round(d / TURN)) / self.box
