@@ -1,19 +1,20 @@
-/* Action and period of a motion of one degree of freedom, at its energy and with t held:
+/* Action and period of a motion of one degree of freedom, at the energy of a given state and with t
+ * held fixed:
  *
  *     J = (1/2 pi) closed integral of p dq,     T = closed integral of dq/v = 2 pi dJ/dh,
  *
- * for L = M(q) v^2/2 + b(q) v - W(q), where p = M v + b. The motion oscillates between two
- * positions with v = 0 (libration), or goes round once if the equations have the period 2 pi in q
- * (rotation). For a libration, with q = middle + amplitude sin s, the integrands are smooth and
- * periodic in s; for a rotation they are so in q. Sums over equidistant nodes then converge
- * geometrically: their number is doubled until the result settles. The kinetic energy at q, h - W,
- * is integrated inwards from where it is 0, so that small librations keep all their digits.
+ * for L = M(q) v^2/2 + b(q) v - W(q), where p = M v + b and h is the energy. The motion oscillates
+ * between two positions with v = 0 (libration), or q grows by 2 pi in each period if the equations
+ * have the period 2 pi in q (rotation). For a libration, with q = middle + amplitude sin s, the
+ * integrands are smooth and periodic in s; for a rotation they are smooth and periodic in q. Sums
+ * over equidistant nodes then converge geometrically: the number of nodes is doubled until the
+ * result converges. The kinetic energy at q, h - W, is computed by integrating from the ends of the
+ * libration, where it is 0, so that small librations lose no digits.
  *
  * If L depends on time slowly, J is its adiabatic invariant.
  *
  * References: L. Landau, E. Lifshitz, Mechanics, 49 and 50; L. N. Trefethen, J. A. C. Weideman, The
- * exponentially convergent trapezoidal rule, SIAM Rev. 56 (2014) 385.
- */
+ * exponentially convergent trapezoidal rule, SIAM Rev. 56 (2014) 385. */
 #ifndef PK_ACTION_H
 #define PK_ACTION_H
 
@@ -37,14 +38,14 @@ enum pk_orbit { PK_ORBITS(PK_EACH_NAME) PK_ORBIT_COUNT };
 struct pk_action {
     enum pk_orbit orbit;
     pk_real action, period;
-    pk_real lo, hi; /* the ends of a libration */
-    pk_real error;  /* of both, relative: the change by the last doubling, and near a separatrix the
-                       effect of rounding of the energy */
+    pk_real lo, hi; /* the two positions between which a libration oscillates */
+    pk_real error;  /* relative error of action and period: their change at the last doubling of
+                       the nodes; near a separatrix also the rounding of the energy */
     size_t nodes;
 };
 
-/* Computes both for the motion through q, v at t with inputs u, or NULL. PK_REFUSED: it has no
- * action, and `orbit` says why. */
+/* Computes action and period of the motion through (q, v) at t. u: inputs, or NULL. PK_REFUSED: the
+ * motion has no action, and found->orbit is the reason. */
 enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u);
 const char *pk_orbit_text(enum pk_orbit orbit);

@@ -1,22 +1,21 @@
 /* Makes the next steps of several integrators at once, in SIMD lanes. They share system and method;
  * each has its own state, parameters, time and step size.
  *
- *     size_t size = pk_lanes_size(&problem, method);      (bytes; 0: there are no lanes for it)
+ *     size_t size = pk_lanes_size(&problem, method);      (bytes; 0: the method has no lanes)
  *     pk_lanes_init(&steps, &problem, method, block, size);
  *     while (...) {
  *         lanes[l] = (struct pk_lane){&it[l], NULL, limit[l], it[l].t};  (for all lanes)
  *         pk_lanes_make(&steps, lanes);
- *         pk_integrator_step(&it[l], limit[l]);  (of each that is not idle, or pk_events_step())
+ *         pk_integrator_step(&it[l], limit[l]);  (for each lane not idle; or pk_events_step())
  *     }
  *
- * An integrator takes the step made ahead for it if that is the step it would make: from this
- * state, to this time. All else it does as usual: events, rejections, failures. A step that was not
- * made ahead, or failed, it makes itself. So with -ffp-contract=off results have the same bits as
- * without lanes, with any neighbours.
+ * An integrator takes the step made ahead for it if that step has the start and the end that its
+ * own step would have. The integrator handles events, rejected steps and failures as usual, and
+ * makes a step itself if none was made ahead or if that one failed. So with -ffp-contract=off
+ * results have the same bits as without lanes, whatever the other lanes hold.
  *
- * Lanes serve explicit Runge-Kutta methods, adaptive ones too, and splitting methods, but no
- * systems with constraints, since projection is most of their step. Inputs must be constant.
- */
+ * Lanes serve explicit Runge-Kutta methods, also adaptive ones, and splitting methods. They do not
+ * serve systems with constraints, whose steps are mostly projection. Inputs must be constant. */
 #ifndef PK_ADAPTIVE_LANES_H
 #define PK_ADAPTIVE_LANES_H
 
@@ -27,15 +26,15 @@ PK_BEGIN
 struct pk_events;
 
 struct pk_lane {
-    struct pk_integrator *it; /* NULL: an empty lane */
-    struct pk_events *events; /* the events of its steps; NULL: none are detected */
+    struct pk_integrator *it; /* NULL: the lane is empty */
+    struct pk_events *events; /* the events to detect in the steps; NULL: none */
     pk_real limit;
-    /* No step up to this time is examined, so a call may make many fixed steps. it->t: every step
-     * is examined. */
+    /* Steps that end before this time need no check for events, so a call may make many fixed
+     * steps. free = it->t: every step is checked. */
     pk_real free;
 };
 
-/* For the runtime alone: event functions and switches along steps. */
+/* Private to the runtime: checks of event functions and switches along the steps. */
 struct pk_screen {
     size_t functions;
     pk_real *a0, *a1, *a_between, *bends, *trial, *g, *one;
@@ -47,24 +46,24 @@ struct pk_screen {
 struct pk_lanes {
     size_t lanes;
 
-    /* For the runtime alone. */
+    /* Private to the runtime. */
     const struct pk_method *method;
     const struct pk_block_stepper *stepper;
     struct pk_block b;
     struct pk_ahead ahead[PK_BLOCK_MOST];
     struct pk_screen screen;
-    unsigned long long loaded; /* lanes whose numbers are finite */
-    unsigned long long single; /* lanes with one step, whose state is still at its start */
-    unsigned long long idle;   /* lanes whose integrators make no step this time */
+    unsigned long long loaded; /* bit mask: the lane's numbers are finite */
+    unsigned long long single; /* bit mask: the lane holds one step and the state at its start */
+    unsigned long long idle;   /* bit mask: the lane's integrator makes no step in this call */
 };
 
-/* Return the number of lanes; the bytes of the block, which must be aligned for pk_real. */
+/* Return the number of lanes, and the bytes of the block, aligned for pk_real. */
 size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method);
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method);
 void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
                    const struct pk_method *method, void *block, size_t size);
 void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes);
-/* Drops the steps made ahead for an integrator, which then continues alone. */
+/* Discards the steps made ahead for an integrator, which then makes its steps itself. */
 void pk_lanes_leave(struct pk_integrator *it);
 
 PK_END

@@ -1,6 +1,5 @@
-/* The begin and end of each header with functions: C linkage, and visibility in a shared library,
- * which hides all other functions (it is compiled with -fvisibility=hidden).
- */
+/* PK_BEGIN and PK_END enclose the functions that a header declares. They set C linkage, and export
+ * the functions from a shared library, which is compiled with -fvisibility=hidden. */
 #ifndef PK_BEGIN_H
 #define PK_BEGIN_H
 

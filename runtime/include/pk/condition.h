@@ -4,20 +4,21 @@
  *
  *     min over diagonal D1, D2 of cond(D1 A D2) = rho(|A^-1| |A|)    (in the maximum norm),
  *
- * independent of units. If M is exact up to its last bit, and lambda is computed from such a J M^-1
- * J^T, accelerations have errors, in units of rounding, of
+ * independent of units (rho: spectral radius). If M is exact up to its last bit, and lambda is
+ * computed from such a J M^-1 J^T, accelerations have errors, in units of rounding, of
  *
  *     d = |M^-1| |M| |a| + |M^-1 J^T| |(J M^-1 J^T)^-1| |J M^-1 J^T| |lambda|.
  *
- * Let e_i be the sum of the sizes of its terms, |M_ij a_j|/M_ii and those of M^-1 J^T lambda. Then
- * a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. Cancellation in forces is not seen.
+ * Let e_i be the sum of the absolute values of the terms of a_i: |M_ij a_j|/M_ii, and the terms of
+ * M^-1 J^T lambda. Then a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. Cancellation in the
+ * forces is not included.
  *
- * For families kept as loops, with constraints, the number of J M^-1 J^T is a lower bound, found in
- * O(N) from how little a row differs from a combination of the others. It also serves as the loss.
+ * For systems of variable size with constraints, the condition number of J M^-1 J^T is a
+ * lower bound, found in O(N) from the distance of each row of J from the span of the other rows.
+ * The same bound is returned as d_i/e_i.
  *
  * References: F. L. Bauer, Numer. Math. 5 (1963) 73; R. D. Skeel, J. ACM 26 (1979) 494; N. J.
- * Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 7.2, 7.3.
- */
+ * Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 7.2, 7.3. */
 #ifndef PK_CONDITION_H
 #define PK_CONDITION_H
 
@@ -25,24 +26,24 @@
 
 PK_BEGIN
 
-/* The largest value so far, and its time; 0: there is no such matrix, infinite: it is singular. */
+/* The largest condition number so far, and its time. 0: no such matrix; infinite: singular. */
 struct pk_condition_most {
     pk_real x, t;
 };
 
 struct pk_condition {
     struct pk_condition_most mass, constraints, step;
-    struct pk_condition_most lost; /* largest d_i/e_i, */
-    size_t where;                  /* the index i of it */
+    struct pk_condition_most lost; /* largest d_i/e_i */
+    size_t where;                  /* the index i of the largest d_i/e_i */
     unsigned long looks;
 };
 
-/* Most unknowns; a look costs about 6 times their cube. */
+/* The largest number of unknowns examined; the time grows with its cube. */
 enum { PK_CONDITION_MOST = 128 };
 
-/* Returns the bytes of the block, aligned for pk_real; 0: M is not available, or is too large. */
+/* Returns the bytes of the block, aligned for pk_real; 0 if M is not available or too large. */
 size_t pk_condition_size(const struct pk_problem *problem, const struct pk_method *method);
-/* Examines a state; `it` is the integrator that has made a step to it, or NULL. */
+/* Examines a state. it: the integrator whose last step ended there, or NULL. */
 void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
                        struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        void *block);

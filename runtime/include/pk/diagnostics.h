@@ -2,17 +2,18 @@
  *
  *     max   = max |X - X(0)| / S       final = (X(end) - X(0)) / S
  *     slope = least-squares slope of (X - X(0)) over t, / S
- *     S     = the largest of max |X|, max |X| of other components of its vector, and a tenth of
+ *     S     = the largest of max |X|, max |X| of the vector's other components, and a tenth of
  *             the scale of X, since X may vanish;  for the energy  max (|v.p| + |L|),  L = v.p - h
  *
  * The scale of X is the root of the sum of (y_i dX/dy_i)^2 over all numbers y_i of the state;
- * components are names that differ in a last x, y or z. The growth law is the exponent e of
+ * components of one vector have names that differ in the last letter, x, y or z. The growth law is
+ * the exponent e of
  *
  *     max over [0, t] of |X - X(0)|  ~  t^e
  *
  * by least squares over the last six octaves of t: 0 if bounded, 1/2 for a random walk, 1 for a
- * secular drift, 2 for a drift that itself grows. Everything is computed online, without storage.
- */
+ * secular drift, 2 for a drift whose rate grows linearly. Everything is computed online, without
+ * storage. */
 #ifndef PK_DIAGNOSTICS_H
 #define PK_DIAGNOSTICS_H
 
@@ -22,19 +23,18 @@
 
 PK_BEGIN
 
-enum { PK_DRIFT_MARKS = 13 }; /* six octaves, in halves */
+enum { PK_DRIFT_MARKS = 13 }; /* ends of half octaves in six octaves */
 
 struct pk_drift {
     unsigned long samples;
-    pk_real first, scale, max, final;   /* max and final not yet divided by S */
+    pk_real first, scale, max, final;   /* max and final before division by S */
     pk_real mean_t, mean_x, var_t, cov; /* Welford's sums for the slope */
-    pk_real start, edge;           /* first time; then the end of the current half octave, relative
-                                      to it */
-    pk_real marks[PK_DRIFT_MARKS]; /* max at the ends of the last half octaves, in a ring */
+    pk_real start, edge;           /* first time; end of the current half octave relative to it */
+    pk_real marks[PK_DRIFT_MARKS]; /* max at the ends of the last half octaves (ring buffer) */
     unsigned long n_marks;         /* number of completed half octaves */
 };
 
-/* Kinds of growth by the exponent; pk_growth_text() returns the texts. */
+/* Kinds of growth; pk_growth_text() returns the texts. */
 #define PK_GROWTHS(X)                                        \
     X(PK_GROWTH_ZERO, "zero all along")                      \
     X(PK_GROWTH_CONSTANT, "constant to the last bit")        \
@@ -51,25 +51,26 @@ enum pk_growth { PK_GROWTHS(PK_EACH_NAME) PK_GROWTH_COUNT };
 
 void pk_drift_init(struct pk_drift *drift);
 void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x);
-/* The same with `scale` in place of |x| for S. */
+/* Like pk_drift_update(), with `scale` in place of |x| in S. */
 void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale);
 pk_real pk_drift_max(const struct pk_drift *drift);
 pk_real pk_drift_final(const struct pk_drift *drift);
-pk_real pk_drift_slope(const struct pk_drift *drift); /* per unit of time */
-/* Returns the kind of growth, the exponent, and how much it differs between the earlier and the
- * later of the six octaves. Either pointer may be NULL; both numbers are 0 without a fit (ZERO,
- * CONSTANT, SHORT), NaN if X is not finite. ROUND_OFF: at the level of the round-off of X, or of a
- * random walk of roundings; the fit uses only errors above the round-off of X. */
+pk_real pk_drift_slope(const struct pk_drift *drift); /* slope, per unit of time */
+/* Returns the kind of growth. Writes the exponent, and as `spread` the difference between its
+ * values for the earlier and the later three octaves; either pointer may be NULL. Both numbers are
+ * 0 if no fit is possible (ZERO, CONSTANT, SHORT), NaN if X is not finite. ROUND_OFF: errors are as
+ * small as the round-off of X, or as a random walk of roundings. Only errors above the round-off of
+ * X are fitted. */
 enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, pk_real *spread);
 const char *pk_growth_text(enum pk_growth growth);
 
-/* The drifts of one run: the energy if the system is conservative, the momenta of cyclic
- * coordinates, every `conserve`. The caller provides the memory. */
+/* The drifts in one run: of the energy if the system is conservative, of the momenta of cyclic
+ * coordinates, and of every quantity declared by `conserve`. The caller provides the memory. */
 struct pk_monitor {
     struct pk_problem problem;
-    int has_energy; /* 0: the energy of this system is not conserved */
+    int has_energy; /* 0: the energy of the system is not conserved */
     struct pk_drift energy;
-    struct pk_drift *momenta;   /* n, only cyclic ones updated; NULL without flags `cyclic` */
+    struct pk_drift *momenta;   /* n drifts, updated if cyclic; NULL: no `cyclic` table */
     struct pk_drift *conserved; /* n_conserved */
     pk_real *work;
 };

@@ -2,18 +2,17 @@
  *
  *     struct pk_ensemble e = {.system = &pendulum_system, .method = pk_method_find("rk4"), ...};
  *     size_t size = pk_ensemble_size(&e);                 (bytes, for one thread)
- *     pk_ensemble_run(&e, first, count, block, size);     (each thread its own members and block)
+ *     pk_ensemble_run(&e, first, count, block, size);     (own members and block per thread)
  *
  * Explicit methods with a fixed step size advance many members at once, in SIMD lanes: the
  * Runge-Kutta and splitting methods of pk/methods.h, and dopri5 and dop853 if options.h is set,
- * which fixes their step size. Singularities are monitored in each lane. Other methods integrate
- * one member after the other by pk_integrator, adaptive ones with their own steps. A member's
- * result does not depend on other members or threads; with -ffp-contract=off it has the same bits
- * as with pk_integrator.
+ * which makes their step size fixed. Singularities are monitored in each lane. With other methods,
+ * pk_integrator integrates one member after the other; an adaptive method chooses the steps of each
+ * member. A member's result does not depend on other members or threads; with -ffp-contract=off it
+ * has the same bits as with pk_integrator.
  *
- * A member that fails stops alone: its status says why, and its results up to then are valid.
- * Nothing is allocated.
- */
+ * The failure of a member does not stop the other members: its status is the reason, and its
+ * results before the failure are valid. Nothing is allocated. */
 #ifndef PK_ENSEMBLE_H
 #define PK_ENSEMBLE_H
 
@@ -26,23 +25,24 @@ PK_BEGIN
 struct pk_ensemble {
     const struct pk_system *system;
     const struct pk_method *method;
-    struct pk_options options; /* a member ended by options.stop has PK_STOPPED_USER */
+    struct pk_options options; /* options.stop ends members with status PK_STOPPED_USER */
     size_t members;
 
     /* Member i has params_size bytes of prepared params number i, q0[i * n], v0[i * n], and
-     * constant inputs u[i * n_inputs] (NULL: zero). All members have the n of member 0. */
+     * constant inputs u[i * n_inputs] (NULL: zero). n is the same for all members. */
     const void *params;
     const pk_real *q0, *v0, *u;
 
-    /* Rows: the times of results, in order away from t0. Adaptive steps end at each of them. Fixed
-     * steps end at the last one only; at a time within a step the result is that of a shorter step
-     * from its start. */
+    /* `t` has the times of the `rows` results of each member, in order away from t0. Adaptive steps
+     * end at each of them. Fixed steps end only at the last one; the result at a time within a step
+     * comes from a shorter step with the same start. */
     pk_real t0;
     size_t rows;
     const pk_real *t;
 
-    /* Results, in the caller's memory: q[(i * rows + row) * n], of which the first n_q are written;
-     * v likewise; of each member the number of rows done, the last valid time, the final status. */
+    /* Results, in memory of the caller. q and v: number k of a row is at [(i * rows + row) * n +
+     * k]; only the first n_q of q are written. For each member: number of rows done, last valid
+     * time, final status. */
     pk_real *q, *v;
     size_t *done;
     pk_real *last_t;
@@ -50,33 +50,35 @@ struct pk_ensemble {
 };
 
 /* Returns the bytes of the block for one thread, a multiple of 64, 0 if a pointer is null. The
- * block must be aligned as malloc's are; it is fastest if aligned to 64 bytes. */
+ * block must be aligned as malloc() aligns; it is fastest if aligned to 64 bytes. */
 size_t pk_ensemble_size(const struct pk_ensemble *e);
 
-/* Whether all members take fixed steps of size options.h. */
+/* Returns whether all members take fixed steps of size options.h. */
 int pk_ensemble_fixed(const struct pk_ensemble *e);
 
 /* Runs members first, ..., first + count - 1. Returns PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL without
- * touching a member; else PK_DONE, or the status of the first member that did not reach its end. */
+ * changing a member; otherwise PK_DONE, or the status of the first member that failed or was
+ * stopped. */
 enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count, void *block,
                                size_t size);
 
-/* Writes why a member failed, with its last valid time, as pk_integrator_reason() does, by running
- * it once more alone. Results are unchanged. The block is as for pk_ensemble_run(); bad arguments
- * give a text, too. Returns the length as snprintf() does. */
+/* Integrates a failed member once more, alone, and writes the reason of its failure and its last
+ * valid time, as pk_integrator_reason() does. Results are unchanged. The block is as for
+ * pk_ensemble_run(); bad arguments are also reported as text. Returns the length as snprintf()
+ * does. */
 int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, size_t block_size,
                        char *text, size_t size);
 
-/* Runs all members in `threads` OpenMP threads (libpk_omp.a, compiled with -fopenmp; without it,
- * one after the other). The block for all has threads * pk_ensemble_size() bytes. */
+/* Runs all members in `threads` OpenMP threads (libpk_omp.a, compiled with -fopenmp; without
+ * OpenMP, one member after the other). The block for all has threads * pk_ensemble_size() bytes. */
 enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
                                        size_t size);
-/* Calls work(context, 0), ..., work(context, count - 1) in that many threads, in no order. */
+/* Calls work(context, 0), ..., work(context, count - 1) in `threads` threads, in any order. */
 void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_t i),
                  void *context);
 /* Returns the number of available threads; 1 without OpenMP. */
 size_t pk_ensemble_threads(void);
-/* Returns the number of the current thread; 0: the calling one. */
+/* Returns the number of the current thread; 0 is the thread that started the others. */
 size_t pk_thread(void);
 
 PK_END

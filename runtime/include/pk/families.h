@@ -1,5 +1,5 @@
-/* The common code of explicit families: a method with other coefficients is a table and a row, in
- * the registry (pk/methods.h) or in a model's own methods:
+/* The common code of families of explicit methods. A method with other coefficients needs only a
+ * table and an X-macro row, in the registry (pk/methods.h) or in the C of a model:
  *
  *     static const struct pk_tableau pk_mine_table = {...};
  *     PK_DEFINE_METHOD(PK_FAMILY_ERK, mine, 3, 3, 0, 0, mine, "mine");
@@ -11,7 +11,7 @@
 
 PK_BEGIN
 
-/* Returns the pk_real of work: the slopes of all stages. */
+/* Returns the number of pk_real of work memory, for the slopes of all stages. */
 size_t pk_erk_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);
 enum pk_status pk_erk_step(struct pk_integrator *it, pk_real limit);
 

@@ -1,11 +1,10 @@
-/* Steppers of the GNU Scientific Library as struct pk_method, for comparison and for problems where
- * they do better. Link libpk_gsl.a before libpk.a, then -lgsl -lgslcblas. double only. GSL
- * allocates in init, never while stepping; call pk_integrator_free().
+/* Steppers of the GNU Scientific Library as struct pk_method, for comparison, and for problems that
+ * they solve faster. Link libpk_gsl.a before libpk.a, then -lgsl -lgslcblas. pk_real must be
+ * double. GSL allocates in init, never while stepping; call pk_integrator_free().
  *
  * GSL has one error handler for the whole process. It is switched off and restored around each
  * call, which is not thread-safe: a program that steps these methods in several threads must call
- * gsl_set_error_handler_off() once, before it starts them.
- */
+ * gsl_set_error_handler_off() once, before it starts them. */
 #ifndef PK_GSL_H
 #define PK_GSL_H
 
@@ -13,7 +12,7 @@
 #include <pk/method.h>
 #include <pk/spectrum.h>
 
-/* GSL's methods, as rows like those of pk/methods.h. */
+/* GSL's methods, as rows of X-macros like those of pk/methods.h. */
 #define PK_NEEDS_GSL 0
 #define PK_METHODS_GSL(X, A)                                                                 \
     X(A, gsl_rkf45, 5, 6, 0, PK_ADAPTIVE, rkf45, "GSL: Fehlberg 4(5); NASA TR R-315 (1969)") \
@@ -31,33 +30,36 @@ PK_BEGIN
 const struct pk_method *pk_gsl_method_find(const char *name);
 const struct pk_method *pk_gsl_method_at(size_t index);
 
-/* Finds mean, rate and up to `lines` (PK_LINES at most) lines of `count` samples dt apart, at least
- * PK_SPECTRUM_LEAST; see pk/spectrum.h. The block has pk_gsl_spectrum_size(count) bytes, aligned
- * for double. Stops earlier if no further line can be distinguished. Nothing allocates. */
+/* Finds mean, rate and at most `lines` (<= PK_LINES) spectral lines of `count` samples at intervals
+ * dt; count >= PK_SPECTRUM_LEAST; see pk/spectrum.h. The block has pk_gsl_spectrum_size(count)
+ * bytes, aligned for double. Returns fewer lines if no more can be distinguished. Allocates
+ * nothing. */
 size_t pk_gsl_spectrum_size(size_t count);
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines, void *block, size_t block_size);
 
-/* Computes the eigenvalues of C a = lambda B a, ascending, with the first `modes` of found->modes
- * modes of each coordinate: n * modes numbers; and in `lowest` (or NULL) the eigenvector a of the
- * least one, with a.B a = 1. PK_SINGULAR_MASS; PK_NO_MEMORY. GSL allocates and frees. */
+/* Computes the eigenvalues of C a = lambda B a in ascending order, for the first `modes` of the
+ * found->modes modes of each coordinate: n * modes numbers. Writes the eigenvector a of the least
+ * eigenvalue to `lowest` unless it is NULL, with a.B a = 1. Fails with PK_SINGULAR_MASS or
+ * PK_NO_MEMORY. GSL allocates and frees memory. */
 enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t modes,
                                    double *lambda, double *lowest);
 
 enum { PK_LOOP_LEAST = 32 };
 
-/* Computes the closed integral of p dq round a loop of `count` samples, equidistant in a parameter,
- * the last as far from the first, by Fourier series, whose convergence follows the smoothness of
- * the loop. `winding`: the increase of q in one turn (for an angle a multiple of 2 pi). Both arrays
+/* Computes the closed integral of p dq round a loop of `count` samples, equidistant in a parameter
+ * also from the last to the first, by Fourier series, which converge the faster the smoother the
+ * loop is. `winding`: the increase of q in one turn (for an angle a multiple of 2 pi). Both arrays
  * are overwritten.
  *
  * For the series of q and of p: `rms` of the varying part; `tail`, the rms of the last eighth of
  * the harmonics (four at least); `rounding`, the tail expected from rounding of the samples. If the
- * loop is resolved, `tail` is near `rounding`. Structure too fine for the samples leaves harmonics
- * that decay towards the last one; independent errors leave a plateau: `flat` is 1 if the last
- * harmonics are at least PK_LOOP_FLAT of as many before them. `size` is the area of an ellipse of
- * the same rms in q and p. `noise` is the standard deviation of the area if the last harmonics are
- * noise, equal in every harmonic. PK_BAD_ARGUMENT: not pk_gsl_loop_takes(count); PK_NOT_FINITE;
+ * loop is resolved, `tail` is near `rounding`. If the loop has structure too fine for the samples,
+ * the harmonics decay up to the last one; if the samples have independent errors, the last
+ * harmonics are equally large: `flat` is 1 if they are at least PK_LOOP_FLAT times as large as the
+ * same number of harmonics before them. `size` is the area of an ellipse of the same rms in q and
+ * p. `noise` is the standard deviation of the area if the last harmonics are noise, equal in every
+ * harmonic. Fails with PK_BAD_ARGUMENT if pk_gsl_loop_takes(count) is 0, PK_NOT_FINITE or
  * PK_NO_MEMORY. */
 #define PK_LOOP_FLAT 0.25
 struct pk_loop_series {
@@ -70,8 +72,8 @@ struct pk_loop_area {
 };
 enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double winding,
                                 struct pk_loop_area *found);
-/* Whether count is at least PK_LOOP_LEAST and has no prime factor above 1000, for which a Fourier
- * transform is slow. */
+/* Returns whether count is at least PK_LOOP_LEAST and has no prime factor above 1000, which would
+ * make the Fourier transform slow. */
 int pk_gsl_loop_takes(size_t count);
 
 PK_END

@@ -1,10 +1,10 @@
-/* Equilibria of a system by GSL's root finder from many starts, and normal coordinates at one.
- * double only; link libpk_gsl.a before libpk.a, then -lgsl -lgslcblas. GSL allocates; all memory is
- * freed before these functions return.
+/* Equilibria of a system by GSL's root finder from many starts, and normal coordinates at an
+ * equilibrium. pk_real must be double; link libpk_gsl.a before libpk.a, then -lgsl -lgslcblas. GSL
+ * allocates; all memory is freed before these functions return.
  *
- * Cyclic coordinates do not rest: their momenta are constant. So relative equilibria are sought, in
- * which the other coordinates rest and cyclic ones have constant rates (a top's steady precession).
- * With c for cyclic and n for the others,
+ * Relative equilibria are sought: cyclic coordinates have constant rates and momenta, all other
+ * coordinates rest (the steady precession of a top). With subscript c for cyclic coordinates and n
+ * for non-cyclic ones,
  *
  *     pdot_n(q_n, v_c) = 0,   p_c(q_n, v_c) = p_c of the given start,   v_n = 0.
  */
@@ -16,40 +16,44 @@
 PK_BEGIN
 
 struct pk_equilibria {
-    size_t most; /* equilibria for which q and v, the caller's, have room: n numbers each */
+    size_t most; /* number of equilibria that q and v have memory for: most * n numbers each */
     double *q, *v;
     size_t count;         /* equilibria found, the lowest energy first */
-    size_t failed;        /* starts without a result */
-    size_t singular;      /* starts that led to a singular or indefinite M: the pole of a chart */
-    int more;             /* there are more than `most`, perhaps a continuum */
-    unsigned char *turns; /* n, or NULL: out, whether q_i + 2 pi is the same position as q_i */
-    double *doubt; /* room as q, or NULL: out, Newton's last correction of q_i, or of v_i if cyclic.
-                      If the linear terms vanish, it is comparable to the distance from the root. */
-    size_t *slack; /* `most`, or NULL: out, with rotations or constraints: the number of directions
-                      in which equilibria continue; then one is listed for each energy */
-    double *middle, *box; /* n each, or NULL: out, q_i (v_i) is sought in middle_i +- box_i, by a
-                             quarter of the starts each 4 and 32 times as far, except for angles */
+    size_t failed;        /* number of starts from which no equilibrium was found */
+    size_t singular;      /* starts that led to a singular or indefinite M, as at the pole of
+                             spherical coordinates */
+    int more;             /* there are more equilibria than `most`, perhaps a continuum */
+    unsigned char *turns; /* output, n flags, or NULL: q_i + 2 pi is the same position as q_i */
+    double *doubt;        /* output, like q, or NULL: Newton's last correction of q_i, or of v_i if
+                             cyclic. If the linear terms vanish, it is comparable to the distance
+                             the root. */
+    size_t *slack; /* output, `most` numbers, or NULL: with rotations or constraints, the number
+                      of dimensions of a continuum of equilibria, of which one is returned for
+                      each energy */
+    double *middle, *box; /* output, n each, or NULL: half of the starts have q_i (v_i) in
+                             middle_i +- box_i, a quarter each within 4 and 32 times box_i,
+                             except for angles */
 };
 
-/* Searches from q0, v0 and `tries` more starts (Halton's points: the same each time), from each
- * again with known roots deflated until no other is found. Starts lie in a box about q0: half a
- * turn wide for angles, else a multiple of the range of the motion, or |q0|; no length is absolute.
- * A coordinate in which the equations have the period 2 pi is returned in (-pi, pi]. First-order
- * variables, which are in v, rest too, except quadratures, which keep their values. With rotations
- * or constraints, equilibria satisfy these (equilibria_bound.c); bodies do not rotate there, and
- * the first nonzero component of a quaternion is positive. PK_REFUSED if the equations depend on
- * time or on inputs. There is no guarantee that all are found. */
+/* Searches from q0, v0 and from `tries` more starts (Halton's points, the same at each call). After
+ * each solution the search is repeated from the same start with known roots deflated, until it
+ * fails. Starts lie in a box about q0: half a turn wide for angles, otherwise a multiple of the
+ * range of the motion, or of |q0|. A coordinate in which the equations have the period 2 pi is
+ * returned in (-pi, pi]. First-order variables, which are in v, are constant too, except
+ * quadratures, which keep their start values. Equilibria satisfy constraints (equilibria_bound.c)
+ * and have no body rates; the first nonzero component of a quaternion is positive. PK_REFUSED: the
+ * equations depend on time or on inputs. The search may miss equilibria. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
-/* Computes the eigenvalues of the linearised equations at any state, zeros included, one entry for
- * lambda and its conjugate; room for 2 n each. The fastest must be resolved by steps. PK_REFUSED
- * without the kernel `linear`; PK_SINGULAR_MASS; PK_NO_CONVERGENCE. */
+/* Computes the eigenvalues of the linearised equations at any state, zeros included, with one entry
+ * for a complex pair; the arrays have 2 n numbers each. Steps must resolve the largest of them.
+ * Fails with PK_REFUSED (no kernel `linear`), PK_SINGULAR_MASS or PK_NO_CONVERGENCE. */
 enum pk_status pk_gsl_rates(const struct pk_problem *problem, double t, const double *q,
                             const double *v, double *growth, double *frequency, size_t *count);
 
 /* Sets, for each entry of v, whether it is a quadrature: a first-order variable that no rate
- * depends on (work done, an action). Tested at the state and at two others. */
+ * depends on (work done, an action), as tested at the given state and at two others. */
 enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, const double *v,
                              unsigned char *unread);
 
@@ -59,12 +63,12 @@ enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, 
  *     Q = U^T M (q - q*),  P = U^T (p - p*),  U^T M U = 1,
  *     h = h* + sum of (P^2 + omega^2 Q^2)/2 + higher-order terms.
  *
- * squares: omega^2 of each mode, ascending, 0 below 1e-12 of the largest, negative if unstable; M:
- * n by n; shapes: n by n, rows of U^T. PK_REFUSED for other systems, or without the kernels mass
- * and jacobian; PK_SINGULAR_MASS. */
+ * squares: omega^2 of each mode, ascending, set to 0 below 1e-12 of the largest, negative if
+ * unstable; M: n by n; shapes: n by n, U^T row by row. Fails with PK_REFUSED for other systems or
+ * without the kernels mass and jacobian, or with PK_SINGULAR_MASS. */
 enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, double *M,
                              double *squares, double *shapes);
-/* Computes (P^2 + omega^2 Q^2)/2 of each mode; q and p are q - q* and p - p*. */
+/* Computes (P^2 + omega^2 Q^2)/2 of each mode, from q - q* and p - p*. */
 void pk_normal_energies(size_t n, const double *M, const double *squares, const double *shapes,
                         const double *q, const double *p, double *E);
 

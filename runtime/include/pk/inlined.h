@@ -1,16 +1,15 @@
 /* Compiles steps together with the kernels of one model. The C that pkgen generates includes it
- * ahead of its struct pk_system, once for each model in a file. The text of a step,
- * pk/step/FAMILY.h, is the one that the library compiles with function pointers; here the number of
- * coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED, _SPLITTING,
- * _GAUSS select families, and -DPK_INLINE_ENSEMBLE adds their steps of blocks of members. Without
- * any of them nothing is compiled, and the library's steps are used.
- * "-DPK_SPLITTING_METHODS(X)=X(verlet)", and likewise _ERK_ and _EMBEDDED_, compiles fewer methods
- * of a family.
+ * before its struct pk_system, once for each model in a file. The source of a step,
+ * pk/step/FAMILY.h, is also compiled in the library, which calls kernels by function pointers; here
+ * the number of coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED,
+ * _SPLITTING, _GAUSS select families, and -DPK_INLINE_ENSEMBLE adds their steps in SIMD lanes.
+ * Without these macros the library's steps are used. "-DPK_SPLITTING_METHODS(X)=X(verlet)", and
+ * likewise _ERK_ and _EMBEDDED_, compiles fewer methods of a family.
  *
  * The generated C defines PK_MODEL(x), which prefixes x with the model's name; PK_MODEL_N(it) if
  * the length of v is not the constant PK_MODEL(N); PK_MODEL_FIRST_ORDER if it has first-order
- * variables; and PK_MODEL_WITHOUT_LANES or _MEMBERS if it has no such kernel: then the library's
- * steps are used. Steps use the macros
+ * variables; and PK_MODEL_WITHOUT_LANES or PK_MODEL_WITHOUT_MEMBERS if it has no kernel `lanes` or
+ * `members`: then the library's steps are used. Steps use the macros
  *
  *     PK_STEPPER(x)                   x with a name that is unique in this file
  *     PK_STEPPER_N(it)                the length of v
@@ -46,7 +45,7 @@
     PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t, q, \
                            v, u, a)
 
-/* Members in a block: state, stages and parameters of few coordinates then fit the L1 cache. */
+/* Members in a block: their state, stages and parameters should fit the L1 cache. */
 #ifndef PK_INLINE_LANES
 #define PK_INLINE_LANES (PK_MODEL(N) <= 4 ? 64 : PK_MODEL(N) <= 8 ? 32 : 16)
 #endif

@@ -7,15 +7,14 @@
  *     pk_integrator_init(&it, &problem, method, &options, t0, q0, v0, block, size);
  *     status = pk_integrator_to(&it, 10);                      it.t, it.q, it.v
  *
- * t, q, v, p are in SI units, or in the model's own if it has none. q0 and it.q have n_q numbers,
- * the coordinates. v0, it.v and it.p have n numbers: the rates, then the first-order variables.
- * it.q, it.v and it.p point into the block, and a step moves them, so read them from `it` after
- * each step.
+ * t, q, v, p are in SI units, or dimensionless in a model without units. q0 and it.q have n_q
+ * numbers, the coordinates. v0, it.v and it.p have n numbers: the rates, then the first-order
+ * variables. it.q, it.v and it.p point into the block, and a step moves them, so read them from
+ * `it` after each step.
  *
  * No function allocates, prints or exits, except that a method of pk/gsl.h allocates in init and
  * frees in pk_integrator_free(). A step that fails leaves t, q, v and p unchanged. An integrator is
- * used by one thread at a time; different ones are independent.
- */
+ * used by one thread at a time; different ones are independent. */
 #ifndef PK_INTEGRATOR_H
 #define PK_INTEGRATOR_H
 
@@ -25,12 +24,12 @@
 
 PK_BEGIN
 
-/* The problem. All of it must outlive the integrator. `params` is the model's own struct, already
- * prepared: init and reset refuse one that is out of bounds or was changed without prepare().
- * `input` writes the n_inputs numbers u at time t, in the order and units of system->inputs; it
- * must be a function of t, since methods ask for any t of a step in any order. NULL: inputs are 0.
- * `feedback`, or NULL, writes u at a state and replaces `input` for accelerations and events. Only
- * explicit methods keep their order with it. */
+/* The problem. All of it must outlive the integrator. `params` is the model's struct after
+ * system->prepare(): init and reset refuse parameters that are out of bounds or were changed
+ * without prepare(). `input` writes the n_inputs numbers u at time t, in the order and units of
+ * system->inputs; it must be a function of t, since methods call it for any t within a step in any
+ * order. NULL: inputs are 0. `feedback`, or NULL, writes u at a state and replaces `input` for
+ * accelerations and events. With it, only explicit methods keep their order. */
 struct pk_problem {
     const struct pk_system *system;
     const void *params;
@@ -39,70 +38,72 @@ struct pk_problem {
     void (*feedback)(void *context, pk_real t, const pk_real *q, const pk_real *v, pk_real *u);
 };
 
-/* `input` of constant inputs, whose context is this struct. */
+/* The function `input` for constant inputs; its context is this struct. */
 struct pk_constant_input {
     const pk_real *u;
     size_t count;
 };
 void pk_constant_input(void *context, pk_real t, pk_real *u);
 
-/* The default of atol: a tolerance for each component, from the motion (see pk_options.atol). */
+/* The default of atol: tolerances derived from the motion (see pk_options.atol). */
 #define PK_ATOL_OF_MOTION PK_C(-1.0)
 
 enum pk_iteration { PK_NEWTON, PK_FIXED_POINT };
 
-/* The caller's names of options, such as " (--step)", appended to advice in reasons. NULL: none. */
+/* Names of options, such as " (--step)", for advice in error texts. NULL: none. */
 struct pk_words {
     const char *step, *rtol, *step_or_rtol, *max_step, *max_steps, *newton;
 };
 
 struct pk_options {
-    pk_real h;    /* fixed step size, or first step size of an adaptive method (0: automatic).
-                     Positive and finite, also backward in time. */
+    pk_real h;    /* fixed step size, or first step size of an adaptive method (0: automatic);
+                     positive and finite also for integration backward in time */
     pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| per step, root mean square over q and
                      v; finite, not both 0. Below about 10 PK_EPSILON it gains nothing, and gauss
                      uses at least 2 PK_EPSILON. */
-    pk_real atol; /* PK_ATOL_OF_MOTION: for each coordinate or rate, rtol times its largest value so
-                     far, or times 1e-6 of the largest of the same unit */
-    pk_real h_min; /* adaptive: a smaller step size is PK_STEP_UNDERFLOW, as is ten ulp of t */
-    pk_real
-        h_max; /* adaptive, and inner steps of respa; 0: no limit. A last step may be 1% longer. */
-    unsigned long max_steps; /* 0: no limit. PK_NO_PROGRESS ends a run early if, at the mean length
-                                of the last half of the steps, more than max_steps (of 0: 1e9) would
-                                be needed to arrive or to double the time passed so far, whichever
-                                is nearer. */
+    pk_real atol; /* PK_ATOL_OF_MOTION: for each coordinate or rate, rtol times its largest value
+                     so far, or 1e-6 rtol times the largest value of all numbers of the same
+                     unit, if that is larger */
+    pk_real h_min; /* adaptive: a step below it or ten ulp of t is PK_STEP_UNDERFLOW */
+    pk_real h_max; /* for adaptive methods and inner steps of respa; 0: no limit. The last step may
+                      be 1% longer. */
+    unsigned long max_steps; /* 0: no limit. PK_NO_PROGRESS ends a run early if, at the mean
+                                length of the last half of the steps, more than max_steps (1e9 if
+                                it is 0) steps would be needed to reach the limit or to double
+                                the time passed so far, whichever is less. */
     enum pk_iteration iteration;
-    pk_real newton_tol; /* relative correction that ends an iteration, < 1. 0: ends if the next
-                           correction is expected far below round-off, the choice for long runs; for
-                           gauss, if the rest of the iteration error is below its tolerance */
-    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point, 30 for gauss */
-    /* Called before each step; not 0: the step is not made, the status is PK_STOPPED_USER, and only
-     * reset continues. NULL: not called. */
+    pk_real newton_tol; /* relative correction, < 1, at which an iteration stops. 0: it stops if
+                           the next correction is expected far below round-off, best for long
+                           runs; in gauss, if the expected iteration error is below its tolerance */
+    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point iteration, 30 for gauss */
+    /* Called before each step. If it returns nonzero, the step is not made, the status is
+     * PK_STOPPED_USER, and only pk_integrator_reset() can continue. NULL: not called. */
     int (*stop)(void *context);
     void *context;
-    const struct pk_words *words; /* NULL: reasons name no options */
+    const struct pk_words *words; /* NULL: error texts mention no options */
 };
 
 struct pk_counters {
     unsigned long steps, rejections;
-    unsigned long evaluations; /* of the acceleration, or of p and pdot, at one state */
+    unsigned long evaluations; /* of the acceleration, or of p and pdot, per state */
     unsigned long jacobians, factorisations, iterations;
-    unsigned long held; /* steps of `gauss` shortened by its iteration, not by its error */
+    unsigned long held; /* steps of `gauss` shortened for its iteration's convergence */
 };
 
-/* Steps so long that a short force may be missed in them: fixed steps, or adaptive ones that t has
- * no digits to shorten. Their number, and of the first its time and the index of its mark in
- * system->marks. */
+/* Steps so long that they may miss a short force: fixed steps, or adaptive steps that cannot be
+ * shortened because of the round-off of t. count: number of these steps; t: time of the first;
+ * which: index of the mark missed first, in system->marks. */
 struct pk_passed_over {
     unsigned long count;
     size_t which;
     pk_real t;
 };
 
-/* Why a call failed, in numbers: pk_integrator_reason() writes them in words. `kind` tells reasons
- * of one status apart; `index` is that of a coordinate, parameter, constraint row, switch or
- * singularity, `other` of a second one; `value` is a residual, a correction, a step size or a pivot
- * relative to its diagonal entry; `time` is when. Those without meaning are 0. */
+/* The cause of a failure in numbers; pk_integrator_reason() returns it as text. `kind`
+ * distinguishes causes with the same status; `index` is that of a coordinate, parameter, constraint
+ * row, switch or singularity, `other` of a second one; `value` is a residual, a correction, a step
+ * size or a pivot relative to its diagonal entry; `time` is the time of the failure. Numbers
+ * without meaning are 0. */
 struct pk_reason {
     int kind;
     size_t index, other;
@@ -111,73 +112,77 @@ struct pk_reason {
 
 struct pk_integrator_private;
 
-/* To be read, not written. q, v and p point into the block; p is NULL unless the method stores
+/* Read-only for callers. q, v and p point into the block; p is NULL unless the method stores
  * momenta. */
 struct pk_integrator {
     pk_real t;
     const pk_real *q, *v, *p;
     size_t n_q, n;  /* length of q; length of v and of p */
-    pk_real last_t; /* start of the last step made; it ended at t */
+    pk_real last_t; /* start of the last step, which ended at t */
     struct pk_counters count;
     struct pk_passed_over passed_over;
-    enum pk_status status;   /* of the last call, */
-    struct pk_reason reason; /* why, if it failed, */
-    size_t event;            /* and 1 + the index of an event, 0: none; see pk/events.h */
+    enum pk_status status;   /* status of the last call */
+    struct pk_reason reason; /* cause of its failure */
+    size_t event;            /* 1 + the index of an event, 0: none; see pk/events.h */
     struct pk_problem problem;
     const struct pk_method *method;
     struct pk_options options;
-    struct pk_integrator_private *own; /* in the block; NULL where init refused the block itself */
+    struct pk_integrator_private *own; /* in the block; NULL if init refused the block */
 };
 
 struct pk_options pk_options_default(void);
 
 /* Returns the bytes of the block for pk_integrator_init(), 0 if an argument is null or the system
- * has another PK_ABI. The block must be aligned for pk_real, as malloc's are, and outlive the
+ * has another PK_ABI. The block must be aligned for pk_real, as malloc() aligns, and outlive the
  * integrator. */
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method);
 
-/* Copies q0 and v0. Fails with PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_REFUSED (the method),
- * PK_OUT_OF_BOUNDS (a parameter), PK_OFF_CONSTRAINTS, PK_NO_PROJECTION (dependent constraint rows),
- * PK_NOT_FINITE, PK_NO_MEMORY (GSL). After a failure no later call makes a step, and each returns
- * the same status. Free an integrator of a GSL method before you initialise it again. */
+/* Copies q0 and v0. Fails with PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_REFUSED (the method does not
+ * suit the system), PK_OUT_OF_BOUNDS (a parameter), PK_OFF_CONSTRAINTS, PK_NO_PROJECTION (dependent
+ * constraint rows), PK_NOT_FINITE, PK_NO_MEMORY (GSL). After a failure, every later call returns
+ * the same status and makes no step. Free an integrator of a GSL method before you initialise it
+ * again. */
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
                                   const struct pk_method *method, const struct pk_options *options,
                                   pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
-/* Sets a new state at t; counters continue. q and v may be it->q and it->v: call it so after a
- * change of parameters or a jump of an input, since methods keep derivatives from before. After a
- * refusal no step is made until a later reset is accepted. */
+/* Sets a new state at t; counters continue. q and v may be it->q and it->v: call it with these
+ * after a change of parameters or a jump of an input, since methods reuse derivatives of the last
+ * step. If it fails, no step is made until a later call succeeds. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
-/* Sets the fixed step size, or the next step size of an adaptive method. PK_BAD_ARGUMENT. */
+/* Sets the fixed, or the next adaptive, step size. Fails with PK_BAD_ARGUMENT. */
 enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
-/* Makes one step towards `limit`, never past it; a step that would end within round-off of it ends
- * exactly there. Returns PK_DONE without a step if t is `limit`. */
+/* Makes one step towards `limit`, never past it; a step that would end within round-off of `limit`
+ * ends exactly at it. Returns PK_DONE without a step if t is `limit`. */
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
-/* Returns the limit for the next fixed step if a result is wanted at t: t itself if it is on the
- * grid of steps to rounding, else `limit`. Then pk_integrator_aside() gives the result after the
- * step. pk_integrator_is_at() returns whether it->t is t to rounding. */
+/* Returns the limit of the next fixed step if a result is wanted at time t: t itself if it is a
+ * multiple of the step size up to rounding, otherwise `limit`; after that step
+ * pk_integrator_aside() computes the result at t. pk_integrator_is_at() returns whether it->t is t
+ * up to rounding. */
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
-/* Makes at most `steps` steps (0: no limit) towards `limit`, like that many calls of
- * pk_integrator_step(), but faster, and with the same bits. A system with families.advance and no singularities makes all
- * steps on the grid in one pass over memory, uncompensated, so that last bits differ; if the state after them is not finite,
- * fewer are made, so that the failing step is found. */
+/* Makes at most `steps` steps (0: no limit) towards `limit`, with the same bits as calls of
+ * pk_integrator_step(), but faster. For a system with families.advance and no singularities, all
+ * steps of the fixed step size are made in one pass over memory without compensated sums, so that
+ * the last bits differ; if the state after them is not finite, fewer steps are made, to find the
+ * step that fails. */
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);
 /* Makes steps until t == t_end exactly, forward or backward. */
 enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
-/* Writes the dense output at t inside the last step, n_q and n numbers. PK_BAD_ARGUMENT for another
- * t or a method without it; a failure leaves the state unchanged. */
+/* Writes the dense output at t inside the last step, n_q numbers to q and n to v. PK_BAD_ARGUMENT:
+ * t is outside the last step, or the method has no dense output. A failure leaves the state
+ * unchanged. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 /* Computes the motion at t inside the last step as accurately as the method's steps. `side`, an
  * integrator of the same problem and method with its own memory, repeats that step up to t and
- * holds the result. `it` is unchanged, except for status and reason on failure. Not allowed after a
- * reset or after many steps at once. */
+ * holds the result. `it` is unchanged, except for status and reason on failure. Not allowed after
+ * pk_integrator_reset() or pk_integrator_steps(). */
 enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t);
-/* Writes the last status in words, with the last valid time and names. Returns the length as
- * snprintf() does. */
+/* Writes the last status as text, with the last valid time and names of quantities. Returns the
+ * length as snprintf() does. */
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size);
-/* Needed after methods that allocate (GSL's), harmless after others. */
+/* Frees memory. Needed only after methods that allocate (GSL's). */
 void pk_integrator_free(struct pk_integrator *it);
 
 PK_END

@@ -1,5 +1,6 @@
-/* Saves and restores an integrator between two steps as plain bytes; a restored one continues to
- * the same bits as if it had never stopped. One function writes, reads or counts the bytes:
+/* Saves and restores an integrator between two steps as plain bytes; a restored integrator gives
+ * the same bits as one that ran without interruption. One function writes, reads or counts the
+ * bytes:
  *
  *     struct pk_keep size = {0}, out = {0}, in = {0};
  *     pk_integrator_keep(&it, &size);                        (size.used bytes)
@@ -12,9 +13,8 @@
  *     in.from = bytes, in.size = size.used;
  *     status = pk_integrator_keep(&it, &in);                 (it.t, it.q, it.v are there)
  *
- * The bytes contain no addresses. They are trusted if their shape is right: check bytes from
- * elsewhere before, as checkpoints do (docs/dev/checkpoints.md).
- */
+ * The bytes contain no addresses. Only their number and the stored sizes are verified: check bytes
+ * of unknown origin before, as checkpoints do (docs/dev/checkpoints.md). */
 #ifndef PK_KEEP_H
 #define PK_KEEP_H
 
@@ -27,24 +27,24 @@
 
 PK_BEGIN
 
-/* Writes to `to` or reads from `from`; counts if both are NULL. */
+/* Writes to `to`, reads from `from`, or counts bytes if both are NULL. */
 struct pk_keep {
     unsigned char *to;
     const unsigned char *from;
-    size_t size, used; /* used: bytes so far, including those without room */
-    int wrong;         /* no room, or the bytes read have another shape */
+    size_t size, used; /* used: bytes so far, also bytes beyond `size` */
+    int wrong;         /* `size` is too small, or a stored size differs */
 };
 
-/* Keeps `size` bytes at `what`. */
+/* Writes, reads or counts the `size` bytes at `what`. */
 void pk_keep(struct pk_keep *k, void *what, size_t size);
-/* Keeps a number; sets `wrong` if the number read differs. */
+/* Writes a number; when reading, sets `wrong` if the number read differs. */
 void pk_keep_same(struct pk_keep *k, unsigned long long number);
 
-/* Returns PK_DONE; PK_REFUSED if the memory of the method is opaque (methods of pk/gsl.h except
- * Runge-Kutta ones); PK_BLOCK_TOO_SMALL if k->wrong, and then an integrator being restored must be
- * initialised again. Not to be called within a step. */
+/* Returns PK_DONE, PK_REFUSED if the memory of the method is opaque (methods of pk/gsl.h except
+ * Runge-Kutta methods), or PK_BLOCK_TOO_SMALL if k->wrong, after which an integrator being restored
+ * must be initialised again. Must not be called within a step. */
 enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k);
-/* Keep the private data of these structs; events without their integrator. */
+/* These functions save or restore private data; pk_events_keep() leaves the integrator out. */
 enum pk_status pk_events_keep(struct pk_events *events, struct pk_keep *k);
 enum pk_status pk_subsystems_keep(struct pk_subsystems *apart, struct pk_keep *k);
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k);

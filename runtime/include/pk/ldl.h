@@ -5,12 +5,11 @@
  *     below[(i - rows) * down + j * along],  j < rows          else
  *     corner[(i - rows) * across + j - rows]
  *
- * The inverse of D replaces D. The caller judges each row's pivot.
+ * 1/D is stored in place of D. The caller checks the pivots.
  *
  * Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE.
- */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_LDL_H
 #define PK_LDL_H
 
@@ -25,7 +24,7 @@ PK_INLINE static ptrdiff_t pk_ldl_first(const struct pk_ldl *A, ptrdiff_t i)
     return i > A->width ? i - A->width : 0;
 }
 
-/* Returns row i of the band; [j] is its column j. */
+/* Returns row i of the band, so that [j] is the entry in column j. */
 PK_INLINE static pk_real *pk_ldl_row(const struct pk_ldl *A, ptrdiff_t i)
 {
     return A->band + i * (A->apart - 1);
@@ -41,10 +40,10 @@ PK_INLINE static pk_real *pk_ldl_entry(const struct pk_ldl *A, ptrdiff_t i, ptrd
                  : A->corner + (i - n) * A->across + j - n;
 }
 
-/* Row i: its column j < rows is row[j * step], its column j >= rows is corner[j]. */
+/* Row i: the entry in column j is row[j * step] if j < rows, otherwise corner[j]. */
 struct pk_ldl_parts {
     pk_real *row, *corner;
-    ptrdiff_t step, from, to; /* range of its columns before `rows` */
+    ptrdiff_t step, from, to; /* first column, and end of the columns below `rows` */
 };
 PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdiff_t i)
 {
@@ -60,7 +59,7 @@ PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdif
     return of;
 }
 
-/* Turns the columns before `rows` of a row into L D. */
+/* Transforms the entries of a row in columns < rows to those of L D. */
 PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrdiff_t step,
                                       ptrdiff_t from, ptrdiff_t to)
 {
@@ -75,7 +74,7 @@ PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrd
     }
 }
 
-/* Turns entry x of L D into that of L. Returns what it subtracts from the pivot. */
+/* Divides an entry x of L D by D, to that of L. Returns the amount to subtract from the pivot. */
 PK_INLINE static pk_real pk_ldl_scale(pk_real *x, pk_real inverse)
 {
     const pk_real scaled = *x;
@@ -83,8 +82,8 @@ PK_INLINE static pk_real pk_ldl_scale(pk_real *x, pk_real inverse)
     return scaled * *x;
 }
 
-/* Turns row i into L, after those before it. Returns its pivot; *added: the sum of positive terms
- * subtracted from its diagonal. */
+/* Transforms row i to L, after all rows before it. Returns its pivot. *added: the sum of the
+ * positive terms subtracted from the diagonal entry. */
 PK_INLINE static pk_real pk_ldl_pivot(const struct pk_ldl *A, ptrdiff_t i, pk_real *added)
 {
     const ptrdiff_t n = A->rows;
@@ -119,7 +118,7 @@ PK_INLINE static pk_real pk_ldl_pivot(const struct pk_ldl *A, ptrdiff_t i, pk_re
     return pivot;
 }
 
-/* x = L^-T x, where only x[0 .. end - 1] are not 0. */
+/* Solves L^T y = x in place; only x[0 .. end - 1] may be nonzero. */
 PK_INLINE static void pk_ldl_back(const struct pk_ldl *A, ptrdiff_t end, pk_real *x)
 {
     ptrdiff_t i, j;
@@ -132,7 +131,7 @@ PK_INLINE static void pk_ldl_back(const struct pk_ldl *A, ptrdiff_t end, pk_real
     }
 }
 
-/* x = A^-1 x. */
+/* Solves A y = x in place. */
 PK_INLINE static void pk_ldl_substitute(const struct pk_ldl *A, pk_real *x)
 {
     const ptrdiff_t all = A->rows + A->border;

@@ -1,25 +1,25 @@
 /* Linear stability of a method: the map of one step on the oscillator, and how long a step may be.
  *
- *     q'' = -q  in a step of y = h omega:   (q1, v1) = map (q0, v0), row by row
+ *     q'' = -q  in a step of y = h omega:   (q1, v1) = map (q0, v0), map row-major
  *     u' = -u   in a step of z:             u1 = R(-z) u0
  *
  * The limit on the imaginary axis is the end of the first interval 0 < y < limit in which the
  * powers of the map stay bounded: |R(iy)| <= 1 for Runge-Kutta methods, |trace| <= 2 for
- * compositions of shears, whose determinant is 1. A double eigenvalue at an isolated point does not
- * end it if both eigenvalues stay on the unit circle. The limit on the real axis is that of |R(-z)|
- * <= 1. A limit is 0 if any step grows, infinite if none does, and NaN if it is undefined:
- * splitting methods take no damping, methods of variable order have no single map, and GSL hides
- * its tables. For an adaptive method it is the limit of its formula at a fixed step size.
+ * compositions of shears, whose determinant is 1. A double eigenvalue at an isolated y does not end
+ * the interval if both eigenvalues stay on the unit circle. The limit on the real axis is the end
+ * of the first interval with |R(-z)| <= 1. A limit is 0 if steps of any size amplify, infinite if
+ * none does, and NaN if it is undefined: splitting methods do not apply to damping, methods of
+ * variable order have no single map, and the tables of GSL's methods are private. The limit of an
+ * adaptive method is that of its formula at a fixed step size.
  *
  * For explicit Runge-Kutta and splitting methods limits are roots of polynomials made from the
- * table, accurate to about 100 PK_EPSILON. For all others the step itself is run on the equation,
- * and its map is read off. Growth below 1e-10 a step (1e-3 in float) is then invisible and limits
+ * table, accurate to about 100 PK_EPSILON. For all other methods the map is computed by steps on
+ * the equation. Amplification below 1e-10 a step (1e-3 in float) is then not detected, which limits
  * the accuracy, and "infinite" means: none found up to 1e4. This is exact for A-stable methods and
  * for maps of determinant 1.
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2; R. I.
- * McLachlan, S. K. Gray, Appl. Numer. Math. 25 (1997) 275.
- */
+ * McLachlan, S. K. Gray, Appl. Numer. Math. 25 (1997) 275. */
 #ifndef PK_LIMITS_H
 #define PK_LIMITS_H
 
@@ -31,22 +31,22 @@ enum pk_axis { PK_AXIS_IMAGINARY, PK_AXIS_REAL };
 
 pk_real pk_method_limit(const struct pk_method *method, enum pk_axis axis);
 
-/* Writes the first interval at or above `from` in which steps grow, infinite numbers if there is
- * none; from 0, its lower end is the limit. Growth may end again: blanes_moan6 grows from 3.14143
- * to 3.14232 by 4e-4 a step, where two steps are one period, and then only from 6.3479. Returns 0
- * if the limit is NaN. */
+/* Writes the first interval with lower end >= from in which steps amplify, infinite numbers if
+ * there is none; with from = 0 its lower end is the limit. The interval may be short: blanes_moan6
+ * amplifies by 4e-4 a step from 3.14143 to 3.14232, where two steps are one period, and then only
+ * from 6.3479. Returns 0 if the limit is NaN. */
 int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real from,
                      pk_real growth[2]);
 
-/* Computes the map of one step, y > 0. PK_REFUSED if there is none, or the step's failure. */
+/* Computes the map of one step, y > 0. PK_REFUSED: there is no map; or the step's failure. */
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4]);
-/* The same for q'' = -stiffness q - damping q', h > 0, always by the step itself. */
+/* Computes the map for q'' = -stiffness q - damping q', h > 0, always by a step of the method. */
 enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness, pk_real damping,
                                 pk_real h, pk_real map[4]);
-/* Computes R(-z) for u' = -u, z > 0; the same statuses. */
+/* Computes R(-z) for u' = -u, z > 0. Returns the statuses of pk_method_oscillator(). */
 enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_real *factor);
 
-/* Returns the larger modulus of a map's eigenvalues: the growth of amplitudes in a step. */
+/* Returns the larger modulus of a map's eigenvalues, the amplification in a step. */
 pk_real pk_map_growth(const pk_real map[4]);
 /* Returns the rotation angle of a map, in [0, pi]; 0 or pi if the eigenvalues are real. For a
  * method's map at y < pi, angle / y is the ratio of its frequency to the true one. */

@@ -1,7 +1,6 @@
-/* An integration method as one const struct: its name, its traits, the facts that it needs of a
+/* An integration method as one const struct: its name, its traits, the facts that it requires of a
  * system, and its functions. Most methods are a table of coefficients and the code of a family, so
- * a new tableau is one table and one row of pk/methods.h.
- */
+ * a new tableau is one table and one row of pk/methods.h. */
 #ifndef PK_METHOD_H
 #define PK_METHOD_H
 
@@ -12,8 +11,7 @@
 #include <pk/system.h>
 
 /* Step sizes come from pow, exp and log, whose last bits differ between processors. PK_PORTABLE
- * rounds step sizes to the 24 bits of a float, which do not differ.
- */
+ * rounds step sizes to float, whose bits are then the same on all processors. */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
 #else
@@ -22,20 +20,21 @@
 
 PK_BEGIN
 
-/* Traits of a method. Symplectic means in (q, p) at a fixed step size. */
+/* Traits of a method. Symplectic: in (q, p), at a fixed step size. */
 enum pk_trait {
     PK_SYMPLECTIC = 1u << 0,
     PK_SYMMETRIC = 1u << 1,
     PK_ADAPTIVE = 1u << 2,
     PK_IMPLICIT = 1u << 3,
     PK_DENSE = 1u << 4,     /* pk_integrator_dense() works */
-    PK_JACOBIANS = 1u << 5, /* calls the system's mass and jacobian */
-    PK_LINEAR = 1u << 6,    /* calls the system's mass and linear */
-    PK_NO_INPUTS = 1u << 7, /* needs time derivatives of all terms, which inputs do not provide */
-    PK_EXACT = 1u << 8,     /* a step of any length has rounding errors only; its order is 0 */
-    PK_HOLONOMIC = 1u << 9, /* ends its steps on holonomic constraints itself and refuses rolling;
-                               calls unconstrained and inertia, or canonical and mass */
-    PK_GROUP = 1u << 10     /* keeps rotations on SO(3): unit quaternions, to rounding */
+    PK_JACOBIANS = 1u << 5, /* calls the kernels mass and jacobian */
+    PK_LINEAR = 1u << 6,    /* calls the kernels mass and linear */
+    PK_NO_INPUTS = 1u << 7, /* needs time derivatives of all terms; refuses inputs */
+    PK_EXACT = 1u << 8,     /* steps of any length have only rounding errors; order 0 */
+    PK_HOLONOMIC = 1u << 9, /* solves holonomic constraints within its steps, and does not take
+                               rolling constraints; calls the kernels unconstrained and inertia,
+                               or canonical and mass */
+    PK_GROUP = 1u << 10     /* keeps quaternions of rotations at unit length, to rounding */
 };
 
 struct pk_integrator;
@@ -44,36 +43,36 @@ struct pk_keep;
 
 struct pk_method {
     const char *name;
-    const char *doc; /* one line and the citation */
+    const char *doc; /* description in one line, and the citation */
     int order;       /* 0: variable */
-    int stages;      /* evaluations per step (last shared with first counts once); 0: variable */
-    int dense_order; /* order of the dense output; 0: none */
+    int stages;      /* evaluations per step, without a reused last one; 0: variable */
+    int dense_order; /* order of the dense output; 0: no dense output */
     unsigned traits; /* bits of enum pk_trait */
     unsigned needs;  /* bits of enum pk_fact (`requires` is a keyword of C++20) */
     const void *table;
-    const struct pk_method *formula; /* the fixed-step method that an adaptive one varies, for
-                                        pk/limits.h; NULL: itself */
+    const struct pk_method *formula; /* the method that an adaptive method becomes at a fixed
+                                        step size, for pk/limits.h; NULL: the method itself */
 
-    /* Returns the number of pk_real of work for n = length of v; NULL: pk_splitting_size(). */
+    /* Returns the pk_real of work memory for n = length of v. NULL: pk_splitting_size(). */
     size_t (*size)(const struct pk_method *method, const struct pk_problem *problem, size_t n);
     enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing */
-    /* Makes one step into it->own->next, to it->own->next_t, not past `limit`. Must not change
-     * it->own->state. */
+    /* Computes a step that does not pass `limit`; writes the state to it->own->next, the time to
+     * it->own->next_t. Must not change it->own->state. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
-    /* Interpolates within the last step; NULL without PK_DENSE. */
+    /* Interpolates within the last step; NULL: the method is not PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-    /* Returns the longest step in which no event is missed; NULL: any step. */
+    /* Returns the longest step in which no event is missed; NULL: steps of any length. */
     pk_real (*resolved)(const struct pk_integrator *it);
-    /* Returns the LU factors (pk_lu_factor()) of the last step's equations, of `stages` times n
-     * unknowns; NULL if that step had none. NULL: the method has no such equations. */
+    /* Returns the LU factors (pk_lu_factor()) of the last step's equations in `stages` times n
+     * unknowns, or NULL if the step solved none. NULL: the method solves no such equations. */
     const pk_real *(*equations)(struct pk_integrator *it);
-    /* Only for methods of foreign libraries that allocate; else NULL. keep() saves or restores
-     * their memory (pk/keep.h) or returns PK_REFUSED if that memory is opaque. */
+    /* For methods of foreign libraries that allocate; NULL for all others. keep() saves or restores
+     * their memory (pk/keep.h), or returns PK_REFUSED if that memory is opaque. */
     void (*release)(struct pk_integrator *it);
     enum pk_status (*keep)(struct pk_integrator *it, struct pk_keep *k);
 };
 
-/* Return a method of the core, NULL if there is none. See pk/gsl.h for GSL's methods. */
+/* Return a method of the core, or NULL. See pk/gsl.h for GSL's methods. */
 const struct pk_method *pk_method_find(const char *name);
 const struct pk_method *pk_method_at(size_t index);
 

@@ -1,11 +1,10 @@
-/* The registry: one row for each method. The generator reads this file, too.
+/* The registry: one row for each method. The code generator also reads this file.
  *
  *     X(A, name, order, stages, dense order, traits, table, text)
  *
  * Order 0 or stages 0: variable; dense order 0: no dense output. `table` names the coefficients in
- * pk/step/tables.h: `rk4` is pk_rk4_table; `none` if the method is code alone. PK_NEEDS_FAMILY are
- * the facts that methods of a family require of a system.
- */
+ * pk/step/tables.h: `rk4` is pk_rk4_table; `none` if the method has no table. PK_NEEDS_FAMILY are
+ * the facts that methods of a family require of a system. */
 #ifndef PK_METHODS_H
 #define PK_METHODS_H
 
@@ -49,7 +48,7 @@
     X(A, kahan_li8, 8, 17, 0, PK_TRAITS_SYMPLECTIC, kahan_li8,                                     \
       "seventeen Verlet steps, s17odr8a; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Compositions of such steps; the table is that of the splitting method composed. */
+/* Compositions of boris steps; `table` is that of the splitting method composed in the same way. */
 #define PK_NEEDS_BORIS (PK_MASS_CONSTANT | PK_AFFINE_RATES)
 #define PK_METHODS_BORIS(X, A)                                                                     \
     X(A, boris, 2, 1, 0, PK_SYMMETRIC | PK_LINEAR, verlet,                                         \
@@ -59,7 +58,7 @@
     X(A, boris6, 6, 9, 0, PK_SYMMETRIC | PK_LINEAR, kahan_li6,                                     \
       "nine steps of boris; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Likewise. Stages are counted for ten inner steps. */
+/* Compositions of respa steps, likewise. Stages are counted for ten inner steps. */
 #define PK_NEEDS_RESPA (PK_MASS_CONSTANT | PK_SEPARABLE | PK_FAST)
 #define PK_METHODS_RESPA(X, A)                                                                     \
     X(A, respa, 2, 12, 0, PK_TRAITS_SYMPLECTIC, verlet,                                            \
@@ -131,7 +130,7 @@
       "the exact flow of an affine system, by the exponential of its matrix, scaled and "          \
       "squared; N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179")
 
-/* On SO(3) and with constraints; the table is that of the splitting method composed. */
+/* Methods for rotations and constraints; `table` is that of the splitting method composed. */
 #define PK_TRAITS_VARIATIONAL                                                                      \
     (PK_TRAITS_SYMPLECTIC | PK_IMPLICIT | PK_HOLONOMIC | PK_GROUP)
 #define PK_NEEDS_LIE_MIDPOINT 0
@@ -166,8 +165,8 @@
     PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
     PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A)
 
-/* Macros for X: A(name); declares pk_method_NAME; defines it, A(table) being its family's
- * members. */
+/* Macros for X. PK_NAME_OF: A(name); the second declares pk_method_NAME; the third defines it,
+ * where A(table) gives the struct members of the family. */
 #define PK_NAME_OF(A, name, ...) A(name)
 #define PK_DECLARE_METHOD(A, name, ...) extern const struct pk_method pk_method_##name;
 #define PK_DEFINE_METHOD(A, symbol, p, s, p_dense, flags, of, text)                                \
@@ -179,8 +178,8 @@
                                                  .traits = flags,                                  \
                                                  A(of)};
 
-/* Declarations of all methods, such as pk_method_rk4. A program that names one method links its
- * family alone; pk_method_find() links all of them. */
+/* Declarations of all methods, such as pk_method_rk4. A program that names one method links only
+ * its family; pk_method_find() links all families. */
 PK_BEGIN
 PK_METHODS_CORE(PK_DECLARE_METHOD, )
 PK_END

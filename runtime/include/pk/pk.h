@@ -1,4 +1,4 @@
-/* The whole runtime: systems, methods, integrators, diagnostics. */
+/* Includes the whole runtime: systems, methods, integrators, diagnostics. */
 #ifndef PK_PK_H
 #define PK_PK_H
 

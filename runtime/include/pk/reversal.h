@@ -1,12 +1,11 @@
 /* Time reversal: steps from t0 to t and the same number backward. A symmetric method returns to the
- * start except for round-off, which a chaotic motion amplifies as any displacement: to 1 near t =
- * ln(1/PK_EPSILON)/lambda, lambda the Lyapunov exponent. Other methods miss the start by their own
- * error.
+ * start except for round-off, which a chaotic motion amplifies like any displacement: it reaches 1
+ * near t = ln(1/PK_EPSILON)/lambda, lambda the Lyapunov exponent. Methods that are not symmetric
+ * miss the start by their own errors.
  *
  * The error is the largest over coordinates and rates of |x - x0| / max |x - x0|, the maximum taken
- * over the whole given time. The horizon is the time at which the error passes a threshold: there
- * the run has lost its start.
- */
+ * over the whole given time. The horizon is the time at which the error exceeds a threshold: a
+ * longer run has no memory of its start. */
 #ifndef PK_REVERSAL_H
 #define PK_REVERSAL_H
 
@@ -17,20 +16,21 @@ PK_BEGIN
 enum { PK_REVERSAL_TIMES = 24 };
 
 struct pk_reversal {
-    size_t count; /* times tried: repeatedly halved times, ascending, then some in between */
+    size_t count; /* number of times tried: halvings, ascending, then bisections */
     struct {
-        pk_real t, error, absolute; /* t - t0 > 0; absolute: max |x - x0|, in the units of x */
+        pk_real t, error, absolute; /* t - t0 > 0; relative error; max |x - x0| in the unit of x */
     } at[PK_REVERSAL_TIMES];
     pk_real threshold;
-    int passed;                     /* 0: below the threshold at all times tried */
-    pk_real horizon_lo, horizon_hi; /* last time below, first time above; hi only if passed */
+    int passed;                     /* 0: the error is below the threshold at all times tried */
+    pk_real horizon_lo, horizon_hi; /* last time below, first time above the threshold */
 };
 
 /* Returns the bytes of the block, aligned for pk_real. */
 size_t pk_reversal_size(const struct pk_problem *problem, const struct pk_method *method);
-/* Tries the times t_end/2^k, from at least one step to t_end, stops at the first one above the
- * threshold and narrows the horizon to a sixteenth of it. With a fixed step size, times are whole
- * numbers of steps. `it` has the reason of a failure. It integrates some 5 (t_end - t0) in all. */
+/* Tries the times t_end/2^k, from at least one step to t_end, stops at the first time whose error
+ * exceeds the threshold, and brackets the horizon to a sixteenth of it. With a fixed step size,
+ * times are whole numbers of steps. After a failure `it` has the reason. The integrations take
+ * about 5 (t_end - t0) in all. */
 enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrator *it,
                                 const struct pk_problem *problem, const struct pk_method *method,
                                 const struct pk_options *options, pk_real t0, const pk_real *q0,

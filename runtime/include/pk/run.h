@@ -1,6 +1,6 @@
 /* A run of a model in one call: settings in, rows and a report out. `pkgen run`, pkgen's Python
- * package and the programs of `pkgen build` use this layer. It allocates memory, writes to the
- * given files alone, and never ends the process. Numbers of settings are in SI units.
+ * package and the programs of `pkgen build` use this layer. It allocates memory, writes only to the
+ * given files, and never ends the process. Numbers of settings are in SI units.
  *
  *     struct pk_run_settings s = pk_run_defaults();
  *     s.method = "gauss";
@@ -12,8 +12,7 @@
  *     puts(pk_run_report(run)), puts(pk_run_messages(run));
  *     pk_run_free(run);
  *
- * A run is used by one thread at a time; several runs may go on at once.
- */
+ * A run is used by one thread at a time; several runs may go on at once. */
 #ifndef PK_RUN_H
 #define PK_RUN_H
 
@@ -24,7 +23,7 @@
 PK_BEGIN
 
 struct pk_run;
-/* Tables of functions for diagnostics and for ensembles; a program without them links less code. */
+/* Tables of functions for diagnostics and ensembles; a program links them only if it uses them. */
 struct pk_run_diagnose;
 struct pk_run_ensemble;
 extern const struct pk_run_diagnose pk_run_diagnose;
@@ -33,112 +32,112 @@ extern const struct pk_run_ensemble pk_run_ensemble;
 /* A model, and the methods and features that a program is linked with. */
 struct pk_run_model {
     const struct pk_system *system;
-    const struct pk_part *parts; /* blocks of coordinates, each integrated by itself; or NULL */
+    const struct pk_part *parts; /* independent blocks of coordinates, or NULL */
     size_t n_parts;
-    const struct pk_method *const *methods; /* the model's own methods first: n_own of n_methods */
+    const struct pk_method *const *methods; /* all methods; the first n_own are the model's own */
     size_t n_own, n_methods;
     const struct pk_run_diagnose *diagnose; /* &pk_run_diagnose, or NULL */
     const struct pk_run_ensemble *ensemble; /* &pk_run_ensemble, or NULL */
 };
 
-/* The result of a run, also the exit code of a program. */
+/* The result of a run, also used as the exit code of a program. */
 enum pk_run_code {
     PK_RUN_DONE = 0,
     PK_RUN_USAGE = 2,        /* wrong settings, or output that cannot be written */
-    PK_RUN_FAILED = 4,       /* a numerical failure, or a number in the rows was not finite */
-    PK_RUN_LEFT = 75,        /* ended by `poll` with a checkpoint, from which it can resume */
+    PK_RUN_FAILED = 4,       /* a numerical failure, or a number in the rows is not finite */
+    PK_RUN_LEFT = 75,        /* `poll` ended the run with a checkpoint, from which it can resume */
     PK_RUN_INTERRUPTED = 130 /* interrupted by `poll` */
 };
 
-/* A value of a parameter, size, input or coordinate. `member`: 0-based, of a family kept as a loop.
- */
+/* A value of a parameter, size, input or coordinate. member: index from 0 in a family. */
 struct pk_run_value {
     size_t index, member;
     double value;
 };
 
-/* A column of the rows, or of an ensemble's members. */
+/* A column of the rows, or of the table of an ensemble's members. */
 struct pk_run_column {
     char kind;            /* rows: q, v, o output, e energy; members: p parameter, i input, q, v */
-    size_t index, member; /* member: 0-based, in a family of parameters */
+    size_t index, member; /* member: index from 0 in a family of parameters */
 };
 
-/* A relation between columns to be checked: a = b within `within`, a < b, or a > b. */
+/* A relation between columns to check: |a - b| <= within, a < b, or a > b. */
 struct pk_run_expected {
     char relation;                     /* =, <, > */
-    char when;                         /* r in all rows, t at a time, e at an event */
+    char when;                         /* r: in all rows, t: at time `at`, e: at an event */
     struct pk_run_column a, b, within; /* within.kind 0: none */
     double at;
     size_t event;
 };
 
-/* How one block of coordinates is integrated; NULL and 0: as the whole model. */
+/* The method of one block of coordinates; NULL or 0: that of the whole model. */
 struct pk_run_part {
     const char *method;
     double step, rtol, h_max;
 };
 
-/* A number kept for each ensemble member. `what`: f final, M largest, m smallest, a mean value of a
- * column; n how often an event occurred; t its first time; d a drift of `drifts`; x whether a
- * relation of `expected` held (1 or 0); l the largest Lyapunov exponent. n, t and l need
- * `watch`. */
+/* A number stored for each ensemble member. `what`: f final, M largest, m smallest, a mean value of
+ * a column; n number of occurrences of an event; t time of its first occurrence; d a drift of
+ * `drifts`; x whether a relation of `expected` held (1 or 0); l the largest Lyapunov exponent. n, t
+ * and l require `watch`. */
 struct pk_run_reduced {
     char what;
-    size_t index; /* of the column after t, or of the event, drift or relation */
+    size_t index; /* index of a column (not counting t), event, drift or relation */
 };
 
 struct pk_run_settings {
     const char *method;
     double until; /* > 0 */
-    double every; /* interval of rows; 0: each step; < 0: until/1000, or events alone if `at` */
-    double step, rtol, atol; /* step 0: the method's default; atol < 0: from the motion */
+    double every; /* interval of rows; 0: each step; < 0: until/1000, or events only if `at` */
+    double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */
-    int fixed_point;         /* fixed-point iteration instead of Newton's in implicit methods */
+    int fixed_point;         /* fixed-point instead of Newton iteration in implicit methods */
     unsigned long max_steps; /* 0: no limit */
-    int land; /* on rows: 1 steps end there, 0 dense output, -1 whichever is better */
+    int land; /* steps end at the times of rows: 1 yes, 0 no (dense output), -1 automatic */
     size_t n_sizes, n_parameters, n_inputs, n_q, n_v;
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
-    size_t n_columns; /* columns of rows after t; 0: all */
+    size_t n_columns; /* number of columns in addition to t; 0: all */
     const struct pk_run_column *columns;
-    size_t n_hidden; /* outputs left out if columns are all */
+    size_t n_hidden; /* number of outputs that are no columns if n_columns is 0 */
     const size_t *hidden;
-    size_t at; /* 1 + the event whose occurrences are rows; 0: none */
+    size_t at; /* 1 + index of an event whose occurrences are rows; 0: none */
     size_t n_expected, n_drifts;
     const struct pk_run_expected *expected;
-    const struct pk_run_column *drifts; /* o, e: drifts of outputs and the energy */
+    const struct pk_run_column *drifts; /* drifts of outputs (kind o) and energy (e) to compute */
     unsigned diagnose;                  /* bits of pk_run_diagnostic() */
-    size_t n_parts;                     /* the model's n_parts, or 0 */
+    size_t n_parts;                     /* n_parts of the model, or 0 */
     const struct pk_run_part *parts;
-    int bare;     /* steps only: no events, no check by a second method; `every` < 0: the final
-                     state is the only row */
-    int compared; /* for comparison with other runs: no check by a second method; start and end are
-                     rows if event `at` never occurred */
-    double cap;   /* processor seconds, after which the run is given up; 0: no limit */
+    int bare;     /* only steps: no events, no check by a second method; `every` < 0: the only
+                     row is the final state */
+    int compared; /* for comparison with other runs: no check by a second method; if event `at`
+                     never occurred, start and end are rows */
+    double cap;   /* limit in processor seconds; 0: no limit */
 
-    size_t members; /* 0: one trajectory. Otherwise an ensemble: */
+    size_t members; /* number of ensemble members; 0: one trajectory */
     size_t n_member_columns;
     const struct pk_run_column *member_columns;
-    const double *member_values; /* members rows of n_member_columns */
-    const char *member_name;     /* name of the column of member numbers; NULL: "member" */
+    const double *member_values; /* `members` rows of n_member_columns numbers */
+    const char *member_name;     /* name of the column that numbers the members; NULL: "member" */
     long first_member;
-    size_t threads; /* 0: all there are */
-    int watch; /* 1: detects events of members; 2: and reports their first times; < 0 (also for one
-                  trajectory): no drifts but those of `drifts` */
+    size_t threads; /* 0: all available threads */
+    int watch;      /* 1: detect events of members, 2: also report their first times; < 0 (also for
+                       one trajectory): compute only the drifts in `drifts` */
     size_t n_reduced;
     const struct pk_run_reduced *reduced; /* the numbers that pk_run_members() returns */
-    int no_rows;                          /* keeps only those numbers */
-    int lenient; /* refused parameters fail their member alone, not the run */
+    int no_rows;                          /* stores only the numbers of `reduced` */
+    int lenient;                          /* refused parameters of a member do not end the run */
 
     const char *checkpoint;         /* checkpoint file; NULL: none */
-    const char *checkpoint_note;    /* text stored in it for whoever resumes; or NULL */
+    const char *checkpoint_note;    /* text stored in the checkpoint, or NULL */
     double checkpoint_every;        /* interval in seconds; 0: only if `poll` ends the run */
-    unsigned long checkpoint_after; /* steps (rows of parts, batches of an ensemble) until the run
-                                       ends with a checkpoint; 0: never */
-    int resume;                     /* resumes from the checkpoint, after its last row */
+    unsigned long checkpoint_after; /* the run ends with a checkpoint after this many steps (rows
+                                       with parts, batches of an ensemble); 0: never */
+    int resume;                     /* resumes from the checkpoint file */
 
-    /* Inputs that the caller computes. compute() gets t, and q and v in `seen`, and writes all
-     * inputs to `computed`; not 0: end the run. NULL: constant inputs. `stop` is 1 at the rising
-     * times `stops`, where steps end, else 0; with only_stops there are no other calls. */
+    /* Function of the caller that computes inputs. compute() finds t as argument and q and v in
+     * `seen`, and writes all inputs to `computed`; it returns nonzero to end the run. NULL:
+     * constant inputs. `stop` is 1 at the ascending times `stops`, where steps end, otherwise 0;
+     * with only_stops it is called only at these times. */
     int (*compute)(void *context, double t, int stop);
     int only_stops;
     size_t n_stops;
@@ -147,64 +146,64 @@ struct pk_run_settings {
 
     int csv;    /* file descriptor for rows as CSV; < 0: rows stay in memory */
     int header; /* writes a line of names above the CSV */
-    int (*poll)(void *context, double part); /* called about ten times a second with the fraction of
-                                                the run done; not 0: stop. NULL: never called */
+    int (*poll)(void *context, double part); /* called about ten times a second with the fraction
+                                                done; nonzero stops the run. NULL: never */
     void *context;
 };
 
 struct pk_run_settings pk_run_defaults(void);
 
-/* Copies the settings, with their lists and texts; `seen`, `computed` and `context` stay the
- * caller's. Returns NULL only if memory is short. */
+/* Copies the settings, with their lists and texts; `seen`, `computed` and `context` are not copied.
+ * Returns NULL only if memory runs out. */
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings);
-/* Runs to the end. Rows up to the last valid time are kept, whatever the result. */
+/* Runs to the end. Rows up to the last valid time are stored also if the run fails. */
 enum pk_run_code pk_run_go(struct pk_run *run);
-/* Replace pk_run_go() for a run step by step, without rows and report. pk_run_advance() integrates
- * to t, or one step towards it, with constant inputs u, and writes t, q and v to `state`. It
- * returns an enum pk_status: negative on failure, PK_STOPPED_EVENT at an event that stops. */
+/* pk_run_begin() and pk_run_advance() replace pk_run_go() for a run step by step, without rows and
+ * report. pk_run_advance() integrates to t, or one step towards it, with constant inputs u, and
+ * writes t, q and v to `state`. It returns an enum pk_status: negative on failure, PK_STOPPED_EVENT
+ * at an event that ends the run. */
 enum pk_run_code pk_run_begin(struct pk_run *run);
 int pk_run_advance(struct pk_run *run, double t, int one_step, const double *u, double *state);
-/* Returns the number of rows kept; each has *columns numbers, t first. If pk_real has more digits
- * than double, the value is rows[i] + low[i]; otherwise *low is NULL. */
+/* Returns the number of rows in memory, each of *columns numbers, t first. If pk_real has more
+ * digits than double, a value is rows[i] + low[i]; otherwise *low is NULL. */
 size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,
                    size_t *columns);
 /* Returns the number of members; 0 if neither `reduced` nor `no_rows` is set. Each has *columns = 2
- * + n_reduced numbers: its final enum pk_status, its last valid time, and those of `reduced`, NaN
- * for a member that failed and for the time of an event that never occurred. */
+ * + n_reduced numbers: its final enum pk_status, its last valid time, and the numbers of `reduced`,
+ * which are NaN for a failed member and for the time of an event that did not occur. */
 size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *columns);
-/* Writes the name of column i of the rows, its unit to *unit. Returns 0 after the last one. */
+/* Writes the name and the unit of column i of the rows. Returns 0 if there is no column i. */
 int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t size,
                        const char **unit);
 /* Returns the report in JSON (docs/commands.md), after pk_run_go(). */
 const char *pk_run_report(struct pk_run *run);
-/* Returns the messages for a person, one per line. */
+/* Returns the messages to the user, one per line. */
 const char *pk_run_messages(const struct pk_run *run);
-/* Returns the failure of the parameters, see PK_FAILURE() in real.h; 0: none. */
+/* Returns the failure of the parameters (see PK_FAILURE() in real.h), or 0. */
 int pk_run_refused(const struct pk_run *run);
-/* Returns the processor seconds of one bare run from the start: the fastest of repetitions over at
- * least `seconds`; 0 if it fails. Call it after pk_run_go(). */
+/* Returns the processor seconds of one run without rows from the start, the least of repetitions
+ * that take at least `seconds` in all; 0 if the run fails. Call it after pk_run_go(). */
 double pk_run_laps(struct pk_run *run, double seconds);
 /* Evaluates a kernel at `count` states, with the run's parameters: "acceleration", "force",
  * "momenta" (n numbers per state), "free momenta" (those without constraints), "mass" (n by n),
  * "energy" (1), "outputs", "jacobian" (da/dq, then da/dv, n by n each), "momentum jacobian" (dp/dq,
  * d(pdot)/dq, d(pdot)/dv), "constraint jacobian" (J, a row of n each) or "constraint rates" (J v +
- * j0). Per state: t has 1 number, q and v have n each, u has n_inputs (u NULL:
- * the run's inputs), out has pk_run_width(). Returns how many states failed because M is singular;
- * their results are NaN. */
+ * j0). Per state: t has 1 number, q and v have n each, u has n_inputs (u NULL: the run's inputs),
+ * out has pk_run_width() numbers. Returns how many states failed because M is singular; their
+ * results are NaN. */
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, const double *u, double *out);
 size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: there is no such kernel */
-/* Returns parameters and start in JSON. */
+/* Returns parameters and start values in JSON. */
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);
-/* 1: all runs and integrations of this library, in all threads, end as soon as they can, and
- * new ones at once; 0: normal again. A signal handler may call it. */
+/* 1: all runs and integrations of this library, in all threads, end as soon as possible, and new
+ * ones end at once; 0: runs are possible again. May be called in a signal handler. */
 void pk_run_stop(int whether);
 
-/* Returns sizeof pk_run_settings, pk_run_expected, pk_run_part or pk_run_reduced, for `which` 0 to
- * 3. */
+/* Returns the size of pk_run_settings, _expected, _part or _reduced for `which` = 0, 1, 2 or 3. */
 size_t pk_run_size(int which);
-/* Returns the bit of a diagnostic; 0: there is no diagnostic of that name. */
+/* Returns the bit of a diagnostic in `diagnose`; 0: unknown name. */
 unsigned pk_run_diagnostic(const char *name);
 
 PK_END

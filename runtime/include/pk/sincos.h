@@ -1,24 +1,23 @@
-/* Sine and cosine of one angle together, inline, in float and double: no call and no branch, so
- * that a loop over angles becomes vector code. The error is at most 1.5 units in the last place of
- * each result, also near multiples of pi/2. In long double and __float128, and if the compiler
- * computes in excess precision, libm computes them.
+/* Sine and cosine of an angle, inline, in float and double, without calls and branches, so that
+ * compilers vectorise loops over angles. The error is at most 1.5 units in the last place of each
+ * result, also near multiples of pi/2. In long double and __float128, and if the compiler computes
+ * in excess precision, libm is called.
  *
  *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
  *
  * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary Functions"
- * (1980): pi/2 is split into parts of so few bits that k times a part is exact, subtracted one by
- * one; the rounding of the later subtractions is kept and added to sin r. k has 20 bits at most (10
- * in float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
- * parts suffice, not four. The last one matters if |x| is near a multiple of pi/2: a double of that
- * range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over; with
- * -DPK_BOUNDED_ANGLES the results are NaN instead.
+ * (1980): pi/2 is split into parts of so few bits that k times a part is exact; these products are
+ * subtracted one by one, and the rounding errors of the later subtractions are added to sin r. k
+ * has 20 bits at most (10 in float), so a part may have 33 (14). With fma() the first part may have
+ * all 53 (24), so that three parts suffice instead of four. The last part matters if |x| is near a
+ * multiple of pi/2: the nearest double is at 2^-60 from one (29 pi/2). Above PK_SINCOS_MAX libm is
+ * called; with -DPK_BOUNDED_ANGLES the results are NaN instead.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
  *     sin r = r + r z S(z),  cos r = 1 - z/2 + z^2 C(z),  z = r^2
  *
- * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE.
- */
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE. */
 #ifndef PK_SINCOS_H
 #define PK_SINCOS_H
 
@@ -34,7 +33,7 @@
 #ifdef PK_SINCOS_INLINE
 #include <string.h>
 
-/* fma() in hardware; elsewhere it is a library call. (clang does not define FP_FAST_FMA.) */
+/* fma() in hardware; otherwise it is a library call. (clang does not define FP_FAST_FMA.) */
 #if (defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || \
      defined __ARM_FEATURE_FMA) &&                                      \
     !defined PK_PORTABLE
@@ -44,8 +43,8 @@
 #define PK_SINCOS_FMA(a, b, c) ((a) * (b) + (c))
 #endif
 
-/* pi/2 = P1 + P2 + P3 (+ P4). Adding PK_SINCOS_ROUND rounds to an integer, which then is in the
- * last bits. */
+/* pi/2 = P1 + P2 + P3 (+ P4). Adding PK_SINCOS_ROUND to a number rounds it to an integer, which is
+ * then in the last bits of the sum. */
 #ifdef PK_FLOAT
 #define PK_SINCOS_MAX PK_C(0x1.8p10)
 #define PK_SINCOS_ROUND PK_C(0x1.8p23)
@@ -76,7 +75,7 @@
 #endif
 #endif
 
-/* S and C as pairs of terms: half the latency of Horner's rule. */
+/* The polynomials S and C, with pairs of terms: half the latency of Horner's rule. */
 PK_INLINE static pk_real pk_sincos_s(pk_real z)
 {
 #ifdef PK_FLOAT
@@ -105,7 +104,7 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 #endif
 }
 
-/* For |x| <= PK_SINCOS_MAX; any other x gives an arbitrary result. NULL: not needed. */
+/* For |x| <= PK_SINCOS_MAX; for any other x results are arbitrary. A pointer may be NULL. */
 PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
 {
     const pk_real rounded = PK_SINCOS_FMA(x, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND);
@@ -113,9 +112,9 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     pk_bits j, s_bits, c_bits, differ;
     pk_real z, s, c;
 
-    /* x - k pi/2 = r + lost, `lost` being the rounding of r. With fma() the cosine leaves it out,
-     * an error of 0.4 units. For sin(-0) = -0, `lost` must be -0 there, and r z must be +0, which
-     * adding 0 to it ensures. */
+    /* x - k pi/2 = r + lost, where `lost` is the rounding of r. With fma() the cosine ignores it,
+     * an error of 0.4 units. For sin(-0) = -0, `lost` must be -0 there and r z must be +0, so 0 is
+     * added to it. */
 #ifdef PK_SINCOS_HAS_FMA
     const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
     const pk_real r = r1 - k * PK_SINCOS_P2;
@@ -137,7 +136,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
 #endif
 
-    /* j mod 4 is k mod 4. If it is odd, sine and cosine are exchanged. */
+    /* j mod 4 is k mod 4. If k is odd, sine and cosine are exchanged. */
     memcpy(&j, &rounded, sizeof j);
     memcpy(&s_bits, &s, sizeof s_bits);
     memcpy(&c_bits, &c, sizeof c_bits);
@@ -150,7 +149,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
         memcpy(cosine, &c_bits, sizeof c_bits);
 }
 
-/* Returns not 0 if pk_sincos_bounded() must not be used, for NaN too. */
+/* Returns nonzero if pk_sincos_bounded() must not be used, also for NaN. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
     return (pk_bits) !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
@@ -158,8 +157,8 @@ PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 
 #endif
 
-/* Without a branch, unless `pass` is PK_CAREFULLY. Returns not 0 if the results are invalid, which
- * a careful pass never does. */
+/* Has no branch unless `pass` is PK_CAREFULLY. Returns nonzero if the results are invalid; after a
+ * careful pass they are always valid. */
 PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
                                         pk_real *cosine)
 {
@@ -182,7 +181,7 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
     return 0;
 }
 
-/* The same for two angles. Outside of lanes a short loop packs them into one vector. */
+/* The same for two angles. Outside of SIMD lanes a loop of two packs them into one vector. */
 PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
                                           pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
 {

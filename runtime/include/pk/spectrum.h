@@ -2,20 +2,20 @@
  *
  *     x(t) = mean + rate t + sum over lines of amplitude cos(frequency t + phase) + residual
  *
- * Frequencies are angular, per unit of time. A line is found where the windowed Fourier integral of
- * the remainder is largest, by the fast Fourier transform of GSL (pk_gsl_spectrum() in pk/gsl.h),
- * and refined to the maximum of that integral. Then all lines are fitted together by least squares
- * with the same window, frequencies included, so that lines do not bias one another, nor a
- * frequency its own negative. The window is Hann's, 1 + cos over the time of the samples.
+ * Frequencies are angular, per unit of time. Lines are found one by one, each where the windowed
+ * Fourier integral of the remainder is largest, by the fast Fourier transform of GSL
+ * (pk_gsl_spectrum() in pk/gsl.h), and refined to the maximum of that integral. Then all lines are
+ * fitted together by least squares with the same window, frequencies included, so that lines do not
+ * bias one another, nor a frequency by its own negative. The window is Hann's, 1 + cos, over the
+ * whole time of the samples.
  *
- * `error` is how far the frequency moves when only the first or the second half of the time is
- * fitted. For a regular motion that bounds the error of the whole fit (which is 8 to 16 times
- * smaller); for a chaotic one it shows how the frequency wanders. Lines closer than `resolution`
- * count as one.
+ * `error` is the change of the frequency if only the first or the second half of the time is
+ * fitted. For a regular motion that bounds the error of the whole fit (8 to 16 times smaller); for
+ * a chaotic motion it measures the variation of the frequency. Lines closer than `resolution` count
+ * as one.
  *
  * Reference: J. Laskar, Icarus 88 (1990) 266; J. Laskar, in Hamiltonian Systems with Three or More
- * Degrees of Freedom (1999) 134.
- */
+ * Degrees of Freedom (1999) 134. */
 #ifndef PK_SPECTRUM_H
 #define PK_SPECTRUM_H
 
@@ -26,7 +26,7 @@
 
 PK_BEGIN
 
-enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* most lines, fewest samples */
+enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* most lines; fewest samples */
 
 struct pk_line {
     pk_real frequency, amplitude, phase, error;
@@ -34,22 +34,22 @@ struct pk_line {
 
 struct pk_spectrum {
     pk_real mean, rate;
-    size_t count; /* number of lines, the largest amplitude first */
+    size_t count; /* number of lines, in order of decreasing amplitude */
     struct pk_line lines[PK_LINES];
     pk_real residual;   /* root mean square, windowed, relative to that of x - mean - rate t */
     pk_real resolution; /* 4 pi over the time of the samples: half the width of a line */
     pk_real nyquist;    /* pi/dt: faster lines appear as slower ones */
 };
 
-/* Returns w with the largest |sum of window x exp(-i w t)|^2 between lo and hi, which must enclose
- * one maximum. */
+/* Returns the frequency w with the largest |sum of window x exp(-i w t)|^2 between lo and hi, an
+ * interval that contains one maximum. */
 pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo, pk_real hi);
 /* Fits mean, rate and spectrum->count lines, whose frequencies are guesses on entry, and sets
  * resolution, nyquist and residual; writes the remainder of x to `left`, `count` numbers. Returns
  * PK_NO_CONVERGENCE if lines cannot be distinguished, or PK_NOT_FINITE. */
 enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, size_t count,
                                pk_real dt, pk_real *left);
-/* Sets `error` of each line and sorts lines by amplitude, largest first; `left` is work. */
+/* Sets `error` of each line and sorts lines by decreasing amplitude. `left` is work memory. */
 void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t count, pk_real dt,
                        pk_real *left);
 

@@ -1,8 +1,7 @@
-/* Statuses of the runtime's calls. Zero is success; positive: stopped for a requested reason;
- * negative: failed, and the state is the last valid one.
+/* Statuses of the runtime's calls. Zero is success; positive: the integration stopped as requested;
+ * negative: it failed, and the state is the last valid state.
  *
- * The list is one X-macro, so that every status has its name and its text.
- */
+ * The list is one X-macro, so that every status has its name and its text. */
 #ifndef PK_STATUS_H
 #define PK_STATUS_H
 
@@ -35,16 +34,16 @@ PK_BEGIN
     X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined")
 
 #define PK_STATUS_ENUM(name, value, text) name = value,
-/* From a list X(NAME, "text"): the names, as those of an enum, and the texts. */
+/* Extract from a list of X(NAME, "text") the names, as for an enum, and the texts. */
 #define PK_EACH_NAME(name, text) name,
 #define PK_EACH_TEXT(name, text) text,
 
 enum pk_status {
     PK_STATUSES(PK_STATUS_ENUM)
-        PK_STATUS_LAST = -20 /* below every status; no trailing comma, for C++98 readers */
+        PK_STATUS_LAST = -20 /* less than every status; no trailing comma, for C++98 */
 };
 
-/* Return "PK_NOT_FINITE", and "the motion is no longer finite". Never NULL. */
+/* Return the name of a status, such as "PK_NOT_FINITE", and its text. Never NULL. */
 const char *pk_status_name(enum pk_status status);
 const char *pk_status_text(enum pk_status status);
 

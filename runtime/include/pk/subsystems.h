@@ -1,14 +1,14 @@
-/* Independent blocks of coordinates, each integrated by itself, with its own method, step size or
- * tolerance. The whole is a pk_system too, for names, outputs and energy; it is not integrated.
+/* Integrates independent blocks (parts) of a system's coordinates separately, each with its own
+ * method, step size or tolerance. The whole system is used for names, outputs and energy, not for
+ * integration.
  *
  *     size_t size = pk_subsystems_size(&whole, parts, choices, count);
  *     pk_subsystems_init(&apart, &whole, parts, choices, count, t0, q0, v0, block, size);
  *     status = pk_subsystems_to(&apart, t, t);                        apart.t, apart.q, apart.v
  *
- * A part has its own parameters. Each takes the value of the whole's parameter of the same name;
- * the others have their defaults or follow. Inputs likewise. Each coordinate of the whole is in
- * exactly one part.
- */
+ * A part has its own parameters. They have the values of the whole system's parameters of the same
+ * name; other parameters have their defaults. Inputs are also matched by name. Each coordinate of
+ * the whole system is in exactly one part. */
 #ifndef PK_SUBSYSTEMS_H
 #define PK_SUBSYSTEMS_H
 
@@ -18,66 +18,67 @@
 
 PK_BEGIN
 
-/* A block: its system, and for each of its system->n coordinates and states the index in the
- * whole. */
+/* A part: its system, and for each of its coordinates and first-order variables the index in the
+ * whole system. */
 struct pk_part {
     const struct pk_system *system;
     const size_t *coordinates;
 };
 
-/* How a part is integrated. */
+/* The method and options of a part. */
 struct pk_choice {
     const struct pk_method *method;
     struct pk_options options;
 };
 
-/* A part during integration; read only. */
+/* A part during integration; read-only for callers. */
 struct pk_subsystem {
     struct pk_part of;
     struct pk_integrator it, aside;    /* see pk_integrator_aside() */
-    const struct pk_integrator *there; /* `it` or `aside`: the one at the time of the whole */
+    const struct pk_integrator *there; /* `it` or `aside`, whichever is at the current time */
     void *params;
     const struct pk_subsystems *apart;
-    size_t *inputs; /* indices of its inputs in the whole */
-    pk_real *u;     /* inputs of the whole */
+    size_t *inputs; /* indices of the part's inputs in the whole system */
+    pk_real *u;     /* inputs of the whole system */
 };
 
 struct pk_subsystems {
-    /* To be read by the caller: the time and state that all parts have reached. */
+    /* Read-only for callers: the time and state that all parts have reached. */
     pk_real t;
     const pk_real *q, *v;
-    enum pk_status status; /* of the last call */
-    size_t failed;         /* 1 + the part that the status is about, 0: none */
+    enum pk_status status; /* status of the last call */
+    size_t failed;         /* 1 + index of the part that the status belongs to, 0: none */
     struct pk_subsystem *parts;
     size_t count;
-    /* To be set after init, or NULL: called after each step of part number k. */
+    /* Set by the caller after init, or NULL: called after each step of part number k. */
     void (*stepped)(void *context, size_t k);
     void *context;
 
-    /* For the runtime alone. */
+    /* Private to the runtime. */
     struct pk_problem whole;
     pk_real *state;
-    const char *why; /* why an argument is bad */
+    const char *why; /* why an argument was refused */
 };
 
-/* Returns the bytes of the block for pk_subsystems_init(), aligned as malloc's are; 0 if an argument is
- * null, a system has another PK_ABI, or a part has families kept as loops. */
+/* Returns the bytes of the block for pk_subsystems_init(), aligned as malloc's are; 0 if an
+ * argument is null, a system has another PK_ABI, or a part has a variable size. */
 size_t pk_subsystems_size(const struct pk_problem *whole, const struct pk_part *parts,
                           const struct pk_choice *choices, size_t count);
-/* Copies q0 and v0. All other arguments must outlive the struct, which must not move.
- * PK_BAD_ARGUMENT if the parts do not make up the whole, or the first failure of a part. */
+/* Copies q0 and v0. All other arguments must outlive the struct, which must not move. Fails with
+ * PK_BAD_ARGUMENT if the coordinates of the parts are not those of the whole system, or with the
+ * first failure of a part. */
 enum pk_status pk_subsystems_init(struct pk_subsystems *apart, const struct pk_problem *whole,
                                   const struct pk_part *parts, const struct pk_choice *choices,
                                   size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
                                   void *block, size_t block_size);
 /* Integrates each part to t in turn. Fixed steps may pass t; only `limit` shortens them. If a part
- * fails, the state stays at the last t that all parts reached, parts before it have reached the new
- * t, and no later call makes a step. */
+ * fails, the state remains at the last t that all parts reached, though parts before it have been
+ * integrated to the new t, and later calls make no step. */
 enum pk_status pk_subsystems_to(struct pk_subsystems *apart, pk_real t, pk_real limit);
-/* Writes the last status in words, with the part's coordinates and its last valid time. Returns the
+/* Writes the last status as text, with the part's coordinates and last valid time. Returns the
  * length as snprintf() does. */
 int pk_subsystems_reason(const struct pk_subsystems *apart, char *text, size_t size);
-/* Needed after methods that allocate (GSL's), harmless after others. */
+/* Frees memory. Needed only after methods that allocate (GSL's). */
 void pk_subsystems_free(struct pk_subsystems *apart);
 
 PK_END

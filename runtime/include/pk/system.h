@@ -1,5 +1,5 @@
-/* The one contract between generated C and the runtime: a mechanical system as a table of kernels
- * and facts. pkgen emits `const struct pk_system NAME_system` if PK_RUNTIME is defined.
+/* The interface between generated C and the runtime: a mechanical system as a table of kernels
+ * (functions) and facts. pkgen emits `const struct pk_system NAME_system` if PK_RUNTIME is defined.
  *
  * A state is n_q coordinates q and n numbers v: the rates of the coordinates, then the first-order
  * variables, which have rates of their own. With time t, inputs u and parameters
@@ -16,11 +16,10 @@
  *     M a  = f                            M = dp/dv,  f = pdot - (dp/dq) v - dp/dt
  *     h    = v.p - L                      energy
  *
- * For other entries of v, p is the entry itself, the row of M that of the unit matrix, and f its
- * rate. Matrices are n by n, row-major: M[i*n + j]; derivatives by q are 0 in columns j >= n_q.
- * Arrays never alias. Units are SI. Kernels are reentrant and do not allocate. `params` is struct
- * NAME_params.
- */
+ * For the first-order variables in v except body rates, p is the variable itself, the row of M is
+ * that of the unit matrix, and f is the rate of the variable. Matrices are n by n, row-major: M[i*n
+ * + j]; derivatives by q are 0 in columns j >= n_q. Arrays never alias. Units are SI. Kernels are
+ * reentrant and do not allocate. `params` is struct NAME_params. */
 #ifndef PK_SYSTEM_H
 #define PK_SYSTEM_H
 
@@ -32,11 +31,12 @@
 
 PK_BEGIN
 
-/* The layout of the structs that a model and the runtime share. A new kernel is appended to struct
- * pk_system and does not change PK_ABI_VERSION; a member that moves does. A system says in `size`
- * how many bytes it has, so the runtime asks PK_SYSTEM_HAS() before it reads a member that version
- * 1 lacks. A system of another scalar type does not link, since it names the library's PK_SCALAR;
- * one loaded at run time is refused by its number PK_ABI. */
+/* The version of the structs that a model and the runtime share. A new kernel is appended to struct
+ * pk_system and does not change PK_ABI_VERSION; moving a member does. `size` is the number of bytes
+ * of a system's struct, so the runtime checks PK_SYSTEM_HAS() before it reads a member that was
+ * added after version 1. A system compiled for another scalar type does not link, since it refers
+ * to the symbol PK_SCALAR of a library; a system loaded at run time is refused if its PK_ABI
+ * differs. */
 #define PK_ABI_VERSION 1u
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
@@ -56,58 +56,58 @@ PK_BEGIN
      (system)->member)
 extern const char PK_SCALAR[];
 
-/* Facts about a system that methods may require. pkgen proves them. */
+/* Facts about a system that methods may require; pkgen derives them from the equations. */
 enum pk_fact {
     PK_MASS_CONSTANT = 1u << 0, /* M does not depend on q, v, t, u */
     PK_MASS_DIAGONAL = 1u << 1,
     PK_QUADRATIC = 1u << 2,    /* L is of second degree in v: M does not depend on v */
-    PK_SEPARABLE = 1u << 3,    /* M constant, and f depends on q, t and u alone */
+    PK_SEPARABLE = 1u << 3,    /* M is constant, and f depends only on q, t and u */
     PK_AUTONOMOUS = 1u << 4,   /* nothing depends on t explicitly, and there are no inputs */
     PK_CONSERVATIVE = 1u << 5, /* h is constant: dL/dt = 0, no Q, no D, no inputs */
     PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
     PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
-    PK_AFFINE = 1u << 8,       /* a = A q + B v + c with constant A, B, c; no t and no inputs */
-    PK_SWITCHED = 1u << 9,     /* smooth with the sides of all switches given */
-    /* Not separable, but nearly: M constant, no first-order variables, no constraints, and */
+    PK_AFFINE = 1u << 8,       /* a = A q + B v + c with constant A, B, c; no inputs */
+    PK_SWITCHED = 1u << 9,     /* smooth if the sides of all switches are constant */
+    /* The next two: M constant, no first-order variables, no constraints. */
     PK_LINEAR_DRAG = 1u << 10,  /* f = g(q, t, u) + C v with constant C */
     PK_AFFINE_RATES = 1u << 11, /* f = g(q, t, u) + C(q, t, u) v */
-    PK_FAST = 1u << 12          /* separable, and a part of the forces is named: see fast() */
+    PK_FAST = 1u << 12          /* separable, and some forces are declared fast: see fast() */
 };
 
-/* A parameter: its place in struct NAME_params, and the kind of its bounds. */
+/* A parameter: its byte offset in struct NAME_params, and the kind of its bounds. */
 struct pk_parameter {
     struct pk_quantity what;
     size_t offset; /* in bytes */
-    int follows;   /* its default is computed from other parameters */
+    int follows;   /* the default depends on other parameters */
     int lo_open, hi_open;
 };
 
-/* A method's step with the kernels of one system compiled into it; see pk/inlined.h. */
+/* A method's step function compiled together with the kernels of one system; see pk/inlined.h. */
 struct pk_integrator;
 struct pk_stepper {
-    const char *method; /* NULL ends the list */
+    const char *method; /* NULL marks the end of the list */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
 };
 
-/* The same for a block of states in SIMD lanes; see pk/adaptive_lanes.h. */
+/* A method's step function for a block of states in SIMD lanes; see pk/adaptive_lanes.h. */
 struct pk_block;
 struct pk_block_stepper {
-    const char *method;                                    /* NULL ends the list */
+    const char *method;                                    /* NULL marks the end of the list */
     size_t lanes;                                          /* states in a block, at most 64 */
-    unsigned long long (*step)(struct pk_block *block);    /* a step of given size */
-    unsigned long long (*attempt)(struct pk_block *block); /* a trial step; NULL if not adaptive */
-    /* Accelerations at block->t. All three return a bit mask of the lanes that failed. */
+    unsigned long long (*step)(struct pk_block *block);    /* makes a step of given size */
+    unsigned long long (*attempt)(struct pk_block *block); /* makes a trial step, or NULL */
+    /* Computes accelerations at block->t. All three return a bit mask of the lanes that failed. */
     unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,
                                   pk_real *a);
-    /* Event functions, then switches, at block->t: number k of lane l is g[k * lanes + l]. NULL:
-     * none are compiled in. */
+    /* Computes event functions, then switches, at block->t: number k of lane l is g[k * lanes + l].
+     * NULL: not compiled in. */
     void (*values)(const struct pk_block *block, const pk_real *q, const pk_real *v, pk_real *g);
 };
 
-/* The parts of a system. A part that a system lacks is all zeros. */
+/* The optional parts of a system; the members of an absent part are zero. */
 
-/* The n particles with T = sum of m/2 |r'|^2, T the terms of L of second degree in the rates: at()
- * writes masses m, and x, y, z (0 in a plane) of each r, r' and r'', with a = q'' given. */
+/* The n particles with T = sum of m/2 |r'|^2, where T is the terms of L of second degree in the
+ * rates. at() writes the masses m, and x, y, z (0 in a plane) of each r, r' and r''; a is q''. */
 struct pk_part_particles {
     size_t n;
     void (*at)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
@@ -116,39 +116,39 @@ struct pk_part_particles {
 
 struct pk_system {
     unsigned abi;       /* PK_ABI */
-    unsigned size;      /* sizeof (struct pk_system) where it was compiled */
-    const char *scalar; /* PK_SCALAR, so that another library does not link; or NULL */
+    unsigned size;      /* sizeof (struct pk_system) when the model was compiled */
+    const char *scalar; /* PK_SCALAR, so that the wrong library does not link; or NULL */
     const char *name;
-    const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
+    const char *source_hash; /* SHA-256 of the model's source, in hexadecimal */
     unsigned facts;          /* of enum pk_fact */
-    size_t n;                /* length of v; with families kept as loops see pk_system_count() */
+    size_t n;                /* length of v; in a system of variable size see pk_system_count() */
     size_t n_parameters, n_inputs, n_observed, n_conserved;
     size_t params_size; /* sizeof (struct NAME_params) */
 
-    /* Number of first-order variables, n - n_q: the last entries of v, which are not rates of
-     * coordinates. `rates` has their names. The Lagrangian and the energy treat them as given
-     * functions of time. `energy` is NULL in a model without coordinates. */
+    /* Number of first-order variables, n - n_q: the last entries of v. `rates` has their names. The
+     * Lagrangian and the energy treat them as given functions of time. `energy` is NULL in a model
+     * without coordinates. */
     size_t n_first_order;
-    /* Number of quadratures, the last first-order variables: no rate depends on them. Newton's
-     * equations leave them out. 0 with families kept as loops. */
+    /* Number of quadratures: first-order variables on which no rate depends, the last ones in v.
+     * Newton's equations omit them. 0 in a system of variable size. */
     size_t n_unread;
     /* Number of rotations: attitudes R in SO(3), body to space. The first 3 n_rotations first-order
-     * variables are their body rates, omega(R).x, .y, .z each; the next 4 n_rotations are their
-     * unit quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2 and R r = Q r Q*. For body rates,
-     * all kernels have p = dL/domega and pdot = X L + p x omega + torque, where X_i is the
+     * variables are the body rates, omega(R).x, .y, .z of each rotation; the next 4 n_rotations are
+     * their unit quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2 and R r = Q r Q*. For body
+     * rates, all kernels have p = dL/domega and pdot = X L + p x omega + torque, where X_i is the
      * derivative along Q' = Q e_i/2; these momenta are in the body frame. */
-    size_t n_rotations; /* with families kept as loops see pk_system_rotations() */
+    size_t n_rotations; /* in a system of variable size see pk_system_rotations() */
 
     /* Tables of names: n coordinates, n rates, n momenta, n_inputs inputs, and so on. */
     const struct pk_quantity *coordinates, *rates, *momenta, *inputs, *observed, *conserved;
     const struct pk_parameter *parameters;
-    const unsigned char *cyclic; /* n flags: p_i is constant (dL/dq_i = 0, no Q_i, no dD/dv_i) */
+    const unsigned char *cyclic; /* n flags: p_i is constant (dL/dq_i = 0, Q_i = 0, dD/dv_i = 0) */
 
-    /* Parameters. defaults() sets all of them and calls prepare(). derive() computes the defaults
-     * that follow other parameters again, except those with given[i] != 0 (given NULL: none is
-     * given). prepare() computes what depends on parameters alone; call it after any change. It
-     * returns 0 or a failure (PK_FAILURE_PARAMETER, PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds()
-     * writes the bounds, infinite where there is none. start() writes the start. */
+    /* Parameters. defaults() sets all of them and calls prepare(). derive() recomputes the defaults
+     * that depend on other parameters, except where given[i] != 0 (given NULL: all). prepare()
+     * computes numbers that depend only on parameters; call it after any change. It returns 0 or a
+     * failure (PK_FAILURE_PARAMETER, PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds() writes the
+     * bounds, infinite where there is none. start() writes the start values. */
     void (*defaults)(void *params);
     void (*derive)(void *params, const unsigned char *given);
     int (*prepare)(void *params);
@@ -160,37 +160,37 @@ struct pk_system {
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
     pk_kernel *mass, *force;
-    pk_kernel_2 *canonical; /* p, then pdot: a stage of a Gauss method needs both */
+    pk_kernel_2 *canonical; /* p, then pdot: the stages of a Gauss method need both */
     pk_kernel *gradient;    /* dL/dq alone */
     /* Jacobians for Newton's method on (p, pdot): dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
     void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
     pk_kernel_number *energy;
-    pk_kernel_number *kinetic, *potential; /* T and V; NULL if the model defines L alone */
-    pk_kernel *observe, *conserve; /* outputs of `observe`, values of `conserve`; NULL: none */
-    /* Derivatives of r = f - M a by q, v and t, with a and the inputs held; if a is the
-     * acceleration, M da/dq = r_q, and so on. Used by variational equations and implicit methods in
-     * (q, v); see pk/linear.h. NULL: not compiled in. */
+    pk_kernel_number *kinetic, *potential; /* T and V; NULL if the model defines only L */
+    pk_kernel *observe, *conserve; /* outputs of `observe`, constants of `conserve`; NULL: none */
+    /* Derivatives of r = f - M a by q, v and t at constant a and inputs; if a is the acceleration,
+     * M da/dq = r_q, and so on. Used by variational equations and implicit methods in (q, v); see
+     * pk/linear.h. NULL: not compiled in. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
-    /* unconstrained: canonical() without J^T lambda. It writes p = dL/dv and pdot; for quaternions
-     * and states, these numbers and their rates. inertia: dp/dv of that p. Models with rotations,
-     * constraints, impulses or momenta that depend on states have both kernels: their mass() may be
-     * the unit matrix (the model has solved M a = f itself), and then canonical() does not write
-     * the momenta. */
+    /* unconstrained: like canonical() without J^T lambda; writes p = dL/dv and pdot, and for
+     * quaternions and states their values and rates. inertia: writes dp/dv of this p. Models with
+     * rotations, constraints, impulses or momenta that depend on states have both kernels: their
+     * mass() may be the unit matrix (the model has solved M a = f itself), and then canonical()
+     * does not write the momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
-    pk_kernel *fast; /* acceleration by the forces named fast; NULL: none is */
+    pk_kernel *fast; /* acceleration by the forces declared fast; NULL: none */
 
     /* Accelerations of PK_LANES states at once: t[l], q[i * PK_LANES + l], and so on. Returns a bit
-     * mask: if lane l failed as acceleration() fails, bit l is set and a is invalid in that lane.
-     * lanes() takes the same parameters in each lane; members() takes P[k * PK_LANES + l], number k
-     * of the params of lane l, which are an array of pk_real. NULL: not compiled in. */
+     * mask: bit l is set if the acceleration failed in lane l, where a is then invalid. lanes() has
+     * the same parameters in each lane; members() has parameters P[k * PK_LANES + l], number k of
+     * the params of lane l as an array of pk_real. NULL: not compiled in. */
     unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
                                 const pk_real *v, const pk_real *u, pk_real *a);
     unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
                                   const pk_real *v, const pk_real *u, pk_real *a);
-    /* NULL: none compiled in. Set them to NULL in a copy of a system whose kernels you replace. */
+    /* NULL: none compiled in. Set them to NULL in a copy of a system with other kernels. */
     const struct pk_stepper *steppers;
     const struct pk_block_stepper *block_steppers;
 
@@ -201,7 +201,7 @@ struct pk_system {
     struct pk_part_constraints constraints;
     struct pk_part_families families;
     struct pk_part_particles particles;
-    /* New members come here, behind all others. */
+    /* Add new members here, at the end. */
 };
 
 /* Returns n, the length of v. */
@@ -215,7 +215,7 @@ static inline size_t pk_system_outputs(const struct pk_system *system, const voi
     return system->families.outputs ? system->families.outputs(params) : system->n_observed;
 }
 
-/* Returns how many of the last entries of v are first-order variables. */
+/* Returns the number of first-order variables. */
 static inline size_t pk_system_first_order(const struct pk_system *system, const void *params)
 {
     return system->families.first_order ? system->families.first_order(params)
@@ -251,7 +251,7 @@ static inline struct pk_pattern pk_system_pattern(const struct pk_system *system
     return pattern;
 }
 
-/* Returns the members of declared coordinate, output, ... number k. */
+/* Returns the index range of declared name number k, a coordinate, output and so on. */
 static inline struct pk_range pk_system_range(const struct pk_system *system, const void *params,
                                               enum pk_range_of of, size_t k)
 {
@@ -261,7 +261,7 @@ static inline struct pk_range pk_system_range(const struct pk_system *system, co
     return range;
 }
 
-/* Returns the number of constraint rows, or of the holonomic ones only. */
+/* Returns the number of constraint rows, or of holonomic rows. */
 static inline size_t pk_system_rows(const struct pk_system *system, const void *params,
                                     int holonomic)
 {
@@ -269,14 +269,14 @@ static inline size_t pk_system_rows(const struct pk_system *system, const void *
     return c->count ? c->count(params, holonomic) : holonomic ? c->n_holonomic : c->n;
 }
 
-/* Returns the number of values of singularities. */
+/* Returns the number of monitored values of singularities. */
 static inline size_t pk_system_singularity_count(const struct pk_system *system, const void *params)
 {
     return system->singularities.count ? system->singularities.count(params)
                                        : system->singularities.n;
 }
 
-/* Returns the singularity that value number k belongs to. */
+/* Returns the singularity (and its member) of value number k. */
 static inline struct pk_place pk_system_singularity(const struct pk_system *system,
                                                     const void *params, size_t k)
 {
@@ -292,7 +292,7 @@ static inline size_t pk_system_switch_count(const struct pk_system *system, cons
     return system->switches.count ? system->switches.count(params) : system->switches.n;
 }
 
-/* Returns the expression, and its member, that switch number k belongs to. */
+/* Returns the expression, and its member, of switch number k. */
 static inline struct pk_place pk_system_switch(const struct pk_system *system, const void *params,
                                                size_t k)
 {
@@ -302,20 +302,20 @@ static inline struct pk_place pk_system_switch(const struct pk_system *system, c
     return place;
 }
 
-/* Writes the name of the singularity of value k, i and j replaced by numbers: "x[8] - x[7]". */
+/* Writes the name of the singularity of value k, with numbers for i and j: "x[8] - x[7]". */
 int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
                                char *text, size_t size);
 
-/* Writes the name of switch number k: "q[8]'"; "x" if there is no such switch. */
+/* Writes the name of switch number k, such as "q[8]'"; "x" if there is no switch k. */
 int pk_system_switch_name(const struct pk_system *system, const void *params, size_t k, char *text,
                           size_t size);
 
-/* Writes the name of output i. All these functions return the length as snprintf() does. */
+/* Writes the name of output i. All functions for names return the length as snprintf() does. */
 int pk_system_output_name(const struct pk_system *system, const void *params, size_t i, char *text,
                           size_t size);
 
-/* Writes the name of coordinate i, an index into q: "theta", "q[3]". `table` is the system's
- * coordinates, rates or momenta ("q[3]'", "p_q[3]"). */
+/* Writes the name of coordinate i, an index into q, such as "theta" or "q[3]"; with `table` the
+ * system's rates or momenta "q[3]'" or "p_q[3]". */
 int pk_system_name(const struct pk_system *system, const void *params,
                    const struct pk_quantity *table, size_t i, char *text, size_t size);
 

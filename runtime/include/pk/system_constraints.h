@@ -1,4 +1,4 @@
-/* The constraints of a system (pk/system.h). */
+/* The constraints of a system: a part of struct pk_system (pk/system.h). */
 #ifndef PK_SYSTEM_CONSTRAINTS_H
 #define PK_SYSTEM_CONSTRAINTS_H
 
@@ -12,24 +12,24 @@ PK_BEGIN
  * canonical() and acceleration(), as a function of (t, q, v). */
 struct pk_part_constraints {
     size_t n, n_holonomic;
-    const struct pk_quantity *names; /* of the multipliers: "lambda_rod", unit, description */
-    pk_kernel *values;               /* phi, n_holonomic numbers; NULL if there are none */
-    /* Writes J, n rows by pk_system.n columns, row-major, 0 in the columns of quaternions and
-     * states; then J v + j0. */
+    const struct pk_quantity *names; /* multipliers: "lambda_rod", unit, description */
+    pk_kernel *values;               /* phi, n_holonomic numbers; NULL if n_holonomic is 0 */
+    /* Writes J, n rows by pk_system.n columns, row-major, with 0 in the columns of quaternions and
+     * states; then writes J v + j0. */
     pk_kernel_2 *jacobian;
-    /* Writes the sizes of the terms of phi and of J v + j0. A residual of some PK_EPSILON of them
-     * is rounding. */
+    /* Writes the sizes of the terms of phi and of J v + j0; a residual of a few PK_EPSILON times
+     * them is rounding. */
     pk_kernel_2 *scale;
     pk_kernel *multipliers; /* lambda */
-    /* Redundant rows: they follow from the rows above at the model's start and have no multiplier.
-     * `redundant` writes the residuals of their phi and then of their J v + j0; the sizes of the
-     * terms of each residual; and their J. A run fails where these are not zero later. */
+    /* Redundant rows: they follow from previous rows at the model's start and have no multiplier.
+     * `redundant` writes the residuals of their phi, then of their J v + j0, then the sizes of the
+     * terms of each residual, then their J. A run fails if these residuals are not zero later. */
     size_t n_redundant, n_redundant_holonomic;
     const struct pk_quantity *redundant_names;
     pk_kernel_3 *redundant;
-    /* With families kept as loops, in place of `jacobian`, each in O(N). n and n_holonomic are then
-     * the numbers of rows at the default sizes, names has n_declared entries, and count() returns
-     * the number of rows. No row may depend on others. */
+    /* Functions of a system of variable size in place of `jacobian`, each in O(N). n and
+     * n_holonomic are then the numbers of rows at the default sizes, names has n_declared entries,
+     * and count() returns the number of rows. Rows must be independent. */
     size_t (*count)(const void *params, int holonomic); /* NULL: n, n_holonomic */
     size_t n_declared;
     pk_kernel *rates; /* J v + j0 */
@@ -37,10 +37,11 @@ struct pk_part_constraints {
                    const pk_real *u, const pk_real *x, pk_real *out); /* |J| x */
     void (*pull)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                  const pk_real *u, const pk_real *x, pk_real *out); /* out += J^T x */
-    /* factor() factors [M J^T; J 0] in the memory of params, with all rows or the holonomic ones.
-     * It fails as acceleration() does. It writes each row's pivot, and in `norms` the pivot without
-     * other rows. solve() then solves M d - J^T mu = f, J d = r; f NULL: 0. If `row` had no pivot,
-     * shares() writes x with x J = 0, x = 1 for that row. */
+    /* factor() factors [M J^T; J 0] in the memory of params, with all rows or only holonomic rows.
+     * It has the failures of acceleration(). It writes each row's pivot, and in `norms` the pivot
+     * that the row would have without other rows. solve() then solves M d - J^T mu = f, J d = r; f
+     * = 0 if NULL. If the pivot of `row` was zero, shares() writes x with x J = 0 and x[row] =
+     * 1. */
     int (*factor)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, int holonomic, pk_real *pivots, pk_real *norms);
     void (*solve)(const void *params, const pk_real *f, const pk_real *r, pk_real *d, pk_real *mu);

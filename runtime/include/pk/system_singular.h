@@ -1,4 +1,4 @@
-/* Parts of a system (pk/system.h): where its equations end, change or are nearly constant. */
+/* Parts of struct pk_system: where the equations are singular, change or are nearly constant. */
 #ifndef PK_SYSTEM_SINGULAR_H
 #define PK_SYSTEM_SINGULAR_H
 
@@ -8,32 +8,32 @@
 PK_BEGIN
 
 /* A singularity: an expression that the acceleration divides by or takes a root or logarithm of, or
- * an angle at whose cut L jumps. At its root one of three ends: the coordinates, if M is singular
- * there (the pole of a sphere); the motion itself (a collision); or only the expression, if the
- * quotient has a limit. */
+ * an angle at whose branch cut L jumps. At its root either M is singular and other coordinates
+ * could continue (the pole of a sphere), or the motion itself ends (a collision), or only the
+ * expression is undefined, because the quotient has a limit. */
 enum pk_singularity_kind {
     PK_SINGULARITY_COORDINATES,
     PK_SINGULARITY_DIVISOR,
     PK_SINGULARITY_ROOT,
     PK_SINGULARITY_LOGARITHM,
-    PK_SINGULARITY_ARC, /* 1 - x^2 of an asin or acos of x */
-    PK_SINGULARITY_CUT  /* cos(angle/2) of an angle by atan2, at whose cut L jumps */
+    PK_SINGULARITY_ARC, /* 1 - x^2, for asin or acos of x */
+    PK_SINGULARITY_CUT  /* cos(angle/2), for an angle by atan2 at whose branch cut L jumps */
 };
 struct pk_singularity {
-    struct pk_quantity what; /* name: the expression as text, "sin(theta)" */
+    struct pk_quantity what; /* name: the text of the expression, "sin(theta)" */
     enum pk_singularity_kind kind;
 };
 
-/* With a family kept as a loop, a singularity or a switch stands for each member i, or for each
- * pair i and j, which its name contains: "x[i+1] - x[i]". */
+/* In a system of variable size, a singularity or a switch stands for one expression for each member
+ * i, or each pair i and j; the name contains these indices: "x[i+1] - x[i]". */
 struct pk_place {
-    size_t which; /* index into the table */
+    size_t which; /* index in the table of expressions */
     ptrdiff_t i, j;
 };
 
-/* Singularities: n expressions, whose values are monitored from step to step. With families kept as
- * loops, count() returns the number of values, and place() writes the expression and the members of
- * value number k; NULL: n values, one for each expression. */
+/* Singularities: n expressions, whose values are monitored at each step. In a system of variable
+ * size count() returns the number of values, and place() writes the expression and the members of
+ * value number k; NULL: one value for each of the n expressions. */
 struct pk_part_singularities {
     size_t n;
     const struct pk_singularity *table;
@@ -42,11 +42,11 @@ struct pk_part_singularities {
     void (*place)(const void *params, size_t k, struct pk_place *place);
 };
 
-/* An `event` of the model: a root of a function of the state, crossed in a direction. */
+/* An `event` of the model: a root of a function of the state, crossed in a given direction. */
 struct pk_event {
     struct pk_quantity what;
     int direction; /* +1 rising, -1 falling, 0 either */
-    int stop;      /* a run ends there; 2, if linear in q: also refuses a start beyond it */
+    int stop;      /* 1: the run ends; 2: also refuses a start beyond it */
 };
 
 /* The events of the model. */
@@ -56,25 +56,26 @@ struct pk_part_events {
     pk_kernel *values;
 };
 
-/* Jumps across a switch: of L or a holonomic constraint; of a rolling row. */
+/* Kinds of jumps across a switch: of L or a holonomic constraint, or of a rolling constraint. */
 enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };
 
 /* Switches: arguments s of step(s) and abs(s), and a - b of min(a, b). At their roots the equations
- * change from one smooth form to another. Side 1 selects the form of s > 0, side -1 that of s < 0,
- * for any s; side 0, the default, takes the sign of s. With all sides set the equations are smooth
- * (PK_SWITCHED). A switch inside a root or a non-integer power has no side, since these are
- * undefined beyond its root. The n sides are pk_real at byte offset `sides` of the params;
- * pk/events.h sets them in a copy. With families kept as loops, count() returns the number of
- * switches, place() writes the expression and the members of number k, and a pointer to the sides
- * is at that offset.
+ * change from one smooth form to another. Side 1 selects the form for s > 0, side -1 the form for s
+ * < 0, whatever s is; side 0, the default, selects the form by the sign of s. With all sides set to
+ * +-1 the equations are smooth (PK_SWITCHED). A switch inside a root or a non-integer power has no
+ * side, since these are undefined on one side. The n sides are pk_real at byte offset `sides` of
+ * the params; pk/events.h sets them in a copy. In a system of variable size, count() returns the
+ * number of switches, place() writes the expression and the members of number k, and `offset` is
+ * that of a pointer to the sides.
  *
  * impulses: for each switch, bits of enum pk_impulse if rates may jump there, because L or a
  * constraint row does; NULL: nowhere. Then `slopes` writes ds/dq (n rows by pk_system.n columns; in
- * columns of body rates along the rotation, 0 in the others) and ds/dt, and the system has
- * unconstrained, inertia and energy. Only pk_events_step() makes such steps. */
+ * the columns of body rates the derivative along the rotation, 0 in those of other first-order
+ * variables) and ds/dt, and the system has unconstrained, inertia and energy. Only pk_events_step()
+ * handles switches. */
 struct pk_part_switches {
     size_t n;
-    const struct pk_quantity *names; /* the expressions as text, "t - t0" */
+    const struct pk_quantity *names; /* the text of each expression, "t - t0" */
     size_t sides;
     pk_kernel *values;
     const unsigned char *impulses;
@@ -83,11 +84,12 @@ struct pk_part_switches {
     void (*place)(const void *params, size_t k, struct pk_place *place);
 };
 
-/* Marks: arguments u of exp(u) and similar calls. Beyond +-36 such a call is constant, zero or
- * huge. The integrator monitors u along each step (src/core/short_force_limiter.c). */
+/* Marks: arguments u of exp(u) and similar functions. For |u| > 36 the function is nearly constant,
+ * zero or huge, so a step over the range |u| < 36 could miss a short force. The integrator monitors
+ * u along each step (src/core/short_force_limiter.c). */
 struct pk_part_marks {
     size_t n;
-    const struct pk_quantity *names; /* the calls as text, "exp(-x^2/w^2)" */
+    const struct pk_quantity *names; /* the text of each call, "exp(-x^2/w^2)" */
     pk_kernel *values;
 };
 

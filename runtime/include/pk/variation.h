@@ -1,25 +1,24 @@
-/* A motion together with small displacements of it: a pk_system made from another one, with 1 +
- * columns times its coordinates
+/* A motion together with small displacements of it: a pk_system made from another system, with 1 +
+ * columns times as many coordinates,
  *
  *     Q = (q, dq_1, dq_2, ...),   V = (v, dv_1, dv_2, ...)
  *
- * In V the rates of all coordinates come before the first-order variables of all. Its equations are
- * those of q and their linearisation along the motion, the variational equations
+ * In V all rates of coordinates come before all first-order variables. The equations are those of q
+ * and their linearisation along the motion, the variational equations
  *
- *     M a = f(q, v, t),   M da = (dr/dq) dq + (dr/dv) dv,   r = f - M a with a held,
+ *     M a = f(q, v, t),   M da = (dr/dq) dq + (dr/dv) dv,   r = f - M a at constant a,
  *
  * by the kernel `linear` that pkgen generates. Any method of the runtime integrates it. A
- * Runge-Kutta method, a composition of flows or a Gauss method in (q, p), applied to both, gives in
- * the displacements the derivative of its own step map, not only of the flow, to round-off.
- * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., VI.4, lemma
- * 4.1.
+ * Runge-Kutta method, a composition of flows or a Gauss method in (q, p), applied to this system,
+ * propagates the displacements by the derivative of its own step map, not only of the flow, to
+ * round-off. Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed.,
+ * VI.4, lemma 4.1.
  *
- * The new system has kernels acceleration, mass, canonical, jacobian and linear. Its mass, jacobian
- * and linear omit how the displacements depend on q and v, which needs second derivatives: an
- * iteration with them takes a few more iterations, and may not converge at step sizes at which the
- * motion alone barely does (the double pendulum's gauss8 from .4, not .6; radau then shortens its
- * steps).
- */
+ * The new system has kernels acceleration, mass, canonical, jacobian and linear. The kernels mass,
+ * jacobian and linear omit the derivatives of the variational equations by q and v, which need
+ * second derivatives: Newton's method takes a few more iterations, and may not converge at step
+ * sizes at which it barely converges for the motion alone (gauss8 for the double pendulum fails
+ * from .4, not .6; radau then shortens its steps). */
 #ifndef PK_VARIATION_H
 #define PK_VARIATION_H
 
@@ -30,23 +29,26 @@
 PK_BEGIN
 
 struct pk_variation {
-    struct pk_problem problem; /* to be integrated; refers to this struct, which must not move */
-    struct pk_problem of;      /* the motion's own problem */
+    struct pk_problem problem; /* to be integrated; points to this struct, which must not move */
+    struct pk_problem of;      /* the problem of the motion alone */
     struct pk_system system;
     size_t n_q, n, columns;
-    pk_real *work, *v, *a, *b; /* v, a, b: n each, behind the outputs of kernels */
+    pk_real *work, *v, *a, *b; /* n numbers each, for v, a and a right-hand side */
 };
 
-/* Returns the bytes of init's block, aligned for pk_real; 0 if the system has another PK_ABI. */
+/* Returns the bytes of the block for pk_variation_init(), aligned for pk_real; 0 if the system has
+ * another PK_ABI. */
 size_t pk_variation_size(const struct pk_problem *of, size_t columns);
-/* Returns the bytes that an integrator of the new system needs, without the new system. */
+/* Returns the bytes of an integrator of the new system; does not need the new system. */
 size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
                                     const struct pk_method *method);
-/* PK_REFUSED if the system has no kernel `linear`, mass or jacobian, or has kinks (no PK_SMOOTH);
- * PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL. One thread at a time, since kernels work in the block. */
+/* Makes the new system. PK_REFUSED: the system has no kernel `linear`, mass or jacobian, or is not
+ * PK_SMOOTH. Also fails with PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL. One thread at a time may use
+ * the new system, since kernels work in the block. */
 enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk_problem *of,
                                  size_t columns, void *block, size_t block_size);
-/* Returns the index in V of number i of v (k = 0) or of dv_k; copies all n from V, or to V. */
+/* pk_variation_place() returns the index in V of number i of v (k = 0) or of dv_k. The others copy
+ * all n numbers from V or to V. */
 size_t pk_variation_place(const struct pk_variation *variation, size_t k, size_t i);
 void pk_variation_take(const struct pk_variation *variation, const pk_real *V, size_t k,
                        pk_real *v);

@@ -1,13 +1,12 @@
-/* Unit quaternions Q = (w, x, y, z), body to space: products, rotations of vectors, and the
- * rotation of an attitude in a step. Outputs may alias inputs. For half a step, x = h omega/2, the
- * Cayley quaternion is
+/* Unit quaternions Q = (w, x, y, z), which rotate from body to space: products, rotations of
+ * vectors, and updates by the rotation in a step. Outputs may alias inputs. For half a step, x = h
+ * omega/2, the Cayley quaternion is
  *
- *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    twice:  c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
+ *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    its square: c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
  *
  * which is rational. Increments are computed separately, so that sums may be compensated.
  * References: A. Iserles, H. Munthe-Kaas, S. P. Norsett, A. Zanna, Acta Numerica 9 (2000) 215, 8.3;
- * N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197.
- */
+ * N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197. */
 #ifndef PK_ATTITUDE_H
 #define PK_ATTITUDE_H
 
@@ -26,7 +25,7 @@ static inline void pk_cross(const pk_real *a, const pk_real *b, pk_real *out)
     out[1] = y;
 }
 
-/* out = Q (s, u), the product of quaternions. */
+/* Computes the quaternion product out = Q (s, u). */
 static inline void pk_quaternion_times(const pk_real *Q, pk_real s, const pk_real *u, pk_real *out)
 {
     const pk_real w = s * Q[0] - (Q[1] * u[0] + Q[2] * u[1] + Q[3] * u[2]);
@@ -38,7 +37,7 @@ static inline void pk_quaternion_times(const pk_real *Q, pk_real s, const pk_rea
     out[2] = y;
 }
 
-/* d = R p - p, for the rotation R of the quaternion (s, u). */
+/* Computes d = R p - p, where R is the rotation of the quaternion (s, u). */
 static inline void pk_turn_added(pk_real s, const pk_real *u, const pk_real *p, pk_real *d)
 {
     pk_real one[3], two[3];
@@ -48,7 +47,7 @@ static inline void pk_turn_added(pk_real s, const pk_real *u, const pk_real *p, 
         d[i] = 2 * (s * one[i] + two[i]);
 }
 
-/* out = C p, C = cay(2 y), y half of x above; sign -1: its transpose. */
+/* Computes out = C p, C = cay(2 y), where y is x/2 of the text above; sign -1: C transposed. */
 static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, pk_real *out)
 {
     const pk_real weight = 2 / (1 + pk_dot3(y, y));
@@ -59,8 +58,8 @@ static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, 
         out[i] = p[i] + weight * ((sign > 0 ? one[i] : -one[i]) + two[i]);
 }
 
-/* Computes the increment of Q by exp(theta), theta a rotation vector: sin(a)/a and cos(a) - 1 at
- * half the angle, the second by sin(a/2), without cancellation. */
+/* Computes the increment of Q by exp(theta), theta a rotation vector. It needs sin(a)/a and cos(a)
+ * - 1 with a half the angle; cos(a) - 1 is computed from sin(a/2), without cancellation. */
 static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, pk_real *d)
 {
     const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2;
@@ -70,12 +69,12 @@ static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, 
     pk_quaternion_times(Q, -2 * quarter * quarter, u, d);
 }
 
-/* Computes theta' for R0 exp(theta) and body rates omega: the inverse of d(exp),
+/* Computes theta' for the attitude R0 exp(theta) and body rates omega, by the inverse of d(exp),
  *
  *     omega + theta x omega/2 + (1 - x cot x)/(4 x^2) theta x (theta x omega),  x = |theta|/2.
  *
- * The weight is 1/12 + s/720 + s^2/30240 + s^3/1209600 + ..., s = |theta|^2; the series is used
- * where its first omitted term, s^4/1209600 relative to omega, is below round-off. */
+ * The last coefficient is 1/12 + s/720 + s^2/30240 + s^3/1209600 + ..., s = |theta|^2; this series
+ * is used where its first omitted term, s^4/1209600 relative to omega, is below round-off. */
 static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, pk_real *out)
 {
     const pk_real s = pk_dot3(theta, theta), x = PK_F(sqrt)(s) / 2;
@@ -89,16 +88,16 @@ static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, p
         out[i] = omega[i] + one[i] / 2 + weight * two[i];
 }
 
-/* Copies `count` numbers of a vector or a quaternion at distance `step`. */
+/* Copies `count` numbers at distances `step`. */
 static inline void pk_gather(pk_real *to, const pk_real *from, size_t count, size_t step)
 {
     for (size_t k = 0; k < count; k++)
         to[k] = from[k * step];
 }
 
-/* Normalises Q if its norm is off by more than a few roundings, and clears its compensations `low`
- * (NULL: none), which belong to the old Q. Entries are at distance `stride`. Returns 1 if Q was
- * scaled, 0 if not needed; -1, with Q unchanged, if the square of its norm underflows or is not
+/* Normalises Q if its norm differs from 1 by more than a few roundings, and then clears the
+ * compensations `low` (NULL: none) of its sums. Entries are at distances `stride`. Returns 1 if Q
+ * was scaled, 0 if not; -1, with Q unchanged, if the square of its norm underflows or is not
  * finite. */
 static inline int pk_normalise(pk_real *Q, pk_real *low, size_t stride)
 {

@@ -1,23 +1,21 @@
-/* LU of a band with a border; see band.h.
- *
- * Elimination of the band updates the border's rows and columns; a dense system of them remains.
- * Rows are exchanged within the band alone, so a pivot may be small although the matrix is regular:
- * the last one of a ring's band, or of a saddle point. Such a pivot d becomes d + s, s as large as
- * its column, which subtracts s x_k from the equations; z = s x_k is then another unknown, with a
- * column -e_k and a row s e_k, in a spare part of the border. This is exact, and no pivot is much
- * smaller than its column.
+/* LU factorisation of a band matrix with a border; see band.h. Elimination of the band updates the
+ * border's rows and columns and leaves a dense system for the border's unknowns. Rows are exchanged
+ * only within the band, so a pivot may be small although the matrix is regular, as the last pivot
+ * of a cyclic chain's band, or of a saddle point. If pivot d of column k is small, s is added to
+ * it, with |s| the largest entry of the column. To correct for this, z = s x_k becomes an
+ * additional unknown with column -e_k and row s e_k in a spare part of the border. This is exact,
+ * and no pivot is much smaller than its column.
  *
  * References: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.3 (band elimination
  * with pivoting); W. Govaerts, J. D. Pryce, IMA J. Numer. Anal. 13 (1993) 161, for bordered systems
- * whose block is nearly singular.
- */
+ * whose block is nearly singular. */
 #include <string.h>
 
 #include "band.h"
 
 #include <pk/ldl.h>
 
-/* A pivot this far below its column costs a quarter of the digits. */
+/* a pivot this much smaller than its column costs a quarter of the digits */
 #define SMALL PK_F(sqrt)(PK_F(sqrt)(PK_EPS))
 
 static size_t stride(const struct pk_band *b)
@@ -25,7 +23,7 @@ static size_t stride(const struct pk_band *b)
     return b->border + (b->pivoting && b->rows ? PK_BAND_SPARE : 0);
 }
 
-/* Returns row i; [j] is its column j. */
+/* Returns row i of the band, so that [j] is the entry in column j. */
 static pk_real *row(const struct pk_band *b, size_t i)
 {
     const size_t width = b->below + 1 + b->above + (b->pivoting ? b->below : 0);
@@ -112,7 +110,7 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
     }
 }
 
-/* Gives column k a pivot as large as the column was. */
+/* Adds a number as large as column k to its pivot, and an additional unknown. */
 static void mend(const struct pk_band *b, size_t k)
 {
     const size_t width = stride(b), z = pk_index(*b->used, width);
@@ -128,7 +126,7 @@ static void mend(const struct pk_band *b, size_t k)
 int pk_band_factor(const struct pk_band *b)
 {
     const size_t n = b->rows, width = stride(b);
-    size_t filled = 0, used = b->border; /* rows so far end before column `filled` */
+    size_t filled = 0, used = b->border; /* the rows so far are 0 from column `filled` on */
     *b->used = (pk_real)used;
     measure_columns(b);
     for (size_t k = 0; k < n; k++) {
@@ -137,7 +135,7 @@ int pk_band_factor(const struct pk_band *b)
         for (size_t i = k + 1; i < end; i++)
             if (pk_abs(row(b, i)[k]) > pk_abs(row(b, best)[k]))
                 best = i;
-        b->pivot[k] = (pk_real)best; /* stored as pk_real, so that the work is one array */
+        b->pivot[k] = (pk_real)best; /* stored as pk_real, so that the work memory is one array */
         const size_t reach = last(b, best);
         filled = reach > filled ? reach : filled;
         if (best != k) {
@@ -170,7 +168,7 @@ int pk_band_factor(const struct pk_band *b)
                 b->corner[c * width + e] -= l * right[e];
         }
     }
-    for (size_t c = 0; c < used && width > used; c++) /* packs rows of length `used` */
+    for (size_t c = 0; c < used && width > used; c++) /* makes rows contiguous */
         memmove(b->corner + c * used, b->corner + c * width, used * sizeof *b->corner);
     return pk_lu_factor(b->corner, b->pivot + n, used);
 }

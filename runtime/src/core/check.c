@@ -1,7 +1,6 @@
 /* Checks before the first step, so that no result comes from bad arguments: options out of range,
- * parameters out of bounds or changed without prepare(). The last is detected by preparing a copy,
- * which must equal the original bit by bit.
- */
+ * parameters out of bounds or changed without prepare(). A change without prepare() is detected by
+ * preparing a copy of the parameters, which must equal the original bit by bit. */
 #include <limits.h>
 #include <string.h>
 
@@ -37,7 +36,7 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method)
 {
     unsigned facts = system->facts;
-    facts |= facts & PK_SEPARABLE ? PK_LINEAR_DRAG : 0; /* each fact implies the next */
+    facts |= facts & PK_SEPARABLE ? PK_LINEAR_DRAG : 0; /* each fact implies the following fact */
     facts |= facts & PK_LINEAR_DRAG ? PK_AFFINE_RATES : 0;
     const unsigned missing = method->needs & ~facts;
     return system->facts & PK_SWITCHED ? missing & ~(unsigned)PK_SMOOTH : missing;
@@ -61,7 +60,7 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
 {
     const int turns = system->n_rotations > 0, c = system->constraints.n > 0;
     const int loops = system->constraints.factor != NULL;
-    /* Rotations and constraints have their momenta in `unconstrained`. */
+    /* Systems with rotations or constraints have momenta only in the kernel `unconstrained`. */
     const unsigned own = turns || c ? PK_HOLONOMIC : 0, plain = turns || c ? 0 : PK_HOLONOMIC;
     const struct {
         const char *name;
@@ -109,7 +108,7 @@ enum pk_status pk_check_options(struct pk_integrator *it)
     if (adaptive &&
         (!(o->rtol >= 0) || !(atol >= 0) || !(o->rtol + atol > 0) || !pk_finite(o->rtol + atol)))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TOLERANCE);
-    /* A correction of 1 is no convergence at all. */
+    /* A relative correction of 1 would mean no convergence at all. */
     if (!(o->newton_tol >= 0 && o->newton_tol < 1) || o->max_iterations < 0 ||
         o->max_iterations == INT_MAX ||
         (o->iteration != PK_NEWTON && o->iteration != PK_FIXED_POINT))

@@ -1,12 +1,11 @@
-/* J, and J M^-1 J^T factored, for accelerations, corrections and impulses under constraints. For a
- * row that depends on previous ones: its coefficients.
- */
+/* Computes J and factors J M^-1 J^T, for accelerations, corrections and impulses under constraints.
+ * Expresses a row that depends on previous rows as their linear combination. */
 #include <string.h>
 
 #include "project.h"
 
-enum { SWEEPS = 3 };      /* of row and column scaling */
-#define COUNTS PK_C(1e-3) /* smaller shares of a row's largest entry may be errors of the state */
+enum { SWEEPS = 3 };      /* iterations of row and column scaling */
+#define COUNTS PK_C(1e-3) /* smaller entries, relative to the row's largest, may be errors */
 
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
@@ -15,7 +14,7 @@ static inline pk_real *take(pk_real *base, size_t *used, size_t count)
     return part;
 }
 
-/* Written out for speed, since each step calls it. */
+/* Without pk_lay_out() for speed, since each step calls it. */
 static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *problem, size_t n,
                              pk_real *base)
 {
@@ -78,16 +77,16 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n)
 
 int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    const struct pk_system *system = w->system; /* without either, `mass` is the inertia */
+    const struct pk_system *system = w->system; /* `mass` is used if there is no `inertia` */
     if (!w->whole) {
         system->families.diagonal(w->params, w->t, q, v, w->u, w->M);
-        for (size_t k = 0; k < w->m; k++) /* its diagonal weighs rows; factored with them */
+        for (size_t k = 0; k < w->m; k++) /* factored together with the rows */
             if (!(w->M[k] > 0))
                 return PK_FAILED(PK_FAILURE_MASS, k);
         return 0;
     }
     (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
-    for (size_t i = 1; i < w->m; i++) /* drops the columns of quaternions and states */
+    for (size_t i = 1; i < w->m; i++) /* removes the columns of quaternions and states */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
     const size_t pivot = pk_ldl_factor(w->M, w->m);
     return pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;
@@ -139,7 +138,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
     pk_project_spread(w, q, v, J, rows, w->d, out);
 }
 
-/* Returns the squared length of a row, in the metric of M. */
+/* Returns the squared length of a row in the metric of M^-1. */
 static pk_real length2(const struct pk_projection *w, size_t row)
 {
     pk_real sum = 0;
@@ -168,7 +167,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
         x[i] *= PK_F(sqrt)(length2(w, i) / (length2(w, row) + PK_TINY));
 }
 
-/* Records the row without a pivot, and its coefficients by the others. Returns 1 + the row. */
+/* Records a row without pivot, and the others' coefficients in it. Returns 1 + the row. */
 static size_t lost(struct pk_projection *w, size_t row)
 {
     w->system->constraints.shares(w->params, row, w->depends + 1);
@@ -206,8 +205,8 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
     return failed;
 }
 
-/* Computes column scales that equilibrate the largest |J_ik| so far. Current entries alone would
- * hide a row that loses its independent part. Reference: D. Ruiz, RAL-TR-2001-034. */
+/* Computes column scales that equilibrate the largest |J_ik| so far. Scales from current entries
+ * would hide that the independent part of a row vanishes. Reference: D. Ruiz, RAL-TR-2001-034. */
 static void scale_columns(struct pk_projection *w)
 {
     int grown = 0;
@@ -234,8 +233,9 @@ static void scale_columns(struct pk_projection *w)
     }
 }
 
-/* Returns the squared ratio by which a row has shrunk: in length, which depends on no direction, or
- * in any entry that ever mattered, which depends on no units, whichever shrank least. */
+/* Returns the larger of two squared ratios by which a row has shrunk: that of its length, which is
+ * independent of the row's direction, and the largest of its significant entries, which is
+ * independent of units. */
 static pk_real shrunk(struct pk_projection *w, size_t i)
 {
     const pk_real *sizes = w->sizes + i * w->n;
@@ -310,7 +310,7 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
         pk_project_rows(&w, q, v);
         const size_t row = pk_project_factor(&w, w.c, q, v);
         it->reason.index = row ? row - 1 : it->reason.index;
-        if (!row && w.whole) /* only the acceleration found it */
+        if (!row && w.whole) /* the dependence was found only by the acceleration */
             pk_project_explain(&w, w.c, it->reason.index);
     }
     return PK_NO_PROJECTION;

@@ -1,6 +1,6 @@
 /* Matrices in twice the precision, and the matrix exponential by scaling and squaring:
  *
- *     exp(X) = exp(X / 2^s)^(2^s),   exp of the small one by its Taylor series
+ *     exp(X) = exp(X / 2^s)^(2^s),   exp of the small matrix by its Taylor series
  *
  * It works on exp - 1, so that entries small relative to 1 keep their digits: D becomes 2 D + D^2.
  * If the small matrix has norm 1/2, few terms make the series as accurate as the pairs, and the
@@ -9,13 +9,12 @@
  *
  * References: N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179; A. H. Al-Mohy, N. J. Higham,
  * SIAM J. Matrix Anal. Appl. 31 (2009) 970; M. S. Paterson, L. J. Stockmeyer, SIAM J. Comput. 2
- * (1973) 60.
- */
+ * (1973) 60. */
 #include <string.h>
 
 #include "double_double.h"
 
-enum { POWERS = 4 }; /* of the small matrix, stored */
+enum { POWERS = 4 }; /* powers of the small matrix that are stored */
 
 void pk_pairs_settle(struct pk_pairs x, size_t count)
 {
@@ -43,7 +42,7 @@ void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, 
             const pk_real a = X.hi[i * m + k], a_lo = X.lo[i * m + k];
             const pk_real *restrict b = M.hi + k * m, *restrict b_lo = M.lo + k * m;
             if (!(a > 0) && !(a < 0) && pk_finite(a))
-                continue; /* many entries are zero: chains couple neighbours only */
+                continue; /* many entries are zero: in chains only neighbours are coupled */
             PK_LANE_LOOP
             for (size_t j = 0; j < m; j++)
                 pk_pair_add(&hi[j], &lo[j], a, a_lo, b[j], b_lo[j]);
@@ -79,8 +78,8 @@ static void divide(pk_real *c, pk_real *c_lo, int k)
     *c = pk_pair_sum(hi, (left + *c_lo) / d, c_lo);
 }
 
-/* Return the number of halvings that bring |h| norm to 1/2; the number of terms of the series at a
- * norm, down to the round-off of pairs relative to the first. */
+/* halvings() returns how often |h| norm must be halved to be at most 1/2. terms() returns the
+ * number of terms of the series for a norm, down to the round-off of double-double numbers. */
 static int halvings(pk_real size)
 {
     int s = 0;
@@ -111,7 +110,7 @@ enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_re
 {
     const size_t mm = m * m;
     struct pk_pairs X[POWERS], T;
-    pk_real c[64], c_lo[64]; /* 1/k!: about 50 for pairs of __float128 */
+    pk_real c[64], c_lo[64]; /* 1/k!; about 50 are needed for pairs of __float128 */
     if (!pk_finite(pk_abs(h) * norm))
         return PK_NOT_FINITE;
     const int s = halvings(pk_abs(h) * norm), last = (terms(PK_C(0.5)) + POWERS) / POWERS * POWERS;

@@ -1,10 +1,9 @@
-/* Numbers of twice the precision, as unevaluated sums hi + lo, and dense matrices of them,
- * row-major. Not installed.
+/* Numbers of twice the precision (double-double), as unevaluated sums hi + lo, and dense matrices
+ * of them, row-major. Not installed.
  *
  * References: T. J. Dekker, Numer. Math. 18 (1971) 224, for the product; D. E. Knuth, The Art of
  * Computer Programming 2, 4.2.2, for the sum; T. Ogita, S. M. Rump, S. Oishi, SIAM J. Sci. Comput.
- * 26 (2005) 1955, for sums of products.
- */
+ * 26 (2005) 1955, for sums of products. */
 #ifndef PK_PAIRS_H
 #define PK_PAIRS_H
 
@@ -17,7 +16,7 @@ struct pk_pairs {
 #ifdef PK_HAVE_FMA
 #define PK_PAIR_REST(a, b, p) PK_F(fma)(a, b, -(p))
 #else
-/* 2^k + 1, k being half the digits, rounded up. */
+/* 2^k + 1, where k is half the number of digits, rounded up. */
 #if defined PK_FLOAT
 #define PK_PAIR_SPLIT PK_C(4097.0)
 #elif defined PK_FLOAT128 || (defined PK_LONG_DOUBLE && LDBL_MANT_DIG == 113)
@@ -40,8 +39,8 @@ static inline pk_real pk_pair_rest(pk_real a, pk_real b, pk_real p)
 #define PK_PAIR_REST(a, b, p) pk_pair_rest(a, b, p)
 #endif
 
-/* (hi, lo) += (a, a_lo) (b, b_lo): lo receives the rounding of hi; it is small relative to hi again
- * after pk_pairs_settle(). */
+/* Computes (hi, lo) += (a, a_lo) (b, b_lo). lo accumulates the rounding of hi; pk_pairs_settle()
+ * makes it small relative to hi again. */
 static inline void pk_pair_add(pk_real *hi, pk_real *lo, pk_real a, pk_real a_lo, pk_real b,
                                pk_real b_lo)
 {
@@ -52,21 +51,21 @@ static inline void pk_pair_add(pk_real *hi, pk_real *lo, pk_real a, pk_real a_lo
 }
 
 void pk_pairs_settle(struct pk_pairs x, size_t count);
-/* y += c x */
+/* Computes y += c x. */
 void pk_pairs_add(struct pk_pairs y, pk_real c, pk_real c_lo, struct pk_pairs x, size_t count);
-/* Y = X M: rows by m, m by m; Y is neither of them. */
+/* Computes Y = X M, X rows by m, M m by m; Y must not alias X or M. */
 void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, size_t rows,
                        size_t m);
 
-/* D = exp(h L) - 1 for an m by m matrix L with that norm (the largest absolute row sum) or less.
- * Room: pk_expm_room(m) numbers. PK_NOT_FINITE if it overflows. */
+/* D = exp(h L) - 1 for an m by m matrix L; norm: upper bound of the largest absolute row sum of L;
+ * room: pk_expm_room(m) numbers. PK_NOT_FINITE if the result overflows. */
 size_t pk_expm_room(size_t m);
 enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
                        pk_real *room);
-/* The series of x exp(s piece L) in s, |s| <= 1, for a row x and a power of two, `piece`, that
- * makes the norm of L at most PK_EXPM_PIECE. pk_expm_series() writes its terms as rows behind x,
- * which needs that room; pk_expm_sum() sums them to y. Room: 2 m numbers. */
-enum { PK_EXPM_TERMS = 80 }; /* at most; 71 for pairs of __float128 */
+/* The series of x exp(s piece L) in s, |s| <= 1, for a row vector x and a power of two, `piece`,
+ * with piece |L| <= PK_EXPM_PIECE. pk_expm_series() writes its terms as rows after x, in
+ * PK_EXPM_TERMS rows of memory; pk_expm_sum() sums them to y. room: 2 m numbers. */
+enum { PK_EXPM_TERMS = 80 }; /* largest number of terms; 71 for pairs of __float128 */
 #define PK_EXPM_PIECE PK_C(2.0)
 void pk_expm_series(struct pk_pairs x, struct pk_pairs L, pk_real piece, size_t m, pk_real *room);
 enum pk_status pk_expm_sum(struct pk_pairs y, struct pk_pairs x, pk_real s, size_t m);

@@ -1,11 +1,11 @@
-/* Kernels with inputs filled, calls counted, and failures reported with their cause. */
+/* Calls kernels: computes inputs, counts the calls, reports failures with their cause. */
 #include "generic.h"
 #include "project.h"
 
 int pk_all_finite(const pk_real *x, size_t count)
 {
     size_t i = 0;
-    for (int bad = 0; i + 8 <= count; i += 8) { /* no branch inside: vectorised */
+    for (int bad = 0; i + 8 <= count; i += 8) { /* vectorised: no branch in the inner loop */
         for (size_t k = 0; k < 8; k++)
             bad |= !pk_finite(x[i + k]);
         if (bad)
@@ -63,9 +63,10 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
     return generic_acceleration(it, t, q, v, a);
 }
 
-/* Returns the pivot of coordinate `last` of M = L D L^T relative to its diagonal entry, with the
- * other coordinates eliminated first: 1 if they do not share its inertia, 0 if M is singular along
- * it. Or the ratio of an earlier pivot that is rounding. NaN: M is unknown or too large. */
+/* Returns the pivot of coordinate `last` in M = L D L^T relative to its diagonal entry, when the
+ * other coordinates are eliminated first: 1 if it is not coupled to them, 0 if M is singular in its
+ * direction. If an earlier pivot is rounding, returns the ratio of that pivot. NaN: M is unknown or
+ * too large. */
 static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_real *q,
                            const pk_real *v, size_t last)
 {
@@ -83,7 +84,7 @@ static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_r
     for (size_t k = 0; k < n; k++) {
         const size_t row = order[k] * n, at = row + order[k];
         const pk_real diagonal = M[at];
-        for (size_t j = 0; j < k; j++) /* L below the diagonal, D on it, both in place */
+        for (size_t j = 0; j < k; j++) /* entries of L below the diagonal, D on it */
             M[at] -= M[row + order[j]] * M[row + order[j]] * M[order[j] * n + order[j]];
         ratio = diagonal > 0 ? M[at] / diagonal : diagonal < 0 ? -PK_C(1.0) : PK_C(0.0);
         if (!(ratio > PK_PIVOT_MIN))
@@ -102,7 +103,7 @@ static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_r
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed)
 {
-    /* A diverged state makes M NaN: then that is the cause to report. */
+    /* If the state diverged, M is NaN, and the state is the cause to report. */
     if (!pk_all_finite(q, it->n_q) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
     it->reason = PK_WHY(.index = (size_t)PK_FAILURE_AT(failed), .time = t);
@@ -158,13 +159,13 @@ pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real 
         d1 += a[i] / of_v * (a[i] / of_v) + v / of_q * (v / of_q);
     }
     pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? share * PK_F(sqrt)(d0 / d1) : 0;
-    if (!(h > 0) || !pk_finite(h)) /* atol = 0 at a start from rest: y'/scale is infinite */
+    if (!(h > 0) || !pk_finite(h)) /* atol = 0 and a start from rest: y'/scale is infinite */
         h = PK_C(1e-6) * span;
     return pk_min(it->options.h > 0 ? it->options.h : h, span);
 }
 
-/* The cause is the failure of a trial step just ahead, or else a singular M on the straight line
- * from here: step sizes may shrink before a singular M without ever reaching it. */
+/* The cause is the failure of a trial step just ahead, or otherwise a singular M on the straight
+ * line from the state: step sizes may shrink before a singular M without reaching it. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
     const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);

@@ -1,10 +1,10 @@
-/* The code of pk/step/ for any system: by the function pointers of struct pk_system, with n known
- * at run time. pk/inlined.h compiles it for one system with its kernels inlined.
- */
+/* Compiles the code of pk/step/ for any system, with the function pointers of struct pk_system and
+ * n known at run time. pk/inlined.h compiles the same code for one system with its kernels
+ * inlined. */
 #ifndef PK_GENERIC_H
 #define PK_GENERIC_H
 
-#define PK_ANY_TABLE /* tables are known at run time only; see pk/step/tableau.h */
+#define PK_ANY_TABLE /* tables are known only at run time; see pk/step/tableau.h */
 
 #include "internal.h"
 

@@ -1,6 +1,5 @@
-/* Shared by the files of the core, beyond pk/step/state.h: kernel calls that count and report
- * failures, checks, memory. Not installed.
- */
+/* Declarations for the files of the core, in addition to pk/step/state.h: kernel calls that count
+ * and report failures, checks, memory. Not installed. */
 #ifndef PK_INTERNAL_H
 #define PK_INTERNAL_H
 
@@ -12,11 +11,11 @@
 #define PK_FORMAT(text, first)
 #endif
 
-/* The arguments of a kernel, for systems that are written in C here. */
+/* The arguments of a kernel, for systems written in C in this library. */
 #define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
 #define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
 
-/* Kinds of reasons. Of PK_BAD_ARGUMENT: */
+/* Values of `kind` in struct pk_reason for PK_BAD_ARGUMENT: */
 enum {
     BAD_POINTER = 1,
     BAD_SYSTEM,
@@ -30,34 +29,35 @@ enum {
     BAD_SCALE
 };
 
-/* Of PK_NO_CONVERGENCE, with `value`: the last correction of a fixed-point iteration; the longest
- * step for which Newton's method converged; the last correction of rates from momenta. */
+/* Kinds for PK_NO_CONVERGENCE, and `value`: the last correction of a fixed-point iteration; the
+ * longest step for which Newton's method converged; the last correction when rates are computed
+ * from momenta. */
 enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
-/* Of PK_OFF_CONSTRAINTS and PK_NO_PROJECTION: which number of the constraints `index` is. */
+/* Kinds for PK_OFF_CONSTRAINTS and PK_NO_PROJECTION, with the meaning of `index`: */
 enum {
-    PK_REASON_ROW,      /* a row, by its phi */
-    PK_REASON_ROW_RATE, /* a row, by its J v + j0 */
+    PK_REASON_ROW,      /* row whose phi is violated */
+    PK_REASON_ROW_RATE, /* row whose J v + j0 is violated */
     PK_REASON_QUATERNION,
-    PK_REASON_REDUNDANT, /* a redundant row, by phi or J v + j0 */
+    PK_REASON_REDUNDANT, /* redundant row, phi or J v + j0 */
     PK_REASON_REDUNDANT_RATE,
-    PK_REASON_BRANCH, /* at `time` the row is singular and the branch behind it undetermined */
-    PK_REASON_NO_ROW  /* the same, the row unknown */
+    PK_REASON_BRANCH, /* row singular at `time`, where the next branch is undetermined */
+    PK_REASON_NO_ROW  /* the same, and the row is unknown */
 };
-/* Of PK_STEP_UNDERFLOW: the time scale of adaptive_verlet changes too fast. */
+/* Kinds for PK_STEP_UNDERFLOW: of the step size, or of the time scale of adaptive_verlet. */
 enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
-/* Of PK_SINGULAR_TIME: the acceleration does not grow on the way. */
+/* Kinds for PK_SINGULAR_TIME: the acceleration grows towards the singularity, or is bounded. */
 enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
 
 #define PK_WHY(...) ((struct pk_reason){__VA_ARGS__})
 
-/* Sets and returns a status, with the kind of its reason. */
+/* Sets and returns a status, and sets the kind of its reason. */
 static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status status, int kind)
 {
     it->reason = (struct pk_reason){.kind = kind};
     return it->status = status;
 }
 
-/* Sets the reason and returns the status; it->status is left to the caller. */
+/* Sets the reason and returns the status; the caller sets it->status. */
 static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_status status,
                                           struct pk_reason reason)
 {
@@ -65,7 +65,7 @@ static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_stat
     return status;
 }
 
-/* Exchanges state and next: the new state becomes current, the old one stays available. */
+/* Exchanges state and next: the new state becomes current, the old state remains available. */
 static inline void pk_commit_step(struct pk_integrator *it)
 {
     pk_real *const left_behind = it->own->state;
@@ -83,92 +83,94 @@ static inline size_t pk_coordinates_of(const struct pk_problem *problem)
     return pk_system_coordinates(problem->system, problem->params);
 }
 
-/* Whether a step can be repeated with a smaller it->own->h: GSL's methods keep their own step size.
- */
+/* Returns whether a step can be repeated with a smaller it->own->h; GSL's methods keep their own
+ * step size. */
 static inline int pk_repeats(const struct pk_integrator *it)
 {
     return it->method->traits & PK_ADAPTIVE && !it->method->release;
 }
 
-/* Whether a start was accepted. */
+/* Returns whether a start was accepted. */
 static inline int pk_ready(const struct pk_integrator *it) { return it->own && it->own->ready; }
 
-/* Writes text as printf() does, then the last valid time. Returns the length as snprintf(). */
+/* Writes text as printf() does, then the last valid time. Returns the length as snprintf() does. */
 int pk_say(const struct pk_integrator *it, char *text, size_t size, const char *format, ...)
     PK_FORMAT(4, 5);
 
-/* Lays out parts of memory one after the other. Returns the number of pk_real; base NULL: only
- * that. */
+/* Assigns consecutive parts of memory to pointers. Returns the number of pk_real; base NULL:
+ * assigns nothing. */
 struct pk_slot {
     pk_real **part;
     size_t count;
 };
 size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
 #define PK_LAY_OUT(base, slots) pk_lay_out(base, slots, sizeof(slots) / sizeof *(slots))
-/* The number of pk_real for a struct of pk_real and int. */
+/* The number of pk_real that a struct of pk_real and int needs. */
 #define PK_REALS_OF(type) ((sizeof(type) + sizeof(pk_real) - 1) / sizeof(pk_real))
 
-/* Checks before the first step; scratch has pk_params_reals() numbers. */
+/* Checks before the first step; `scratch` has pk_params_reals() numbers. */
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
-/* Returns the index for a failure of prepare(): the parameter; n_parameters if it is no single one,
- * n_parameters + 1 if it is a size. */
+/* Returns the index that describes a failure of prepare(): the parameter; n_parameters if it is no
+ * single parameter, n_parameters + 1 if it is a size. */
 size_t pk_refused_parameter(const struct pk_system *system, int outside);
 enum pk_status pk_check_options(struct pk_integrator *it);
 /* Returns the facts that a method needs and the system lacks. pk_sides_missing() returns whether a
- * side of a switch is not set although the method needs smoothness or rates jump at switches. */
+ * side of a switch is 0 although the method needs smooth equations or rates jump at switches. */
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method);
 int pk_sides_missing(const struct pk_integrator *it);
 /* Returns the name of a kernel that a method needs and the system lacks; NULL: none. */
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method);
 
-/* pk_step_choose() checks limits before a step towards `limit`, which is not it->t; with fixed
- * steps it sets it->own->next_t and it->own->h. pk_step_advance_time() updates the times after a step. */
-/* Whether many trials since the last check of progress were rejected. */
+/* pk_step_choose() checks limits before a step towards `limit`, which is not it->t; for fixed steps
+ * it sets it->own->next_t and it->own->h. pk_step_advance_time() updates the times after a step. */
+/* Returns whether many trials since the last check of progress were rejected. */
 int pk_often_rejected(const struct pk_integrator *it);
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
-/* The next fixed step by the grid alone. */
+/* The next fixed step, if only the grid limits it. */
 struct pk_planned {
     pk_real h, end;
     int off_grid;
 };
 struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit);
-/* Returns the number of fixed steps that end before `limit`, at most `most`; the last one is left
- * to pk_integrator_step(), which ends exactly there. */
+/* Returns the number of fixed steps that end before `limit`, at most `most`. The last step to
+ * `limit` is not counted: pk_integrator_step() makes it end exactly there. */
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most);
-/* Makes the end of it->own->ahead->many steps made ahead the state. */
+/* Makes the end of the it->own->ahead->many steps computed in advance the state. */
 void pk_ahead_all(struct pk_integrator *it);
 void pk_step_advance_time(struct pk_integrator *it, int fixed);
 
-/* Kernels with inputs filled, calls counted, failures reported. */
+/* Call kernels: compute inputs, count the calls, report failures. */
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, pk_real *a);
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
-/* Absolute tolerances, it->own->atol: their size; at a start; after a step; after a step is undone.
- * pk_scale_attempt() (pk/step/state.h) updates them before each trial. */
+/* Absolute tolerances, it->own->atol: number of pk_real; initialisation at a start; update after a
+ * step; reset after a step is undone. pk_scale_attempt() (pk/step/state.h) updates them before each
+ * trial. */
 size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
                      size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
 void pk_scale_forget(struct pk_integrator *it);
-/* After an underflow: coordinates that never moved but accelerate at t + h get that motion as their
- * scale; returns 1 if there are any. Otherwise a force that jumps on could never be integrated from
- * rest, since the error is as large as the motion. */
+/* Called after an underflow: a coordinate that never moved but accelerates at t + h gets the motion
+ * in h as its scale; returns 1 if there is one. Without this a force that starts with a jump could
+ * never be integrated from rest, since the error is as large as the motion. */
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
-/* Monitors the singularities of system->singularities from step to step: memory size; at a start;
- * whether one is zero at the state; after a trial step, which is still it->own->next; after a
- * failed step, whether a singularity is its cause. */
+/* Monitor the singularities of system->singularities along the steps: number of pk_real;
+ * initialisation at a start; whether one is zero at the state; check of a trial step, still in
+ * it->own->next; whether one is the cause of a failed step. */
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n);
 void pk_singularity_start(struct pk_integrator *it);
 enum pk_status pk_singularity_here(struct pk_integrator *it);
 enum pk_status pk_singularity_step(struct pk_integrator *it);
 enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
-/* Forces that may be shorter than a step (short_force_limiter.c): memory size; the limit of a trial step; whether
- * it may miss such a force and must be repeated up to a nearer limit; after it is accepted. */
+/* Forces that may be shorter than a step (short_force_limiter.c): number of pk_real; the limit of a
+ * trial step; whether the step may miss such a force and must be repeated up to a nearer limit;
+ * update after an accepted step. */
 size_t pk_short_force_size(const struct pk_system *system, size_t n_q, size_t n);
 pk_real pk_short_force_limit(const struct pk_integrator *it, pk_real limit);
 int pk_short_force_reject(struct pk_integrator *it);
@@ -178,7 +180,8 @@ struct pk_knot {
     const pk_real *q, *v, *a;
 };
 /* Evaluates the cubic Hermite polynomial through q and v at the ends of a step of length h, and its
- * derivative, at x in 0 .. 1; for states the cubic through them and their rates. */
+ * derivative, at x in 0 .. 1; for first-order variables the cubic through their values and
+ * rates. */
 void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, struct pk_knot to,
                 pk_real x, pk_real *q, pk_real *v);
 

@@ -1,4 +1,4 @@
-/* Memory in parts; see internal.h. */
+/* Assigns parts of one block of memory; see internal.h. */
 #include "internal.h"
 
 size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count)

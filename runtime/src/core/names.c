@@ -1,13 +1,13 @@
-/* Names with families kept as loops: coordinates have the declared name with their index,
- * singularities and switches the expression with the indices of their members. */
+/* Names in systems of variable size: a coordinate has the declared name with its index, a
+ * singularity or switch its expression with the indices of its members. */
 #include <stdio.h>
 #include <string.h>
 
 #include <pk/system.h>
 
-const char PK_SCALAR[] = "pk_real"; /* only the name of the symbol matters, when linking */
+const char PK_SCALAR[] = "pk_real"; /* linking needs only the name of the symbol */
 
-/* Writes name number i of the members of `count` declared names; count 0: one name for each. */
+/* Writes name number i of the members of `count` declared names; count 0: of the table. */
 static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,
                    size_t count, const struct pk_quantity *table, size_t i, char *text, size_t size)
 {
@@ -23,7 +23,7 @@ static int name_of(const struct pk_system *system, const void *params, enum pk_r
         return snprintf(text, size, "%s", table[count ? 0 : i].name);
     if (!range.is_family)
         return snprintf(text, size, "%s", table[k].name);
-    /* Components and primes stand behind the index: r[1].x, q[1]', omega(R[1]).x. */
+    /* The index precedes components and primes: r[1].x, q[1]', omega(R[1]).x. */
     const int stem = (int)strcspn(table[k].name, ".)'");
     return snprintf(text, size, "%.*s[%td]%s", stem, table[k].name, range.lo + (ptrdiff_t)i,
                     table[k].name + stem);
@@ -45,7 +45,7 @@ int pk_system_output_name(const struct pk_system *system, const void *params, si
                    text, size);
 }
 
-/* Reads "[i+1]" or "[j-2]" as a number. Returns its end, or NULL if it is neither. */
+/* Reads an index such as "[i+1]" or "[j-2]" as a number. Returns its end, or NULL. */
 static const char *index_of(const char *text, const struct pk_place *place, ptrdiff_t *index)
 {
     ptrdiff_t number = 0;
@@ -60,7 +60,7 @@ static const char *index_of(const char *text, const struct pk_place *place, ptrd
     return *text == ']' ? text + 1 : NULL;
 }
 
-/* Writes a name, replacing indices by those of `place` unless that is NULL. */
+/* Writes a name with the indices i and j replaced by those of `place`, unless that is NULL. */
 static int placed(const char *from, const struct pk_place *place, char *text, size_t size)
 {
     size_t at = 0;

@@ -1,11 +1,10 @@
-/* The root of a function with a sign change, by the ITP method: interpolate (regula falsi),
- * truncate (towards the middle, so that both ends approach), project (so that it takes at most one
- * step more than bisection). Superlinear for smooth functions.
+/* Finds a root of a function with a sign change, by the ITP method: interpolate (regula falsi),
+ * truncate (towards the middle, so that both ends converge), project (so that it takes at most one
+ * step more than bisection). Convergence is superlinear for smooth functions.
  *
  * Reference: I. F. D. Oliveira, R. H. C. Takahashi, An enhancement of the bisection method average
  * performance preserving minmax optimality, ACM Trans. Math. Softw. 47 (2020) 5, algorithm 1;
- * kappa_1 = 0.2/(b - a), kappa_2 = 2, n_0 = 1 as proposed there.
- */
+ * kappa_1 = 0.2/(b - a), kappa_2 = 2, n_0 = 1 as proposed there. */
 #include "internal.h"
 #include "root.h"
 
@@ -13,7 +12,7 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
                        pk_real width)
 {
     const pk_real kappa = PK_C(0.2) / (*b - *a);
-    pk_real reach = width / 2; /* epsilon 2^(n_max - j) of the reference */
+    pk_real reach = width / 2; /* epsilon 2^(n_max - j) in the reference */
     while (2 * reach < *b - *a)
         reach *= 2;
     reach *= 2;
@@ -28,7 +27,7 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
         if (!(x > *a && x < *b))
             x = middle;
         if (!(x > *a && x < *b))
-            break; /* no number between them */
+            break; /* no number between the ends */
         pk_real y;
         PK_TRY(f(context, x, &y));
         if ((y > 0 && fa > 0) || (y < 0 && fa < 0)) {

@@ -1,4 +1,4 @@
-/* A root of a function in a bracket. Not installed. */
+/* Finds a root of a function in an interval. Not installed. */
 #ifndef PK_ROOT_H
 #define PK_ROOT_H
 
@@ -8,8 +8,8 @@
 /* Computes y = f(x); a negative status ends the search. */
 typedef enum pk_status (*pk_function)(void *context, pk_real x, pk_real *y);
 
-/* Shrinks [*a, *b], at whose ends f has values fa and fb of opposite signs (fb may be 0), until
- * b - a is at most `width` or a and b are neighbours; f(*b) keeps the sign of fb, or is 0. */
+/* Shrinks the interval [*a, *b], at whose ends f has values fa and fb of opposite signs (fb may be
+ * 0), until b - a <= width or a and b are adjacent numbers; f(*b) keeps the sign of fb, or is 0. */
 enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_real *b, pk_real fb,
                        pk_real width);
 

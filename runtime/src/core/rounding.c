@@ -1,7 +1,6 @@
-/* The effect of rounding of the state on accelerations, and so on a step: each number of a state is
- * changed by some units in its last place, several times, since a single sample may leave some of
- * many accelerations nearly unchanged; terms that cancel are rounded relative to their size.
- */
+/* The effect of rounding of the state on accelerations, and thus on a step: each number of a state
+ * is changed by some units in its last place, several times, since a single sample may leave some
+ * of many accelerations nearly unchanged; terms that cancel are rounded relative to their size. */
 #include <string.h>
 
 #include "band.h"
@@ -27,9 +26,9 @@ static int is_up(unsigned long *random)
     return (*random & 0x40000000ul) != 0;
 }
 
-/* Computes the rounding error of v in M v = p, where p has the rounding of sum_j |M_ij v_j|: at
- * least this over M_ii, and more if M is ill-conditioned, by solutions for random signs. M is
- * banded. */
+/* Computes the error of v in M v = p, where p has the rounding of sum_j |M_ij v_j|. The error of
+ * v_i is at least that rounding over M_ii, and larger if M is ill-conditioned: M is also solved
+ * with right-hand sides of random signs. M is banded. */
 static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_real *M,
                             pk_real *by_p)
 {
@@ -61,8 +60,8 @@ static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_re
     }
 }
 
-/* Methods in p solve M v = p, so v has the rounding of p. Under constraints, rounding moves
- * nothing; there the error of v is rtol of the terms. */
+/* Methods with momenta solve M v = p, so that v has the rounding of p. With constraints this
+ * rounding does not move the state, and the error of v is rtol times its terms. */
 static void look_at_momenta(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -85,7 +84,7 @@ static void look_at_momenta(struct pk_integrator *it)
         sum[i] = pk_finite(sum[i]) ? share * sum[i] : 0;
         by_p[i] = M[i * n + i] > 0 ? sum[i] / M[i * n + i] : 0;
     }
-    for (size_t i = 0; i < n; i++) /* a state has no inertia */
+    for (size_t i = 0; i < n; i++) /* a first-order variable has no inertia */
         M[i * n + i] = M[i * n + i] > 0 ? M[i * n + i] : 1;
     unsigned long random = 1;
     for (int sample = held || pk_ldl_factor(M, n) ? SAMPLES : 0; sample < SAMPLES; sample++) {
@@ -97,7 +96,7 @@ static void look_at_momenta(struct pk_integrator *it)
     }
 }
 
-/* Changes each number of a state by `share`, up or down. */
+/* Multiplies each number of a state by 1 + share or 1 - share, at random. */
 static void shake(const struct pk_integrator *it, pk_real share, unsigned long random,
                   pk_real *state)
 {
@@ -105,8 +104,8 @@ static void shake(const struct pk_integrator *it, pk_real share, unsigned long r
         state[i] *= 1 + (is_up(&random) ? share : -share);
 }
 
-/* Computes the acceleration at a state `aside` from this one, relatively, and the largest change of
- * it by rounding. Returns 0 if there is no acceleration. */
+/* Computes the acceleration at the state changed by the relative amount `aside`, and the largest
+ * change of the acceleration by rounding. Returns 0 if there is no acceleration. */
 static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real *noise)
 {
     const size_t n = it->n;
@@ -125,8 +124,9 @@ static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real
     return 1;
 }
 
-/* Forces on a body held by constraints cancel, perhaps exactly, so that shaking changes nothing:
- * the error of a is at least the rounding of the terms (M^-1 J^T)_ki lambda_i. */
+/* Forces on a body held by constraints cancel, perhaps exactly, so that changes of the state do not
+ * show their rounding: the error of a is at least the rounding of the terms (M^-1 J^T)_ki
+ * lambda_i. */
 static void look_at_rows(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -142,7 +142,7 @@ static void look_at_rows(struct pk_integrator *it)
     if (pk_project_factor(&w, w.c, it->q, it->v))
         return;
     pk_project_rank(&w);
-    for (size_t i = 0; i < w.c; i++) /* near a singular position shaking is more accurate */
+    for (size_t i = 0; i < w.c; i++) /* near a singular position noise_at() is more accurate */
         if (w.sines[i] < PK_NEAR * PK_NEAR)
             return;
     system->constraints.multipliers(w.params, w.t, it->q, it->v, w.u, lambda);
@@ -154,8 +154,8 @@ static void look_at_rows(struct pk_integrator *it)
     }
 }
 
-/* Takes the smaller noise of two nearby states: where a force starts like sqrt(x), rounding is
- * amplified, but only over much less than a step. */
+/* Uses the smaller noise of two nearby states: where a force starts like sqrt(x), rounding is
+ * amplified, but only over a range much shorter than a step. */
 void pk_scale_look(struct pk_integrator *it)
 {
     const size_t n = it->n;

@@ -1,26 +1,25 @@
-/* The absolute tolerance of each coordinate and rate. If given, it is one for all. Otherwise it is
- * rtol times the scale of the motion, the largest value so far, since a motion of picometres is
- * resolved as well as one of metres. Among numbers of one unit, no scale is smaller than a
- * millionth of the largest, so that numbers that have hardly begun to move, such as the far end of
- * a chain, do not shorten the steps.
+/* The absolute tolerances of coordinates and rates. A given tolerance applies to all numbers.
+ * Otherwise it is rtol times the scale of each number, its largest value so far, so that a motion
+ * of picometres is resolved as well as a motion of metres. Among numbers of one unit, no scale is
+ * less than a millionth of the largest scale, so that numbers that have hardly begun to move, such
+ * as the far end of a chain, do not shorten the steps.
  *
- * A number that is only rounding has no scale: its digits are noise, and steps that followed it
- * would shrink for nothing. The effect of rounding of the state on accelerations is measured by
- * changing each number by some units in its last place; errors of that size over the trial step are
- * tolerated.
- */
+ * A number as small as its rounding error has no scale: its digits are noise, and step control must
+ * not follow it. The effect of rounding of the state on accelerations is measured by changing each
+ * number by some units in its last place (rounding.c); errors of that size, summed over the trial
+ * step, are tolerated. */
 #include <string.h>
 
 #include "band.h"
 #include "scale.h"
 
 #define SHARE PK_C(1e-6)
-#define LEAST (PK_C(1e4) * PK_EPS) /* of t: distance of a first step */
+#define LEAST (PK_C(1e4) * PK_EPS) /* relative to t: time after which a first scale is taken */
 #define LONGER PK_C(4.0)
-#define LEAST_SCALE PK_F(sqrt)(PK_TINY) /* for a number without a scale */
+#define LEAST_SCALE PK_F(sqrt)(PK_TINY) /* scale of a number without any motion */
 enum {
     OFTEN = 64
-}; /* steps between two measurements of rounding; fewer if steps are LONGER times as long */
+}; /* steps between measurements of rounding, or fewer if step sizes have grown by LONGER */
 
 size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
                      size_t n)
@@ -31,15 +30,16 @@ size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *m
     return method->traits & PK_ADAPTIVE ? parts_before(n_q, n, PARTS) + matrix : 0;
 }
 
-/* Returns the index of number i of copy c, of length `one`; moving ones of all copies come
- * first. */
+/* Returns the index of number i in copy c. Copies have length `one`; the first `moving` numbers of
+ * all copies come first. */
 static size_t place(size_t i, size_t c, size_t moving, size_t one, size_t copies)
 {
     return i < moving ? c * moving + i : copies * moving + c * (one - moving) + i - moving;
 }
 
-/* Writes for each of `count` numbers the first of the same unit; `table` has one entry per declared
- * name. Variational equations have several copies, grouped separately (pk_variation_place()). */
+/* Writes for each of `count` numbers the index of the first number of the same unit; `table` has
+ * one entry for each declared name. The copies in variational equations are grouped separately
+ * (pk_variation_place()). */
 static void group(const struct pk_integrator *it, const struct pk_quantity *table, size_t count,
                   size_t base, pk_real *to)
 {
@@ -98,7 +98,7 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
             it->own->atol[i] = own[i] + h * of_v;
         it->own->atol[n_q + i] = own[n_q + i] + of_v;
     }
-    /* Body rates move quaternions as rates move coordinates. */
+    /* Body rates move quaternions in the way that rates move coordinates. */
     const struct pk_system *system = it->problem.system;
     for (size_t r = 0; r < pk_system_rotations(system, it->problem.params); r++) {
         const struct pk_turning at = pk_system_turning(system, it->problem.params, r);
@@ -109,7 +109,7 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
             it->own->atol[i] += h * of_rate / 2;
     }
 }
-/* Returns the shortest time in which a coordinate moves by its own scale; 0: unknown. */
+/* Returns the shortest time in which a coordinate falls through its own scale; 0: unknown. */
 static pk_real while_it_falls(const struct pk_integrator *it)
 {
     const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
@@ -123,8 +123,9 @@ static pk_real while_it_falls(const struct pk_integrator *it)
     return h;
 }
 
-/* A coordinate at zero gets as scale its way in the shortest first step. A rate at rest gets the
- * speed of a fall through the coordinate's scale; a state is treated as if it had a coordinate. */
+/* A coordinate at zero gets as its scale the distance it moves in the shortest first step. A rate
+ * at zero gets the speed of a fall over the coordinate's scale; a first-order variable is treated
+ * as the rate of a coordinate. */
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n_q = it->n_q, n = it->n;
@@ -161,14 +162,14 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
 }
 
-/* After a step is undone, its largest values are dropped. */
+/* Drops the largest values, which may come from a step that is undone. */
 void pk_scale_forget(struct pk_integrator *it)
 {
     if (it->own->atol)
         memset(part(it, MOST), 0, (it->n_q + it->n) * sizeof(pk_real));
 }
 
-/* Returns a time from rest in which accelerations change by at most the largest one. */
+/* Returns a time from rest over which accelerations change by at most the largest acceleration. */
 static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 {
     const size_t n = it->n;
@@ -212,8 +213,9 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
     return raised;
 }
 
-/* Whether rounding measured near a singular position, which counts by the step size, is too large
- * for the present step size: there it would hide an error of many digits. */
+/* Returns whether rounding measured near a singular position, whose effect is proportional to the
+ * step size, is too large for the present step size, so that it would hide an error of many
+ * digits. */
 static int outdated(const struct pk_integrator *it)
 {
     const pk_real h = pk_abs(it->own->h), *own = part(it, OWN), *noise = part(it, NOISE);

@@ -4,9 +4,9 @@
 
 #include "project.h"
 
-/* Arrays of length n_q + n: tolerances; these without rounding; largest values; the index of the
- * first number of the same unit; a state. Arrays of length n: rounding error of accelerations; an
- * acceleration; rounding error of rates from momenta; three work vectors. Then a mass matrix. */
+/* Arrays of length n_q + n: tolerances; tolerances without rounding; largest values; the index of
+ * the first number of the same unit; a state. Arrays of length n: rounding error of accelerations;
+ * an acceleration; rounding error of rates from momenta; three work vectors. Then a mass matrix. */
 enum { ATOL, OWN, MOST, GROUP, MOVED, NOISE, A, BY_P, BESIDE, PARTS = BESIDE + 3 };
 
 static inline size_t parts_before(size_t n_q, size_t n, int which)
@@ -19,9 +19,9 @@ static inline pk_real *part(const struct pk_integrator *it, int which)
     return it->own->atol + parts_before(it->n_q, it->n, which);
 }
 
-/* Computes the acceleration. Returns 0 if there is none. */
+/* Computes the acceleration. Returns 0 if it is not defined. */
 int pk_scale_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, pk_real *a);
-/* Computes NOISE, A and BY_P of the state. */
+/* Computes NOISE, A and BY_P (rounding errors and acceleration) for the state. */
 void pk_scale_look(struct pk_integrator *it);
 
 #endif

@@ -1,25 +1,27 @@
-/* Forces shorter than a step. Marks are arguments u of exp(u), tanh(u) and similar calls, which
- * change only for |u| < ALIVE. No stage of a step may lie there, but u is smooth along the step,
- * often a polynomial, and is refined down to where it gets there. If u, clipped to +-ALIVE, varies
- * by more than MOST in a step, the stages may miss the change: the step is repeated up to a time
- * where u varies less, and the next steps are kept as short until their errors keep them so. Fixed
- * steps are not shortened, but counted. Within the step the motion is taken as a cubic; if that is
- * inaccurate, the shorter step shows it.
- */
+/* Detects forces shorter than a step. Marks are the arguments u of exp(u), tanh(u) and similar
+ * functions, which change only for |u| < ALIVE. Perhaps no stage of a step is in this range; but u
+ * is smooth along the step, often a polynomial, and is sampled finely enough to find where it
+ * enters the range.
+ *
+ * If u, clipped to +-ALIVE, varies by more than MOST in a step, the stages may miss the change: the
+ * step is repeated up to a time where u varies less, and the next steps are limited to that length
+ * until the error estimate keeps them shorter. Fixed steps are not shortened, but counted. The
+ * motion within the step is approximated by a cubic; if that is inaccurate, the check of the
+ * shorter step corrects it. */
 #include <string.h>
 
 #include "internal.h"
 
 #define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 */
-#define MOST PK_C(12.0)  /* a Gaussian's exponent changes by that over its width, far out */
-#define WARP PK_C(0.11)  /* warps samples, so that a period of u that divides the step shows */
+#define MOST PK_C(12.0)  /* change of a Gaussian's exponent over its width, in the tail */
+#define WARP PK_C(0.11)  /* unequal samples detect a period of u that divides the step */
 #define GROW PK_C(4.0)
-#define SLOW (MOST / 128) /* variation in a fixed step; below it the next SKIPPED go unexamined */
+#define SLOW (MOST / 128) /* below this variation, SKIPPED fixed steps need no check */
 enum { FEW = 4, MOST_WINDOWS = 4096, SKIPPED = 7 };
 
-/* Work, after four values of each mark. */
+/* The work memory, after four arrays with a value of each mark. */
 struct between {
-    pk_real *q, *v, *u, *a0, *a1; /* a0, a1: at the ends of the step */
+    pk_real *q, *v, *u, *a0, *a1; /* a0, a1: accelerations at the ends of the step */
 };
 
 static size_t lay_out(struct between *b, const struct pk_system *system, size_t n_q, size_t n,
@@ -44,7 +46,7 @@ static struct between between(const struct pk_integrator *it)
     return b;
 }
 
-/* Computes the rates of states at the ends; those of a straight line if an acceleration fails. */
+/* Computes accelerations at the ends of the step, or, if that fails, the slopes of lines. */
 static void look_at_ends(struct pk_integrator *it)
 {
     const struct between b = between(it);
@@ -76,7 +78,7 @@ void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, 
         v[i] = v0[i] + h01 * (v1[i] - v0[i]) + h10 * from.a[i] + h11 * to.a[i];
 }
 
-/* Evaluates all u at x of the trial step, x in 0 .. 1. */
+/* Evaluates the arguments u at x in 0 .. 1 of the trial step. */
 static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
 {
     const struct pk_system *system = it->problem.system;
@@ -106,8 +108,8 @@ static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 
 static pk_real alive(pk_real u) { return pk_max(-ALIVE, pk_min(u, ALIVE)); }
 
-/* A window of a mark u, from its values at both ends and in the middle: its variation, clipped; its
- * range; the second difference; whether it stays beyond +-ALIVE, with a margin. */
+/* An interval of u, from its values at both ends and in the middle: variation of the clipped u;
+ * range of u; second difference; `dead`: u is beyond +-ALIVE with a margin. */
 struct window {
     pk_real varies, range, bend;
     int dead;
@@ -125,8 +127,8 @@ static struct window window(pk_real a, pk_real m, pk_real b)
 
 static pk_real warped(pk_real x) { return x + WARP * x * (1 - x); }
 
-/* Returns the part of the trial step that mark k allows, 1: all; *rise: of that, where it
- * varies. */
+/* Returns the fraction of the trial step that mark k allows (1: all); *rise: the fraction from
+ * where u starts to vary up to there. */
 static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 {
     const pk_real h = pk_abs(it->own->next_t - it->t),
@@ -152,7 +154,7 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
         it->own->short_force.varied = pk_max(it->own->short_force.varied, total);
         u = end;
         from = to;
-        /* Windows come from halving, so a window of twice the width may follow an even one. */
+        /* Intervals are halved; two halves done, the next interval may be twice as wide. */
         if (width < PK_C(1.0) / FEW && !(PK_F(fmod)(from, 2 * width) > 0))
             width *= 2;
     }
@@ -185,7 +187,7 @@ int pk_short_force_reject(struct pk_integrator *it)
     for (size_t k = 0; k < m; k++)
         it->own->short_force.range = pk_max(it->own->short_force.range, pk_abs(end[k] - begin[k]));
     if (it->own->short_force.range <= MOST / 4 &&
-        h <= 3 * it->own->short_force.calm) /* nearly always, without short forces */
+        h <= 3 * it->own->short_force.calm) /* without short forces usually true */
         return 0;
     look_at_ends(it);
     values(it, warped(PK_C(0.5)), middle);
@@ -232,12 +234,12 @@ void pk_short_force_accept(struct pk_integrator *it)
         it->own->short_force.range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
     it->own->short_force.calm = it->own->short_force.range <= MOST / 4
                                     ? h
-                                    : 0; /* so long a step had no short forces in it */
+                                    : 0; /* a step of this length had no short force */
     memcpy(it->own->marks, it->own->marks + m, m * sizeof *it->own->marks);
     if (!(it->own->short_force.reach > 0))
         return;
     if (h < it->own->short_force.reach * (1 - PK_C(1e-6)) || it->own->short_force.varied < MOST / 8)
-        it->own->short_force.reach = 0; /* limited by its error, or nothing varies any more */
+        it->own->short_force.reach = 0; /* the error estimate limits the step, or nothing varies */
     else
         it->own->short_force.reach =
             it->own->short_force.rise > 0

@@ -1,28 +1,28 @@
-/* Singularities: positions where the equations end, monitored from step to step; see struct
+/* Singularities: positions where the equations are undefined, monitored at each step; see struct
  * pk_singularity.
  *
- * A singularity with a sign change in a step has vanished in it. One without, such as the distance
- * in a collision, or with two sign changes, has the same sign at both ends of the step, and the
- * step may pass over it. So if the tangent at either end predicts a root within the step, or cannot
- * explain the change, the step is repeated by short ones (singularity_search.c). Adaptive steps are
- * no exception: at a tight tolerance their sizes shrink before a singularity until they underflow,
- * and the same search finds the cause; at a loose one they step over it like fixed steps.
+ * An expression that changes sign in a step has a root in it. An expression whose root has no sign
+ * change, such as the distance in a collision, or with two roots, has the same sign at both ends of
+ * the step, and the step may pass over the root. So if the tangent at either end predicts a root
+ * within the step, or the change differs from both tangents, the motion is recomputed by short
+ * steps (singularity_search.c). Adaptive steps are treated likewise: at a tight tolerance their
+ * sizes decrease before a singularity until they underflow, and the search finds the cause; at a
+ * loose tolerance they pass over it like fixed steps.
  *
  * If there is a sign change, but the motion by short steps does not reach the root, the step is
- * inaccurate: PK_STEP_TOO_LONG.
- */
+ * inaccurate: PK_STEP_TOO_LONG. */
 #include <string.h>
 
 #include "singularity.h"
 
-#define CALM PK_C(0.0625) /* relative change in two successive steps that raises no doubt */
-#define FAR PK_C(1.5)     /* tangents predict roots up to that many steps away */
+#define CALM PK_C(0.0625) /* relative change in two successive steps that needs no check */
+#define FAR PK_C(1.5)     /* tangents are extrapolated by so many steps */
 #define ROUNDING (64 * PK_EPS)
 
 enum {
     KNOWN = 1,
     QUIET = 2
-}; /* it->own->slopes: slopes at the state are known; the last step changed little */
+}; /* flags of it->own->slopes: slopes at the state are known; the last step changed little */
 
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n)
 {
@@ -40,7 +40,7 @@ static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const 
         slope[k] = (slope[k] - value[k]) / d;
 }
 
-/* Sets values to 0 that rounding of the start changes by as much: cos(pi/2), gimbal lock. */
+/* Sets a value to 0 if rounding of the start changes it as much: cos(pi/2), gimbal lock. */
 static void clear_rounding(struct pk_integrator *it)
 {
     const size_t count = it->n_q + it->n;
@@ -91,8 +91,8 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
                : PK_SINGULAR_TIME;
 }
 
-/* Handles a sign change: searches the motion itself over two steps from the start of the step,
- * since an inaccurate step may meet the singularity too early. */
+/* Handles a sign change: searches over two steps from the start of the step by short steps, since
+ * an inaccurate step may reach the singularity too early. */
 static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
 {
     const pk_real h = it->own->next_t - it->t;
@@ -100,7 +100,7 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
         pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
-    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* it cannot be too long */
+    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* not too long */
     if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
     return pk_fail_with(it, PK_STEP_TOO_LONG, PK_WHY(.index = k, .time = it->own->next_t));
@@ -120,8 +120,8 @@ enum pk_status pk_singularity_here(struct pk_integrator *it)
 /* Returns the sign, 0 for zero and NaN; products of two singularities may underflow. */
 static int sign(pk_real x) { return (x > 0) - (x < 0); }
 
-/* Whether the tangents predict a root of singularity k in the trial step, or explain too little.
- */
+/* Returns whether the tangents predict a root of singularity k in the trial step, or differ too
+ * much from its change. */
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
     const pk_real g0 = pk_singularity_part(it, PK_SINGULARITY_NOW)[k],
@@ -186,7 +186,7 @@ enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status sta
         (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE && status != PK_STEP_UNDERFLOW &&
          status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP))
         return status;
-    if (!fixed) { /* pk_underflow() looks as far ahead */
+    if (!fixed) { /* pk_underflow() searches over the same distance */
         depth = PK_SINGULARITY_SHALLOW;
         ahead = (pk_real)it->own->direction *
                 (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + PK_C(10.0) * pk_abs(it->own->h));

@@ -1,11 +1,11 @@
-/* Shared by the two files of singularities: parts of it->own->singularities. Not installed. */
+/* Shared by singularity.c and singularity_search.c: parts of it->own->singularities. */
 #ifndef PK_SINGULARITY_H
 #define PK_SINGULARITY_H
 
 #include "internal.h"
 
-/* Values and slopes at the state, then at the end of a trial step, and largest values since the
- * start, one number for each singularity; then states and a slope for the search. */
+/* For each singularity: value and slope at the state, value and slope at the end of a trial step,
+ * largest value since the start; then states and a slope for the search. */
 enum {
     PK_SINGULARITY_NOW,
     PK_SINGULARITY_SLOPE,
@@ -17,10 +17,11 @@ enum {
 enum { PK_SINGULARITY_SEARCH_PARTS = 5 };
 
 #define PK_SINGULARITY_DEEP \
-    PK_C(1e-12) /* of its value at the start of the search: it vanishes, \
-                                         */
+    PK_C(1e-12) /* fraction of its value at the start of a search: the
+                   singularity vanishes */
 #define PK_SINGULARITY_SHALLOW \
-    PK_C(1e-3) /* or, if step sizes underflow already, it is small enough to count */
+    PK_C(1e-3) /* the fraction at which it counts as vanished if step
+                  sizes underflow */
 
 static inline pk_real *pk_singularity_part(const struct pk_integrator *it, int which)
 {
@@ -29,22 +30,22 @@ static inline pk_real *pk_singularity_part(const struct pk_integrator *it, int w
 
 void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q,
                              const pk_real *v, pk_real *out);
-/* Evaluates the singularities at distance d along the tangent. */
+/* Evaluates the singularities at time distance d along the tangent of the motion. */
 void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                           pk_real d, pk_real *out);
-/* Returns t if it lies between first and last, else first: a tangent may be round-off. */
+/* Returns t if it is between first and last, else first: t may be round-off. */
 pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last);
-/* Searches whether a singularity falls to `depth` of its value at the state on the way to t_end,
- * and which. Leaves counters and the reason of a failure unchanged. */
+/* Searches whether, and which, singularity falls to `depth` times its value at the state before
+ * t_end. Leaves counters and the reason of a failure unchanged. */
 struct pk_singularity_search {
     enum {
-        PK_SINGULARITY_UNDECIDED, /* step sizes underflow, or too many steps are needed */
-        PK_SINGULARITY_STAYS,     /* t_end is reached, and none comes near zero on the way */
+        PK_SINGULARITY_UNDECIDED, /* step sizes underflow, or it takes too many steps */
+        PK_SINGULARITY_STAYS,     /* t_end is reached, and no singularity comes near zero */
         PK_SINGULARITY_VANISHES
     } found;
     size_t which;
     pk_real when; /* the time at which it vanishes */
-    int bounded;  /* the acceleration does not grow on the way there */
+    int bounded;  /* 1: the acceleration does not grow towards the singularity */
 };
 struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_real t_end,
                                                    pk_real depth);

@@ -1,18 +1,17 @@
-/* Searches where a singularity vanishes, by short steps of the classical Runge-Kutta method in
- * which no singularity falls below 0.7 of its value: towards a root step sizes shrink
- * geometrically, past it they recover. See singularity.c for its use.
+/* Searches for the root of a singularity by short steps of the classical Runge-Kutta method, in
+ * each of which no singularity falls below 0.7 of its value: step sizes decrease geometrically
+ * towards a root, and increase after it. singularity.c calls it.
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
- * Solving Ordinary Differential Equations I, II.4 and I.6.
- */
+ * Solving Ordinary Differential Equations I, II.4 and I.6. */
 #include <string.h>
 
 #include "singularity.h"
 
-#define FALL PK_C(0.7)    /* least ratio of a singularity in one short step */
-#define SEARCH_STEPS 2000 /* after these it is undecided */
+#define FALL PK_C(0.7)    /* least ratio of a singularity's values in one short step */
+#define SEARCH_STEPS 2000 /* after so many steps the result is PK_SINGULARITY_UNDECIDED */
 
-enum { Y, TRIAL, SUM, STAGE, K }; /* q and v, or their slopes */
+enum { Y, TRIAL, SUM, STAGE, K }; /* q and v, or their derivatives */
 
 static pk_real *search_part(const struct pk_integrator *it, int which)
 {
@@ -40,7 +39,7 @@ pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last)
     return t >= pk_min(first, last) && t <= pk_max(first, last) ? t : first;
 }
 
-/* y + d k, where y is q and v, k their slopes, m numbers. */
+/* Computes y + d k, where y is q and v, k their derivatives, m numbers. */
 static void shift(size_t m, const pk_real *y, pk_real d, const pk_real *k, pk_real *out)
 {
     for (size_t i = 0; i < m; i++)
@@ -69,7 +68,7 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     return pk_all_finite(trial, m);
 }
 
-/* Whether no singularity has changed much; updates the least and largest ratio. */
+/* Returns whether no singularity has changed much; updates the least and largest ratio. */
 static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, pk_real *most)
 {
     for (size_t k = 0; k < m; k++) {
@@ -82,8 +81,8 @@ static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, p
     return 1;
 }
 
-/* Returns the first singularity that fell to `depth` of its value at the state or, if steps have
- * stalled (`halted`), to the round-off of its largest value so far; else the number of them. */
+/* Returns the first singularity that fell to `depth` times its value at the state or, if steps have
+ * stalled (`halted`), to the round-off of its largest value so far; otherwise their number. */
 static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real depth, int halted)
 {
     const pk_real *first = pk_singularity_part(it, PK_SINGULARITY_NOW);
@@ -96,9 +95,9 @@ static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real d
     return k;
 }
 
-/* The largest acceleration when the singularity g is down to 1e-2 and 1e-4. One like g^-k grows
- * by a factor 100^k from one depth to the next; one whose quotient has a finite limit, such as
- * sin(g)/g, does not grow. */
+/* The largest acceleration when the singularity g is down to 1e-2 and to 1e-4 of its value. An
+ * acceleration like g^-k grows by a factor 100^k from the first to the second; an acceleration
+ * whose quotient has a finite limit, such as sin(g)/g, does not grow. */
 struct growth {
     int levels;
     pk_real a[2];
@@ -128,7 +127,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     struct pk_singularity_search found = {PK_SINGULARITY_UNDECIDED, m, it->t, 0};
     struct growth growth = {0};
     int stuck = 0,
-        arrived = 0; /* M is singular to round-off before the singularity is quite zero */
+        arrived = 0; /* M is singular to round-off where the singularity is not quite zero */
     memcpy(y, it->q, n_q * sizeof *y);
     memcpy(y + n_q, it->v, n * sizeof *y);
     memcpy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m * sizeof *g);
@@ -137,7 +136,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         pk_real least = PK_C(1.0), most = PK_C(1.0);
         if (last)
             s = whole - at;
-        int good = 1; /* also half-way: a step through a centre may end as far behind it */
+        int good = 1; /* a step may end as far beyond a centre as it began before */
         for (int half = 1; good && half <= 2; half++) {
             pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);
             good = near(m, g, g1, &least, &most);
@@ -169,7 +168,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         found.when = it->t + at + made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
         found.when = pk_singularity_within(found.when, it->t + at, t_end);
         found.found = PK_SINGULARITY_VANISHES;
-    } else if (arrived && growth.levels < 2) { /* else round-off near it may have reflected it */
+    } else if (arrived && growth.levels < 2) { /* else perhaps reflected by round-off */
         found.found = PK_SINGULARITY_STAYS;
     }
     found.bounded = growth.levels == 2 && growth.a[1] <= 4 * growth.a[0];

@@ -1,6 +1,5 @@
-/* The linearised equations of motion; see pk/linear.h. One factorisation of M = L D L^T serves all
- * 2 n + 1 right-hand sides.
- */
+/* The linearised equations of motion; see pk/linear.h. M = L D L^T is factored once for all 2 n + 1
+ * right-hand sides. */
 #include <pk/linear.h>
 
 #include "internal.h"
@@ -11,7 +10,7 @@ size_t pk_system_linear_size(const struct pk_problem *problem)
     return n * n + n + problem->system->n_inputs;
 }
 
-/* Solves for the columns of an n by n matrix of right-hand sides, in place. */
+/* Solves M X = B for an n by n matrix B, in place. */
 static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *column)
 {
     for (size_t j = 0; j < n; j++) {
@@ -23,7 +22,7 @@ static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *
     }
 }
 
-/* *failed: the failure of PK_SINGULAR_MASS, in the form that acceleration() returns. */
+/* *failed: the failure for PK_SINGULAR_MASS, in the form that acceleration() returns. */
 static enum pk_status linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
                              const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v, pk_real *a_t,
                              pk_real *work, int *failed)

@@ -11,12 +11,12 @@
  * energy errors do not drift. If rho would change by a factor of 4 or more, or become negative, as
  * where da/dq passes zero without an h_max, the scheme fails with a status.
  *
- * A limit, or dense output, must not disturb the sequence of steps: a shorter step is made from the
- * last point of the sequence, and the next step begins at that point again.
+ * A limit, or dense output, must not change the sequence of steps: a shorter step up to that time
+ * starts from the last point of the sequence (the base), and the next step starts at the base
+ * again.
  *
  * Reference: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239; Hairer, Lubich, Wanner,
- * Geometric Numerical Integration, VIII.3.
- */
+ * Geometric Numerical Integration, VIII.3. */
 #include <string.h>
 
 #include <pk/linear.h>
@@ -24,18 +24,18 @@
 #include "../core/generic.h"
 #include "../core/tableau.h"
 
-/* Kept from one step to the next. */
+/* Data stored from one step to the next. */
 struct kept {
     pk_real eps, floor, given, direction;
-    pk_real rho, t, t_low; /* density and time at the base */
-    int planned, whole;    /* the step from the base is planned; and was made */
+    pk_real rho, t, t_low; /* density of steps, time, and low part of the time at the base */
+    int planned, whole;    /* the step from the base has been planned; it has been made */
     pk_real length, rho_next, end, end_low;
 };
 
 struct work {
     struct kept *kept;
-    pk_real *base; /* the point of the sequence where steps begin: q, v and their low parts */
-    pk_real *a, *a_q, *a_v, *a_t, *linear; /* a is the acceleration of the planned step */
+    pk_real *base; /* the base, from which steps start: q, v and their low parts */
+    pk_real *a, *a_q, *a_v, *a_t, *linear; /* a: acceleration of the planned step */
 };
 
 static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
@@ -96,7 +96,7 @@ static void take_base(struct pk_integrator *it, const struct work *w)
     w->kept->planned = w->kept->whole = 0;
 }
 
-/* Starts a new sequence at the current state. */
+/* Starts a new sequence of steps at the current state. */
 static enum pk_status begin(struct pk_integrator *it, const struct work *w)
 {
     const struct pk_options *o = &it->options;
@@ -123,7 +123,7 @@ static enum pk_status init(struct pk_integrator *it)
     return begin(it, &w);
 }
 
-/* A step from the base: drift() to the middle, then a kick of both halves and a drift. */
+/* drift() moves from the base to mid-step; then follow a kick of both halves and a drift. */
 static void drift(const struct pk_integrator *it, const struct work *w, pk_real first, pk_real *to)
 {
     const size_t n_q = it->n_q;
@@ -168,7 +168,7 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     return PK_DONE;
 }
 
-/* Makes a step of any length from the base; with kept->length it is the step of the sequence. */
+/* Makes a step from the base; with kept->length it belongs to the sequence. */
 static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
                             pk_real *to)
 {
@@ -185,9 +185,9 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const struct work w = parts(it);
     struct kept *kept = w.kept;
     const pk_real sign = (pk_real)it->own->direction;
-    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) { /* it was made and refused */
+    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) { /* the step was made and refused */
         kept->whole = kept->planned = 0;
-    } else if (kept->whole) { /* it was accepted: the sequence continues from its end */
+    } else if (kept->whole) { /* the step was accepted: the sequence continues from its end */
         take_base(it, &w);
         kept->rho = kept->rho_next;
         kept->t = kept->end;

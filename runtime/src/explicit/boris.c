@@ -1,16 +1,16 @@
 /* Boris's splitting, for forces affine in the rates, M a = g(q, t) + C(q, t) v, such as magnetic
- * ones: half a drift, a kick by the implicit midpoint rule in v alone, half a drift. The kick
+ * ones: half a drift, a kick by the implicit midpoint rule for v at constant q, half a drift. The
+ * kick
  *
  *     (M - h/2 C) (v' - v) = h M a(q, t, v),
  *
  * is linear in v'. If C is antisymmetric, the kick rotates v (Cayley transform of h M^-1 C) and
  * conserves T if g is 0, and the step conserves volume. It is symplectic only if C is constant, and
- * then only after a change of v. A drag of any strength decays. The drifts of the table are the
- * fractions of the step that these steps take.
+ * then only after a change of v. The rates decay for a drag of any strength. In compositions, the
+ * drifts of the table are the lengths of these steps as fractions of the whole step.
  *
  * References: J. P. Boris, Proc. 4th Conf. Num. Sim. Plasmas (1970) 3; H. Qin et al., Phys. Plasmas
- * 20 (2013) 084503; E. Hairer, C. Lubich, BIT 58 (2018) 969.
- */
+ * 20 (2013) 084503; E. Hairer, C. Lubich, BIT 58 (2018) 969. */
 #include <string.h>
 
 #include <pk/step/tables.h>
@@ -37,7 +37,7 @@ static size_t boris_size(const struct pk_method *method, const struct pk_problem
     return lay_out(&w, n, NULL);
 }
 
-/* v += d in place, at (t, q). */
+/* Computes the kick of v in place, at (t, q). */
 static enum pk_status kick(struct pk_integrator *it, const struct work *w, pk_real t, pk_real h,
                            pk_real *to)
 {

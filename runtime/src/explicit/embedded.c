@@ -1,13 +1,12 @@
-/* Rare parts of adaptive explicit Runge-Kutta methods: the first step size, by a guess of y'', and
- * dense output, by the nested interpolant
+/* Parts of adaptive explicit Runge-Kutta methods that run rarely: the first step size, from an
+ * estimate of y'', and dense output, by the nested interpolant
  *
  *     y(s) = r0 + s (r1 + (1-s) (r2 + s (r3 + (1-s) (r4 + ...)))),
  *
- * computed only on request. pk/step/embedded.h has the step itself.
+ * computed only on request. The step itself is in pk/step/embedded.h.
  *
  * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.4
- * and II.6.
- */
+ * and II.6. */
 #include "../core/generic.h"
 #include "../core/tableau.h"
 
@@ -37,7 +36,7 @@ enum pk_status pk_embedded_init(struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* HNW II.4: a step whose explicit Euler half-way error is about 1%, checked against y''. */
+/* Returns the first step size of HNW II.4, from y, y', and y'' estimated by an Euler step. */
 static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w, pk_real limit)
 {
     const pk_real *y0 = it->own->state, span = pk_abs(limit - it->t);

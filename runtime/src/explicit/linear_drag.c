@@ -3,25 +3,24 @@
  *
  *     q += Phi v,   v += D v,       D = exp(delta h B) - 1,  B D^-1 Phi = 1,  B = M^-1 C,
  *
- * so a kick still depends on a(q, t) alone. Without g a step of any length is exact. If C is
- * antisymmetric (a uniform magnetic field, a rotating frame) the drift is the flow of T, which is
- * quadratic in p, so steps are symplectic, and methods for such T (Blanes and Moan's) keep their
- * order. If C is a drag that is a multiple of M, the symplectic form shrinks at the true rate.
+ * so a kick depends only on g(q, t). Without g a step of any length is exact. If C is antisymmetric
+ * (a uniform magnetic field, a rotating frame) the drift is the flow of T, which is quadratic in p,
+ * so steps are symplectic, and methods for such T (Blanes and Moan's) keep their order. If C is a
+ * multiple of M (a drag), the symplectic form decreases at the exact rate.
  *
  * D and Phi are computed once for each step size, in twice the precision, since their error is the
  * same in each step. References: GNI II.5; R. I. McLachlan, G. R. W. Quispel, Acta Numerica 11
- * (2002) 341, 3.
- */
+ * (2002) 341, 3. */
 #include <string.h>
 
 #include "../core/double_double.h"
 #include "../core/tableau.h"
 
-enum { KEPT = 2 }; /* step sizes: of all steps, and of the last, shorter one of an interval */
+enum { KEPT = 2 }; /* stored step sizes: the usual one, and the shorter last one of an interval */
 
 struct work {
     size_t n;
-    pk_real *h, *last, *zero, *B, *norm; /* `last`: index of the one used last; zero: n rates */
+    pk_real *h, *last, *zero, *B, *norm; /* last: index of the step size used last; zero: n rates */
     pk_real *drifts[KEPT];               /* for each stage Phi and D, and their low parts */
     struct pk_pairs L, E;
     pk_real *room;
@@ -82,8 +81,8 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
     return pk_all_finite(w.B, n * n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Computes Phi and D of a drift of length h, from exp(h L) - 1 = (0 s Phi; 0 D) for L = (0 s; 0 B),
- * s a power of two similar to the norm of B, so that it needs no further squaring. */
+/* Computes Phi and D of a drift of length h from exp(h L) - 1 = (0 s Phi; 0 D), L = (0 s; 0 B). s
+ * is a power of two similar to the norm of B, so that no further squaring is needed. */
 static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
 {
     const size_t n = w->n, m = 2 * n, nn = n * n;
@@ -111,7 +110,7 @@ static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
     return PK_DONE;
 }
 
-/* Returns Phi and D of all stages of a step of size h, computed if they are not stored. */
+/* Returns Phi and D of all stages of a step of size h; computes them unless they are stored. */
 static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
                              const struct pk_splitting *table, pk_real h, const pk_real **found)
 {
@@ -124,7 +123,7 @@ static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
         w->h[k] = 0;
         it->count.factorisations++;
         for (int i = 0; i < table->stages; i++) {
-            int same = 0; /* the first stage of this length */
+            int same = 0; /* index of the first stage with the same length */
             while (table->drift[same] < table->drift[i] || table->drift[same] > table->drift[i])
                 same++;
             pk_real *to = w->drifts[k] + (size_t)i * one;
@@ -147,7 +146,7 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
     pk_real *v = w->room, *dv = v + n;
     pk_kick_drift(n, n, kappa, a, 0, from, to);
     memcpy(v, to + n, n * sizeof *v);
-    for (int row = 0; row < 2; row++) { /* of q, then of v */
+    for (int row = 0; row < 2; row++) { /* row 0: q, row 1: v */
         memset(dv, 0, n * sizeof *dv);
         pk_add_product(dv, of + (size_t)(2 + row) * nn, v, n);
         pk_add_product(dv, of + (size_t)row * nn, v, n);

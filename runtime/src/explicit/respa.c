@@ -1,19 +1,19 @@
-/* Impulse multiple time stepping, r-RESPA, for separable systems with a part of the forces named
+/* Impulse multiple time stepping, r-RESPA, for separable systems some of whose forces are declared
  * fast, a = a_fast(q, t) + a_slow(q, t): half a kick by a_slow, short Verlet steps by a_fast alone,
  * half a kick by a_slow,
  *
  *     v += h/2 a_slow,    `inner` steps of Verlet of h/inner,    v += h/2 a_slow.
  *
- * All forces are evaluated once a step, the fast ones once more in each inner step; both are
- * counted. It is symplectic and symmetric for any part of V; it pays if that part is stiff and
- * cheap. Resonant kicks excite a fast oscillation: near h omega = pi, 2 pi, ... steps grow, however
- * short the inner ones are. Inner steps are at most options.h_max; if that is 0, there are TEN of
- * them. The drifts of the table are the fractions of the step that these steps take.
+ * All forces are evaluated once a step, the fast forces also in each inner step; both are counted.
+ * The method is symplectic and symmetric for any splitting of V; it is efficient if the fast part
+ * is stiff and cheap. Resonant kicks excite a fast oscillation: near h omega = pi, 2 pi, ... steps
+ * amplify, however short the inner steps are. Inner steps are at most options.h_max; if that is 0,
+ * there are TEN of them. In compositions, the drifts of the table are the lengths of these steps as
+ * fractions of the whole step.
  *
  * References: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; H.
  * Grubmueller et al., Mol. Simul. 6 (1991) 121; GNI VIII.4; on the resonance J. J. Biesiadecki, R.
- * D. Skeel, J. Comput. Phys. 109 (1993) 318.
- */
+ * D. Skeel, J. Comput. Phys. 109 (1993) 318. */
 #include <pk/step/tables.h>
 
 #include "../core/generic.h"
@@ -46,7 +46,7 @@ static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_rea
     it->count.evaluations++;
 }
 
-/* Computes w->slow of z at t from w->fast and the acceleration `a`, computed if NULL. */
+/* Computes w->slow of the state z at t: the acceleration `a`, evaluated if NULL, less w->fast. */
 static enum pk_status evaluate_slow(struct pk_integrator *it, const struct work *w, pk_real t,
                                     const pk_real *z, const pk_real *a)
 {

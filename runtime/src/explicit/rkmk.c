@@ -1,9 +1,8 @@
 /* Explicit Runge-Kutta methods on R^n x SO(3)^b (Munthe-Kaas): a rotation is R0 exp(theta), and the
  * tableau integrates the vector theta, theta' = d(exp)^-1 omega (pk_dexp_inverse()), so quaternions
- * have unit length at every stage. All else is as in pk/step/erk.h. Reference: H. Munthe-Kaas,
- * Appl. Numer. Math. 29 (1999) 115; E. Hairer, C. Lubich, G. Wanner, Geometric Numerical
- * Integration, IV.8.2.
- */
+ * have unit length at every stage. Other variables are treated as in pk/step/erk.h. Reference: H.
+ * Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; E. Hairer, C. Lubich, G. Wanner, Geometric
+ * Numerical Integration, IV.8.2. */
 #include <string.h>
 
 #include "../core/attitude.h"
@@ -26,7 +25,7 @@ static struct pk_turning turning(const struct pk_integrator *it, size_t r)
     return at;
 }
 
-/* Computes theta = h sum a_j k_j. Slopes k hold theta' in place of Q'. */
+/* Computes theta = h sum a_j k_j. The slopes k contain theta' in place of Q'. */
 static void rotation_vector(const struct pk_integrator *it, const pk_real *a, int count,
                             struct pk_turning at, pk_real *theta)
 {
@@ -35,7 +34,7 @@ static void rotation_vector(const struct pk_integrator *it, const pk_real *a, in
                    pk_row_sum(a, count, it->own->work, it->n_q + it->n, at.number + i * at.step);
 }
 
-/* Computes the increment of Q by that theta. */
+/* Computes the increment of Q by the rotation theta = h sum a_j k_j. */
 static void added_by(const struct pk_integrator *it, const pk_real *a, int count,
                      struct pk_turning at, pk_real *added)
 {
@@ -45,7 +44,7 @@ static void added_by(const struct pk_integrator *it, const pk_real *a, int count
     pk_exponential_added(Q, theta, added);
 }
 
-/* Returns the argument of stage i. */
+/* Returns (q, v) at which stage i is evaluated. */
 static const pk_real *argument(const struct pk_integrator *it, const struct pk_tableau *table,
                                int i, pk_real *y)
 {
@@ -83,7 +82,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
                 k[to.number + j * to.step] = slope[j];
         }
     }
-    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low); /* of q and of v */
+    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low); /* the low parts of q and of v */
     for (size_t i = 0; i < m; i++)
         y[i] = pk_sum(it->own->state[i],
                       it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),

@@ -1,16 +1,15 @@
-/* Makes many fixed steps at once: for a splitting method in one call of the system's own fused
- * code, or one by one without the checks of pk_integrator_step(). Steps one by one have the bits of
- * that function; sums of fused steps are not compensated, so their last bits differ. Fused steps
- * work on a copy: if they end in a state that is not finite, half as many are tried, so that
- * bisection finds the first step that fails.
- */
+/* Makes many fixed steps at once: for a splitting method in one call of the system's
+ * families.advance (fused steps), or one by one without the checks of pk_integrator_step(). Steps
+ * one by one give the same bits as that function; sums of fused steps are not compensated, so their
+ * last bits differ. Fused steps work on a copy of the state: if they end in a state that is not
+ * finite, half as many are tried, so that bisection finds the first step that fails. */
 #include <string.h>
 
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* Makes fused steps and returns how many; 0 if it cannot: fused steps skip the checks of
- * singularities and constraints between steps, and drift all of q by v. */
+/* Makes fused steps and returns their number, or 0 if the system does not allow them: they do not
+ * check singularities and constraints between steps, and they advance all of q by v. */
 static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
@@ -39,13 +38,13 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     }
     memset(pk_next(it, PK_LOW_Q), 0, (n_q + n) * sizeof *q);
     pk_commit_step(it);
-    it->own->flags = 0; /* the acceleration of this state is not known */
+    it->own->flags = 0; /* the acceleration of the new state is not known */
     it->own->h = h;
     it->last_t = it->own->grid.anchor + (it->own->grid.count + (pk_real)steps - 1) * h;
     it->own->grid.count += (pk_real)steps;
     it->t = it->own->next_t = it->own->grid.anchor + it->own->grid.count * h;
     it->count.steps += steps;
-    /* The last kick of a step and the first one of the next share an evaluation. */
+    /* The last kick of a step and the first kick of the next step use the same acceleration. */
     const pk_real *last = table->kick + table->stages;
     const int both = (table->kick[0] > 0 || table->kick[0] < 0) && (*last > 0 || *last < 0);
     it->count.evaluations += steps * (unsigned long)table->stages + (both ? 1 : 0);
@@ -53,8 +52,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     return steps;
 }
 
-/* Makes steps on the grid if only the step itself is needed, and returns how many. A failed step is
- * left to pk_integrator_step(), which makes it again and says why. */
+/* Makes fixed steps of full length if only the step itself is needed, and returns their number. If
+ * a step fails, pk_integrator_step() repeats it and reports the failure. */
 static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
@@ -98,7 +97,7 @@ enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsi
         it->own->direction == (limit > it->t) - (limit < it->t))
         left -= many(it, limit, left);
     while (left) {
-        /* A step sets the direction and the grid, and reports any error. */
+        /* This step sets the direction and the grid, and reports any error. */
         const enum pk_status status = pk_integrator_step(it, limit);
         if (status != PK_DONE)
             return status;

@@ -1,14 +1,13 @@
-/* Chooses how far the next step goes, or that there is none: the grid of fixed steps, limits on
- * their number, progress. Times of fixed steps are anchor + k h, rounded twice: roundings do not
- * add up.
- */
+/* Chooses the length of the next step, or ends the run: the grid of fixed steps, the limit on their
+ * number, checks of progress. Times of fixed steps are anchor + k h, rounded twice, so that
+ * rounding does not accumulate. */
 #include "../core/internal.h"
 
-/* Steps tried before progress is judged: where many are rejected, and otherwise. */
+/* number of trials before progress is checked: if many are rejected; otherwise */
 enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
-#define MOST_AHEAD PK_C(1e9) /* most steps to come, without max_steps */
-/* Where many are rejected and steps are shorter than SHRUNK of the longest one tried, errors are
- * noise: MOST_SHRUNK / n steps are then the limit. */
+#define MOST_AHEAD PK_C(1e9) /* largest number of future steps if max_steps is 0 */
+/* If many trials are rejected and steps are shorter than SHRUNK times the longest trial, errors are
+ * noise: the limit on future steps is then MOST_SHRUNK / n. */
 #define SHRUNK PK_C(1e-6)
 #define MOST_SHRUNK PK_C(1e7)
 
@@ -18,7 +17,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
     const pk_real h = sign * it->options.h;
     const pk_real target = it->own->grid.anchor + (it->own->grid.count + PK_C(1.0)) * h;
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
-    if (pk_abs(target - limit) <= close) /* the same point, rounded differently */
+    if (pk_abs(target - limit) <= close) /* the target is the limit, rounded differently */
         return (struct pk_planned){h, limit, 0};
     if (sign * (target - limit) < 0)
         return (struct pk_planned){h, target, 0};
@@ -27,7 +26,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
-    /* Times are rounded: a step that ends that close to the limit is the last one. */
+    /* Times are rounded: a step that ends within `close` of the limit is the last one. */
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
     const pk_real ceiling = PK_C(1e9);
@@ -43,9 +42,9 @@ int pk_often_rejected(const struct pk_integrator *it)
     return 4 * (it->count.rejections - it->own->progress.judged_rejections) > tried;
 }
 
-/* Whether time hardly advances; judged each time that the number of steps has doubled, so that only
- * this number and the times decide. Progress is measured by lengths of steps, since a caller may go
- * back in time. */
+/* Returns whether time hardly advances. This is checked each time the number of steps has doubled,
+ * so that the result depends only on that number and on times. Progress is measured by lengths of
+ * steps, since a caller may go back in time. */
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
     const unsigned long tried = it->count.steps + it->count.rejections;
@@ -80,7 +79,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
-    it->own->trouble.status = PK_DONE; /* only trial steps set it */
+    it->own->trouble.status = PK_DONE; /* set again only by trial steps */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h)
         return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = it->options.h));
@@ -129,7 +128,7 @@ int pk_integrator_is_at(const struct pk_integrator *it, pk_real t)
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit)
 {
     const int direction = t > it->t ? 1 : -1;
-    const int begins = direction != it->own->direction; /* a grid of its own */
+    const int begins = direction != it->own->direction; /* the step begins a new grid */
     const pk_real anchor = begins ? it->t : it->own->grid.anchor,
                   h = (pk_real)direction * it->options.h;
     const pk_real count = PK_F(floor)((t - anchor) / h + PK_C(0.5));

@@ -1,15 +1,14 @@
 /* The integrator: its memory, its checks, and the loop over steps. A method's step() writes the new
- * state into it->own->next; here it is checked and only then becomes the state, so a step that
- * fails leaves no trace. grid.c chooses how far a step goes.
- */
+ * state to it->own->next. It becomes the state only after checks in this file, so that a failed
+ * step leaves the state unchanged. grid.c chooses the length of a step. */
 #include <stdint.h>
 #include <string.h>
 
 #include "../core/project.h"
 #include "../core/tableau.h"
 
-/* The private part is first in the block, the state follows. Both begin a cache line on 64-bit
- * machines: fused steps of a chain take a fifth longer on a state that does not. */
+/* The private part is first in the block, then the state. Both are aligned to cache lines on 64-bit
+ * machines, since otherwise fused steps of a chain take a fifth longer. */
 #if UINTPTR_MAX > 0xffffffff
 #define ALIGNED ((size_t)64)
 #else
@@ -18,12 +17,12 @@
 #define OWN ((sizeof(struct pk_integrator_private) + ALIGNED - 1) / ALIGNED * ALIGNED)
 #define PRIVATE (OWN + ALIGNED)
 
-#define FROM_REST PK_C(1e-3) /* of a span: how far ahead forces on a body at rest are looked for */
+#define FROM_REST PK_C(1e-3) /* fraction of a span, searched for forces at rest */
 
 struct pk_options pk_options_default(void)
 {
     struct pk_options options = {0};
-    options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* about 1e-9 in double */
+    options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* rtol: about 1e-9 in double */
     options.atol = PK_ATOL_OF_MOTION;
     return options;
 }
@@ -33,7 +32,7 @@ static size_t work_size(const struct pk_problem *problem, const struct pk_method
     return (method->size ? method->size : pk_splitting_size)(method, problem, n);
 }
 
-/* Lays out the memory behind `own`; only counts it where base is NULL. */
+/* Assigns the memory after `own`; with base NULL only counts it. */
 static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem *problem,
                       const struct pk_method *method, size_t n_q, size_t n, pk_real *base)
 {
@@ -66,8 +65,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     return PRIVATE + lay_out(&own, problem, method, n_q, n, NULL) * sizeof(pk_real);
 }
 
-/* Returns the system's own step function of this method, with its kernels compiled in, or the
- * method's for any system. */
+/* Returns the step function of this method that was compiled with the system's kernels, or the
+ * method's function for any system. */
 static enum pk_status (*stepper(const struct pk_system *system,
                                 const struct pk_method *method))(struct pk_integrator *, pk_real)
 {
@@ -152,7 +151,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
-    /* Parts of the state that a method does not carry, and inputs without a source, stay 0. */
+    /* Parts of the state without use, and inputs without a function, remain 0. */
     memset(it->own->next, 0, pk_state_offset(n_q, n, PK_PARTS) * sizeof *q);
     memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
@@ -181,12 +180,12 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h)
     if (!(h > 0) || !pk_finite(h))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_STEP);
     it->options.h = h;
-    it->own->direction = 0; /* the next step starts a grid of its own */
+    it->own->direction = 0; /* the next step starts a new grid */
     return it->status = PK_DONE;
 }
 
-/* Ends a failed step: drops data of the last step, which may belong to the failed one. Where the
- * equations are singular, no step follows. */
+/* Ends a failed step: drops data of the last step, which the failed step may have overwritten.
+ * After a failure at a singularity of the equations, no further step is possible. */
 static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
 {
     it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
@@ -195,14 +194,14 @@ static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
     return it->status = status;
 }
 
-/* Whether q, v and p of the trial step are finite. */
+/* Returns whether q, v and p of the trial step are finite. */
 static int are_numbers(const struct pk_integrator *it)
 {
     return pk_all_finite(it->own->next, pk_state_offset(it->n_q, it->n, PK_LOW_Q));
 }
 
-/* A step with its projection. Where the method can, a failed projection is retried at a quarter of
- * the length; an underflow after that is PK_NO_PROJECTION. */
+/* Makes a step and its projection. If the projection fails and the method can repeat the step, the
+ * step is retried with a quarter of its length; an underflow after that is PK_NO_PROJECTION. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
     enum { CUTS = 12 };
@@ -246,14 +245,14 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
     if (!pk_ready(it))
-        return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the refused start stands */
+        return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the start remains refused */
     if (!pk_finite(limit))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TIME);
     const pk_real left = limit - it->t;
     if (!(left > 0) && !(left < 0))
         return it->status = PK_DONE;
     if (it->options.stop && it->options.stop(it->options.context)) {
-        it->own->ready = 0; /* a caller that goes on ends at its next step */
+        it->own->ready = 0; /* a caller that continues is stopped at the next step */
         return it->status = PK_STOPPED_USER;
     }
 
@@ -315,14 +314,14 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
-    if (it->own->passing.crossed) { /* no reset: rows may depend on each other there */
+    if (it->own->passing.crossed) { /* without a reset, since rows may depend on each other there */
         pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
         pk_singular_crossing_at(it, t, q, v);
         side->t = t;
         return PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
-    if (side->status >= 0) /* parts of the state that a start does not have */
+    if (side->status >= 0) /* parts of the state that are not set by a start */
         memcpy(pk_state(side, PK_P), pk_next(it, PK_P),
                (pk_state_offset(n_q, n, PK_A) - pk_state_offset(n_q, n, PK_P)) *
                    sizeof *it->own->next);

@@ -1,13 +1,12 @@
-/* Saves and restores an integrator between two steps; see pk/keep.h. The memory of a method is only
- * numbers, all in the block: one function serves every method.
- */
+/* Saves and restores an integrator between two steps; see pk/keep.h. The memory of a method
+ * contains only numbers, all in the block, so one function serves every method. */
 #include <string.h>
 
 #include <pk/keep.h>
 
 #include "../core/internal.h"
 
-/* The bytes of addresses, which are valid in this process alone. */
+/* the number of bytes of pointers, which are valid only in this process */
 #define ADDRESSES offsetof(struct pk_integrator_private, slopes)
 
 static unsigned long long name(const char *text)
@@ -20,8 +19,8 @@ static unsigned long long name(const char *text)
 
 static int is_flag(int x) { return x == 0 || x == 1; }
 
-/* Whether restored data is valid as far as memory goes: indices and flags. Numbers of the block
- * that are used as indices are checked where they are used: pk_index(). */
+/* Returns whether restored indices and flags of the private part are valid. Indices in the rest of
+ * the block are checked where they are used, by pk_index(). */
 static int sound(const struct pk_integrator *it, const struct pk_integrator_private *kept)
 {
     const struct pk_integrator_private *own = it->own;

@@ -1,34 +1,33 @@
-/* A step made ahead in a SIMD lane together with those of other integrators: pk/adaptive_lanes.h. An
- * integrator that reaches this step takes its result instead of making it, and does the rest of its
- * work around the step as usual.
- */
+/* A step computed in advance in a SIMD lane, together with steps of other integrators: see
+ * pk/adaptive_lanes.h. The integrator takes the result of this step instead of computing it; step
+ * control, events and counters are as usual. */
 #ifndef PK_STEP_AHEAD_H
 #define PK_STEP_AHEAD_H
 
 #include <pk/step/numbers.h>
 
-/* A trial step of an adaptive method. `planned`: wanted step size; `left`: distance to the limit;
- * `least`: shortest step that moves t. If `left` is no longer, it is one step. */
+/* A trial step of an adaptive method. planned: desired step size; left: distance to the limit;
+ * least: shortest step that changes t. If left <= least, one step covers it. */
 struct pk_trial {
-    pk_real sign, left, least, planned, h; /* h: signed size of the current trial */
+    pk_real sign, left, least, planned, h; /* h: signed size of the current trial step */
     int rejected, lands;
 };
 
 struct pk_ahead {
-    const pk_real *next, *slopes; /* number i of the new state, of the stages, is at [i * lanes] */
+    const pk_real *next, *slopes; /* number i of the new state, or of a stage, is at [i * lanes] */
     size_t lanes;
     pk_real from, end, h;
-    int ready;          /* a step from the integrator's state is there */
-    int clear;          /* no event and no switch is crossed in it */
-    unsigned long many; /* number of steps to `next` if none of them needs to be examined; or 0 */
+    int ready;          /* a step from the integrator's current state is available */
+    int clear;          /* the step crosses no event and no switch */
+    unsigned long many; /* number of steps up to `next` if none needs a check for events; or 0 */
     unsigned long cost; /* accelerations per step */
-    int taken;          /* it was taken, and `next` is the integrator's state */
-    int waits;          /* a trial was rejected, and `trial` is to be made ahead */
-    int again;          /* whether the step may wait for it: nothing else is in progress */
+    int taken;          /* the step was taken, and `next` is the integrator's state */
+    int waits;          /* a trial was rejected, and `trial` is to be computed in a lane */
+    int again;          /* 1: a rejected trial may be repeated in a lane */
     struct pk_trial trial;
 };
 
-/* Whether the current step was made ahead. If not, the lane no longer has the current state. */
+/* Returns whether the current step was computed in advance; if not, the lane is obsolete. */
 static inline int pk_ahead_serves(struct pk_ahead *a, pk_real t, pk_real h, pk_real end)
 {
     if (!a)

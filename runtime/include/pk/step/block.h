@@ -1,6 +1,5 @@
-/* A block: W states in SIMD lanes, as a structure of arrays, and the sums of their steps;
- * pk/step/ensemble.h has the steps themselves.
- */
+/* A block: W states in SIMD lanes, as a structure of arrays, and the sums that their steps need;
+ * the steps are in pk/step/ensemble.h. */
 #ifndef PK_STEP_BLOCK_H
 #define PK_STEP_BLOCK_H
 
@@ -9,7 +8,7 @@
 
 #define PK_BLOCK_MOST 64
 
-/* Arrays have the parts of an integrator's state, each number W times. */
+/* `state` and `next` are like those of an integrator, with W numbers for each number. */
 struct pk_block {
     const struct pk_system *system;
     size_t n_q, n, lanes;
@@ -18,19 +17,19 @@ struct pk_block {
     pk_real *t;                        /* W times */
     pk_real *state, *next, *spare, *work;
     pk_real *lane; /* one state, for a system without lane kernels */
-    pk_real now;   /* block.c: the common time of all lanes */
-    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* step of each lane */
-    int have_a; /* splitting: the acceleration is known; Runge-Kutta: the first stage is */
-    unsigned long long failed, not_finite; /* bits of lanes, since the start of the step */
+    pk_real now;   /* used by block.c: the common time of all lanes */
+    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* each lane's step */
+    int have_a; /* the first acceleration (splitting) or first stage is known */
+    unsigned long long failed, not_finite; /* bit masks of lanes in the current step */
 };
 
 PK_BEGIN
-/* Records lanes whose acceleration failed, and whether their state was not finite. */
+/* Sets bits of `failed` and, where the state is not finite, of not_finite. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
 PK_END
 
-/* Returns the bits of lanes in which any of `rows` rows is not finite. */
+/* Returns a bit mask of the lanes in which any of `rows` numbers is not finite. */
 static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t rows, size_t W)
 {
     pk_real sum[PK_BLOCK_MOST];
@@ -49,7 +48,7 @@ static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t
     return bits;
 }
 
-/* y = y0 + h sum a_j k_j, rows of k `stride` apart. */
+/* Computes y = y0 + h sum a_j k_j, where successive k_j are `stride` rows apart. */
 static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRICT y,
                                        const pk_real *PK_RESTRICT y0, const pk_real *PK_RESTRICT h,
                                        const pk_real *a, int count, const pk_real *PK_RESTRICT k,
@@ -62,7 +61,7 @@ static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRI
     }
 }
 
-/* The same with a compensated sum. */
+/* Does the same as pk_block_combine() with compensated sums. */
 static PK_INLINE void pk_block_sum(size_t rows, size_t W, pk_real *PK_RESTRICT y,
                                    const pk_real *PK_RESTRICT y0, pk_real *PK_RESTRICT low,
                                    const pk_real *PK_RESTRICT low0, const pk_real *PK_RESTRICT h,
@@ -80,7 +79,7 @@ static PK_INLINE void pk_block_sum(size_t rows, size_t W, pk_real *PK_RESTRICT y
     }
 }
 
-/* Like pk_kick_drift(), with fractions of each lane's step. */
+/* Like pk_kick_drift() with the step size of each lane. */
 static PK_INLINE void pk_block_kick_drift(size_t n_q, size_t n, size_t W,
                                           const pk_real *PK_RESTRICT h, pk_real kick,
                                           const pk_real *a, pk_real drift, const pk_real *from,
@@ -123,9 +122,9 @@ static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_rea
     }
 }
 
-/* Returns the pk_real of work for s stages and the derivative at the end. Each has n W rates and
- * states, of which the first n_q W are slopes of coordinates, and n W accelerations. Coordinates of
- * a stage follow. */
+/* Returns the number of pk_real of work memory for s stages, the derivative at the end, and the
+ * coordinates of a stage. A stage has n W rates and first-order variables, whose first n_q W are
+ * slopes of coordinates, and n W accelerations. */
 static inline size_t pk_block_reals(int stages, size_t n_q, size_t n, size_t W)
 {
     return (((size_t)stages + 1) * 2 * n + n_q) * W;

@@ -1,8 +1,7 @@
-/* DOPRI5, order 5(4) with dense output of order 4. Coefficients: J. R. Dormand, P. J. Prince,
- * J. Comp. Appl. Math. 6 (1980) 19; dense output: L. F. Shampine, as in E. Hairer, S. P. Norsett,
- * G. Wanner, Solving Ordinary Differential Equations I, II.5 Table 5.2 and II.6. Its seventh
- * stage is the derivative at the new point.
- */
+/* DOPRI5, order 5(4) with dense output of order 4. Coefficients: J. R. Dormand, P. J. Prince, J.
+ * Comp. Appl. Math. 6 (1980) 19; dense output: L. F. Shampine, as in E. Hairer, S. P. Norsett, G.
+ * Wanner, Solving Ordinary Differential Equations I, II.5 Table 5.2 and II.6. The seventh stage is
+ * the derivative at the new point. */
 #ifndef PK_STEP_DOPRI5_H
 #define PK_STEP_DOPRI5_H
 

@@ -1,23 +1,23 @@
-/* Adaptive explicit Runge-Kutta methods on y = (q, v): error by an embedded formula, PI control
+/* Adaptive explicit Runge-Kutta methods on y = (q, v): error estimate by an embedded formula, step
+ * size by PI control
  *
  *     h_new = h * clamp(safety * err^(-alpha) * err_old^beta),  alpha = 1/k - 3/4 beta
  *
- * Contains the code of every step, with the macros of pk/inlined.h; the first step and dense
- * output, which are rare, are in the library for all systems.
+ * This file has the code that each step runs, with the macros of pk/inlined.h; the first step size
+ * and dense output are computed in the library.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.4
  * (4.13)-(4.14), II.5, II.10; E. Hairer, G. Wanner, ... II, IV.2; K. Gustafsson, ACM TOMS 17 (1991)
- * 533.
- */
+ * 533. */
 #ifndef PK_STEP_EMBEDDED_H
 #define PK_STEP_EMBEDDED_H
 
 #include <pk/step/tables.h>
 
-/* The work: stages, derivatives at the end and of the extra stages, an argument, the interpolant,
- * and two numbers. After the step, it->own->next holds the start of the step. */
+/* The work memory: stages, derivatives at the end and of the extra stages, an argument, the
+ * interpolant, and two numbers. After the step, it->own->next holds the start of the step. */
 struct pk_embedded_work {
-    size_t m, n_q; /* length of y, and of q, its first part */
+    size_t m, n_q; /* length of y = (q, v), length of q */
     pk_real *k, *last, *y, *dense, *err_old, *h_made;
 };
 
@@ -39,8 +39,8 @@ pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size
 }
 
 PK_BEGIN
-/* Computes the derivative at the start of the step if the last step left none, and guesses the
- * first step size: at the begin of a run, or after a failure. */
+/* Computes the derivative at the start of the step if the last step did not, and guesses the first
+ * step size, at the start of a run or after a failure. */
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
 PK_END
 
@@ -67,7 +67,7 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
 }
 #endif
 
-/* Makes one trial step of size h to it->own->next_t: the new state, its derivative, its error. */
+/* Makes a trial step of size h to it->own->next_t: the new state, its derivative, its error. */
 static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
                                                     const struct pk_tableau *table,
                                                     const struct pk_embedded_work *w, pk_real h)
@@ -86,7 +86,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     if (!table->e3)
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
     it->own->error = pk_embedded_error(it, table, w, h);
-    if (!pk_finite(it->own->error)) /* the state is finite: its tolerance is nearly zero */
+    if (!pk_finite(it->own->error)) /* not finite though the state is: a tolerance is nearly zero */
         it->own->error = PK_C(1e30);
     if (table->e3 && it->own->error <= PK_C(1.0)) {
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
@@ -96,7 +96,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     return PK_DONE;
 }
 
-/* The same for a trial step that was made ahead. */
+/* Does the same as attempt() for a trial step that was computed in a lane. */
 static PK_INLINE enum pk_status PK_STEPPER(taken)(struct pk_integrator *it,
                                                   const struct pk_tableau *table,
                                                   const struct pk_embedded_work *w, pk_real h)
@@ -119,11 +119,11 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
     const pk_real alpha = PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
     if (it->own->flags & PK_HAVE_STEP)
-        for (size_t i = 0; i < w.m; i++) /* the derivative at the last step's end */
+        for (size_t i = 0; i < w.m; i++) /* the derivative at the end of the last step */
             w.k[i] = w.last[i];
     if (!(it->own->flags & (PK_HAVE_STEP | PK_HAVE_A)) || !(pk_abs(it->own->h) > 0))
         PK_TRY(pk_embedded_begin(it, limit));
-    it->own->flags = PK_HAVE_A; /* the stages of the last step, and its dense output, are lost */
+    it->own->flags = PK_HAVE_A; /* stages and dense output of the last step become invalid */
 
     struct pk_trial x = pk_trial(it, limit);
     if (it->own->ahead)
@@ -153,7 +153,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
             }
             planned = h / pk_min(PK_C(1.0) / table->shrink, raw);
         }
-        /* A rejected step always shrinks. */
+        /* A rejected step is always shortened. */
         pk_trial_reject(it, &x, planned < h ? planned : h * PK_C(0.5));
         if (ahead && pk_waits_for(it, &x))
             return PK_DONE;

@@ -1,7 +1,7 @@
 /* A step of W states in SIMD lanes, each with its own time and step size: the explicit Runge-Kutta
  * and splitting steps of pk/step/erk.h, pk/step/embedded.h and pk/step/splitting.h on a structure
- * of arrays. Sums have the order of the scalar step, so with -ffp-contract=off results have the
- * same bits. Uses the macros
+ * of arrays. Terms are added in the same order as in the scalar step, so with -ffp-contract=off
+ * results have the same bits. Uses the macros
  *
  *     PK_STEPPER(x)                   x with a name that is unique in this file
  *     PK_BLOCK_N(b), PK_BLOCK_LANES(b)    length of v, W
@@ -11,7 +11,7 @@
 #include <pk/step/block.h>
 #include <pk/step/tables.h>
 
-/* Computes accelerations at the fraction `at` of each lane's step. */
+/* Computes accelerations at the time of the fraction `at` of each lane's step. */
 static PK_INLINE void PK_STEPPER(block_slope)(struct pk_block *b, pk_real at, const pk_real *q,
                                               const pk_real *v, pk_real *a)
 {
@@ -22,7 +22,7 @@ static PK_INLINE void PK_STEPPER(block_slope)(struct pk_block *b, pk_real at, co
         pk_block_failed(b, failed, q, v);
 }
 
-/* The same at the end of the step, whose time is exact. */
+/* Computes accelerations at the end of the step, at its exact time. */
 static PK_INLINE void PK_STEPPER(block_slope_end)(struct pk_block *b, const pk_real *q,
                                                   const pk_real *v, pk_real *a)
 {
@@ -71,7 +71,7 @@ static PK_INLINE unsigned long long PK_STEPPER(block_erk)(struct pk_block *b,
     return b->failed | pk_block_not_finite(b->next, n_q + n, W);
 }
 
-/* Makes a trial step of an adaptive method, and the slope at its end. */
+/* Makes a trial step of an adaptive method, and computes the derivative at its end. */
 static PK_INLINE unsigned long long PK_STEPPER(block_attempt)(struct pk_block *b,
                                                               const struct pk_tableau *table)
 {

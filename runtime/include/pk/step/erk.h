@@ -1,14 +1,13 @@
-/* Explicit Runge-Kutta methods at a fixed step size, on y = (q, v) with q' = the first n_q numbers
- * of v, and v' = a(q, v, t):
+/* Explicit Runge-Kutta methods at a fixed step size, on y = (q, v), where q' is the first n_q
+ * numbers of v, and v' = a(q, v, t):
  *
  *     k_i = f(t0 + c_i h, y0 + h sum_j<i a_ij k_j),   y1 = y0 + h sum b_i k_i
  *
  * with a compensated sum for y1. Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
- * Differential Equations I, II.1. Uses the macros of pk/inlined.h.
- */
+ * Differential Equations I, II.1. Uses the macros of pk/inlined.h. */
 #include <pk/step/tables.h>
 
-/* Stage i > 0: writes its argument to it->own->next, its slope to k. */
+/* Stage i > 0: writes its argument to it->own->next, its derivative to k. */
 static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
                                                       const struct pk_tableau *table, int i)
 {
@@ -42,7 +41,7 @@ static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
     }
     PK_EACH_STAGE(PK_ERK_STAGE)
 #undef PK_ERK_STAGE
-    for (size_t i = 0; i < m; i++) { /* the compensations of q and of v are contiguous */
+    for (size_t i = 0; i < m; i++) { /* so that the compensations of q and of v are contiguous */
         low[i] = low0[i];
         y[i] = pk_sum(y0[i], h * pk_row_sum(table->b, table->stages, k, m, i), &low[i]);
     }

@@ -1,6 +1,5 @@
-/* The acceleration within a step: fills inputs, counts the call, reports a failure. Uses the macros
- * of pk/inlined.h; include it once, before every header that evaluates.
- */
+/* The acceleration within a step: computes inputs, counts the call, reports a failure. Uses the
+ * macros of pk/inlined.h; included once, before every header that calls it. */
 static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, pk_real t,
                                                       const pk_real *q, const pk_real *v,
                                                       pk_real *a)
@@ -11,7 +10,7 @@ static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, 
     return failed ? pk_eval_failed(it, t, q, v, failed) : PK_DONE;
 }
 
-/* Writes k = (v, a) at y; only the rates of coordinates in v. */
+/* Writes k = (q', v') at y, where q' is the rates of coordinates and v' the acceleration. */
 static PK_INLINE enum pk_status PK_STEPPER(slope)(struct pk_integrator *it, pk_real t,
                                                   const pk_real *y, pk_real *k)
 {

@@ -1,25 +1,25 @@
 /* The adaptive Gauss-Legendre method of 8 stages, order 16, on q'' = a(t, q, q'). Its stages are
- * the lanes of one kernel. With the accelerations a_j at the stages as unknowns,
+ * the SIMD lanes of one kernel. With the accelerations a_j at the stages as unknowns,
  *
  *     V_i = v0 + h sum A_ij a_j,    Q_i = q0 + h c_i v0 + h^2 sum (A^2)_ij a_j
  *     v1 = v0 + h sum b_j a_j,      q1 = q0 + h (v0 + h sum b_j (1 - c_j) a_j)
  *
- * Fixed-point iteration solves them: all lanes of an iterate are evaluated at once. It starts from
- * the extrapolated polynomial through the last step's a_j, and ends when its error, estimated from
- * its convergence rate, is below the tolerance. Sums into q and v are compensated.
+ * Fixed-point iteration solves these equations: all stages of an iterate are evaluated at once. The
+ * iteration starts from the extrapolated polynomial through the last step's a_j, and ends when its
+ * error, estimated from the convergence rate, is below the tolerance. The sums for q1 and v1 are
+ * compensated.
  *
- * Step size control as in IAS15: with theta, the decay rate of the polynomial's Legendre
- * coefficients by its last two, the error is h |a| theta^16. It is estimated as soon as the
- * iterates resolve those coefficients, so that a step too long costs little. Slow convergence
- * limits the step size (it->count.held).
+ * Step size control as in IAS15: the last two Legendre coefficients of the polynomial give their
+ * decay rate theta, and the error is h |a| theta^16. It is estimated as soon as the iterates
+ * resolve these coefficients, so that rejecting a step costs little. Slow convergence limits the
+ * step size (it->count.held).
  *
- * In (q, q') with M(q) this form is symmetric, not symplectic, and step sizes vary anyway; for long
- * runs see gauss1 to gauss8, which are symplectic in (q, p).
+ * In (q, q') with M(q) this form is symmetric, not symplectic, and step sizes are variable; for
+ * long runs see gauss1 to gauss8, which are symplectic in (q, p).
  *
  * References: H. Rein, D. S. Spiegel, MNRAS 446 (2015) 1424; M. Antonana, J. Makazaga, A. Murua,
  * Numer. Algorithms 76 (2017) 861; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
- * Differential Equations I, II.4 (4.14) for the first step. Uses the macros of pk/inlined.h.
- */
+ * Differential Equations I, II.4 (4.14) for the first step. Uses the macros of pk/inlined.h. */
 #include <pk/methods.h>
 #include <pk/step/gauss_stages.h>
 
@@ -27,16 +27,16 @@
 #define PK_STEP_GAUSS_H
 #define PK_GAUSS_METHODS(X) PK_METHODS_GAUSS(PK_NAME_OF, X)
 
-/* Tuned on the models and others for the least work at a given final error. */
+/* Tuned for the least work at a given final error, on the models and other problems. */
 #define PK_GAUSS_SAFETY PK_C(0.9)
-#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* largest accepted error: 10 */
-#define PK_GAUSS_RESOLVED PK_C(10.0) /* resolved if the squared error is below 10 a_7^2 */
+#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* log of the largest accepted error, 10 */
+#define PK_GAUSS_RESOLVED PK_C(10.0)                /* resolved: squared error of a < 10 a_7^2 */
 #define PK_GAUSS_GROW PK_C(3.0)
 #define PK_GAUSS_SHRINK PK_C(0.2)
-#define PK_GAUSS_RATE PK_C(0.15) /* a convergence rate that costs as much as it gains */
+#define PK_GAUSS_RATE PK_C(0.15) /* the most economic convergence rate */
 #endif
 
-/* Makes one trial step of size y->h: PK_DONE with results in *y, or why it broke down. */
+/* Makes one trial step of size y->h. Returns PK_DONE with results in *y, or the failure. */
 static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it,
                                                         const struct pk_gauss_lanes *w,
                                                         struct pk_gauss_trial *y)
@@ -65,7 +65,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
         const int close = asked_for > 0 ? y->change2 <= asked_for * asked_for * y->size2
                                         : rate < 1 && left2 <= (1 - rate) * (1 - rate);
         const int done = close || y->change2 <= round || stalled;
-        /* The coefficients above which the step is rejected; compared once they are resolved. */
+        /* Squared coefficients that reject the step; compared once they are resolved. */
         const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
         if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {
             pk_real six2, seven2;
@@ -85,7 +85,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
     }
 }
 
-/* Writes the new state, and the data that predict the next step. */
+/* Writes the new state, and the polynomial that predicts the next step. */
 static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
                                             const struct pk_gauss_lanes *w,
                                             const struct pk_gauss_trial *y)
@@ -126,7 +126,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
     struct pk_gauss_trial y;
 
     if (!(it->own->h > 0) && !(it->own->h < 0)) {
-        it->own->flags = 0; /* a first step, or a change of direction: no prediction */
+        it->own->flags = 0; /* first step, or new direction: no prediction */
         PK_TRY(PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_next(it, PK_A)));
         if (!pk_all_finite(pk_next(it, PK_A), n))
             return PK_NOT_FINITE;
@@ -143,7 +143,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;
         if (status < 0) {
-            if (status != PK_NO_CONVERGENCE) /* the step is too long; that is no cause to report */
+            if (status != PK_NO_CONVERGENCE) /* the step is too long, which needs no report */
                 pk_trouble(it, status, it->own->next_t);
             y.growth = PK_C(0.5);
         } else {
@@ -152,7 +152,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         pk_trial_reject(it, &x, pk_abs(y.h) * y.growth);
     }
     PK_STEPPER(gauss_accept)(it, &w, &y);
-    /* The next step size, by the error, and by the iteration if it converges too slowly. */
+    /* The next step size by the error, or less if the iteration converges slowly. */
     pk_real grow = PK_GAUSS_SAFETY * pk_min(y.growth, PK_GAUSS_GROW);
     const pk_real slow = y.count > 0 ? PK_F(sqrt)(PK_GAUSS_RATE / y.rate) : PK_GAUSS_GROW;
     if (x.rejected)

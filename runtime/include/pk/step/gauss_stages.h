@@ -1,6 +1,5 @@
-/* One trial step of the adaptive Gauss method: its equations, see pk/step/gauss.h, evaluated in the
- * lanes of one kernel. Uses the macros of pk/inlined.h.
- */
+/* One trial step of the adaptive Gauss method: its equations (see pk/step/gauss.h), evaluated in
+ * the lanes of one kernel. Uses the macros of pk/inlined.h. */
 #ifndef PK_STEP_GAUSS_STAGES_H
 #define PK_STEP_GAUSS_STAGES_H
 
@@ -8,7 +7,7 @@
 #include <pk/step/state.h>
 #include <pk/step/tableau.h>
 
-/* Compilers unroll a loop over eight lanes before they look for vectors, and then find few. */
+/* Compilers unroll a loop over eight lanes before they vectorise, and then vectorise little. */
 #if defined __clang__
 #define PK_GAUSS_LOOP _Pragma("clang loop unroll(disable) vectorize_width(4) interleave_count(2)")
 #elif defined __GNUC__
@@ -17,8 +16,9 @@
 #define PK_GAUSS_LOOP
 #endif
 
-/* a b + c, with one rounding where fma() is fast: half the instructions of a matrix-vector product.
- * Written out, since compilers may not contract on their own; see build.py. */
+/* Computes a b + c with one rounding where fma() is fast, which halves the instructions of a
+ * matrix-vector product. It is explicit because contraction by the compiler may be off; see
+ * build.py. */
 #ifdef PK_HAVE_FMA
 #define PK_GAUSS_FMA(a, b, c) PK_F(fma)(a, b, c)
 #else
@@ -26,25 +26,24 @@
 #endif
 
 #define PK_GAUSS_RATE_LEAST PK_C(0.1)
-/* A step longer than the last one by this factor is not predicted from it: the polynomial is
- * invalid there, and its round-off grows like the 7th power. */
+/* A step longer than the last one by more than this factor is not predicted from it: the polynomial
+ * is inaccurate there, and its round-off grows like the 7th power of the factor. */
 #define PK_GAUSS_LEAP PK_C(8.0)
-/* Share of the tolerance for which the final error is at most dop853's at the same tolerance.
- * Measured over models and starts from 1e-4 to 1e-15, it is half of dop853's on the worst model and
- * a tenth on most. */
+/* Fraction of the tolerance at which the final error is at most that of dop853 with the same
+ * tolerance. Measured over models and tolerances from 1e-4 to 1e-15, the error is half of dop853's
+ * for the worst model and a tenth for most. */
 #define PK_GAUSS_SHARE (PK_C(1.0) / PK_C(3.0))
 
 enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
-/* The work: arrays of n by 8, unless another shape is given. */
+/* The work memory: arrays of n by 8, unless another shape is given. */
 struct pk_gauss_lanes {
-    pk_real *a, *next_a, *q, *v;  /* iterate, next iterate, states of stages; q: n_q by 8 */
+    pk_real *a, *next_a, *q, *v;  /* iterate, next iterate, states at the stages; q: n_q by 8 */
     pk_real *u;                   /* inputs at the stages */
     pk_real *poly;                /* Taylor coefficients of the last step's a at its end, in h */
     pk_real *weight;              /* n: weights of errors in a */
-    pk_real *start, *last_weight; /* n_q + n: start of the last step; n: its weights */
-    pk_real *h, *rate, *decay;    /* of the last step: size, convergence rate, and the largest
-                                     theta^2 accepted of a next one */
+    pk_real *start, *last_weight; /* n_q + n: start of the last step; n: weights there */
+    pk_real *h, *rate, *decay;    /* size, rate of the last step; largest theta^2 of the next */
     struct pk_gauss_matrices *M;
     pk_real *dense; /* for gauss_dense.c */
 };
@@ -60,7 +59,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
 {
     struct pk_gauss_lanes w;
     const size_t m = n * PK_GAUSS_S;
-    x += PK_GAUSS_S - (size_t)x / sizeof *x % PK_GAUSS_S; /* aligns vectors to cache lines */
+    x += PK_GAUSS_S - (size_t)x / sizeof *x % PK_GAUSS_S; /* aligns vectors with cache lines */
     w.M = (struct pk_gauss_matrices *)(void *)x, x += sizeof *w.M / sizeof *x;
     w.a = x, x += m;
     w.next_a = x, x += m;
@@ -76,7 +75,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     return w;
 }
 
-/* y = M x: one sum for each lane, in two halves so that their latencies overlap. */
+/* Computes y = M x: one sum for each lane, in two halves so that their latencies overlap. */
 static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK_RESTRICT x,
                                  pk_real *PK_RESTRICT y)
 {
@@ -93,7 +92,7 @@ static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK
     }
 }
 
-/* Sums halves first, as vectors. */
+/* Adds the two halves of the terms first, as vectors. */
 static inline pk_real pk_gauss_dot(const pk_real *PK_RESTRICT b, const pk_real *PK_RESTRICT x)
 {
     pk_real sum[PK_GAUSS_S / 2];
@@ -112,17 +111,17 @@ static inline pk_real pk_gauss_sum(const pk_real *PK_RESTRICT x)
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
-/* Results of a trial step. Norms are relative to the tolerance, root mean square. */
+/* Results of a trial step. Norms are root mean squares relative to the tolerance. */
 struct pk_gauss_trial {
     pk_real h, hc[PK_GAUSS_S], t[PK_GAUSS_S];
-    pk_real size2, change2;       /* squared norms of a; of its last correction */
-    pk_real rate;                 /* convergence rate: factor by which corrections shrink */
+    pk_real size2, change2;       /* squared norms of a, and of its last correction */
+    pk_real rate;                 /* convergence rate, the ratio of successive corrections */
     pk_real theta_log, error_log; /* log of theta and of the error */
     pk_real growth;               /* factor by which the step size may grow */
     int count;
 };
 
-/* Estimates the error by the last two Legendre coefficients: |a_k| = |a| theta^k, |a| theta^16. */
+/* Estimates the error |a| theta^16 from the last two Legendre coefficients: |a_k| = |a| theta^k. */
 static inline void pk_gauss_judge(struct pk_gauss_trial *y, pk_real six2, pk_real seven2)
 {
     const pk_real six = six2 / (y->size2 + PK_TINY) + PK_TINY;
@@ -161,7 +160,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
         pk_gauss_rows(w->M->powers, x, w->a + i * PK_GAUSS_S);
     }
-    /* Until it is measured; large enough that a first iterate never passes for converged. */
+    /* Used until it is measured; so large that no first iterate is accepted as converged. */
     y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
     return PK_DONE;
 }
@@ -193,8 +192,8 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
     }
 }
 
-/* Computes weights of errors in a: their effect on v or q in the step, the larger one in
- * tolerances. */
+/* Computes the weights of errors in a: the effect of an error on v or q in the step, in units of
+ * the tolerance, the larger of both. */
 static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_lanes *w,
                                              const struct pk_gauss_trial *y)
@@ -204,11 +203,11 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
-        /* At the end of the step: from rest the iteration has not moved q yet. */
+        /* At the end of the step, since a motion that starts from rest has not moved yet. */
         const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
         const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
         w->weight[i] = h / (PK_GAUSS_SHARE * it->own->atol[n_q + i] + rtol * v + PK_TINY);
-        if (i >= n_q) /* a state, whose rate moves no coordinate */
+        if (i >= n_q) /* a first-order variable: its rate moves no coordinate */
             continue;
         const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(it->q[i] + y->h * (v0 + moved / 2)));
         const pk_real of_q = h * h / (PK_GAUSS_SHARE * it->own->atol[i] + rtol * q + PK_TINY);
@@ -216,7 +215,7 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     }
 }
 
-/* Computes a in all lanes. A lane that failed is evaluated alone, for the cause. */
+/* Computes a in all lanes. A lane that failed is evaluated again alone, to find the cause. */
 static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
                                                         const pk_real *q, const pk_real *v,
                                                         pk_real *u, pk_real *a)
@@ -246,7 +245,7 @@ static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it
     return PK_DONE;
 }
 
-/* Copies next_a to a; computes their difference and size. Returns 0 if one is not finite. */
+/* Copies next_a to a; computes sizes of a and its change. Returns 0 if one is not finite. */
 static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
                                             const struct pk_gauss_lanes *w,
                                             struct pk_gauss_trial *y)

@@ -1,10 +1,10 @@
 /* Tables of the adaptive Gauss-Legendre method with 8 stages, for the lanes of one kernel. Matrices
  * are stored by columns, M[m * 8 + l] for row l, so that lanes are contiguous. Nodes and weights
- * were computed in 60 digits (mpmath); the rest follows (src/implicit/collocation_tables.c).
+ * were computed in 60 digits (mpmath); the other tables are computed from them
+ * (src/implicit/collocation_tables.c).
  *
  * References: J. C. Butcher, Math. Comp. 18 (1964) 50; E. Hairer, C. Lubich, G. Wanner, Geometric
- * Numerical Integration, 2nd ed., II.1.3, and II.2.3 for Nystrom methods.
- */
+ * Numerical Integration, 2nd ed., II.1.3, and II.2.3 for Nystrom methods. */
 #ifndef PK_STEP_GAUSS_TABLES_H
 #define PK_STEP_GAUSS_TABLES_H
 
@@ -26,10 +26,10 @@ static const pk_real pk_gauss8_b[] = {
 /* clang-format on */
 
 struct pk_gauss_matrices {
-    pk_real A[64], A2[64];              /* a_ij and the square of that matrix */
-    pk_real taylor[64];                 /* powers of (x - 1) of the interpolant of the stages */
+    pk_real A[64], A2[64];              /* the matrix a_ij, and its square */
+    pk_real taylor[64];                 /* coefficients of the interpolant in (x - 1)^k */
     pk_real powers[64];                 /* c_l^k */
-    pk_real legendre6[8], legendre7[8]; /* functionals: its last two Legendre coefficients */
+    pk_real legendre6[8], legendre7[8]; /* give its last two Legendre coefficients */
 };
 
 #endif

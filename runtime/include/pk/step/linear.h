@@ -1,6 +1,5 @@
-/* For methods outside the core, beyond pk/step/state.h: Jacobians through the integrator, and small
- * dense linear algebra.
- */
+/* Functions for implicit methods, in addition to pk/step/state.h: Jacobians of an integrator's
+ * problem, and small dense linear algebra. */
 #ifndef PK_STEP_LINEAR_H
 #define PK_STEP_LINEAR_H
 
@@ -8,13 +7,13 @@
 
 PK_BEGIN
 
-/* Computes the acceleration and its derivatives (pk/linear.h); counts, and reports a failure. */
+/* Computes the acceleration and its derivatives (pk/linear.h), counts, reports a failure. */
 enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
                               pk_real *a_t, pk_real *work);
 
-/* Converts an index stored as pk_real, below `count`, which is not 0. Returns 0 if it is invalid,
- * as in a restored block of unknown origin (pk/keep.h). */
+/* Converts an index < count stored as pk_real; count > 0. Returns 0 if the index is invalid, as in
+ * a restored block of unknown origin (pk/keep.h). */
 static inline size_t pk_index(pk_real x, size_t count)
 {
     return x >= 0 && x < (pk_real)count ? (size_t)x : 0;
@@ -22,16 +21,17 @@ static inline size_t pk_index(pk_real x, size_t count)
 
 /* y += A x, A row-major n by n. */
 void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n);
-/* A = P L U in place, row-major m by m; pivot receives row numbers. Returns 0 if A is singular. */
+/* Factors A = P L U in place, m by m; `pivot` gets row numbers. Returns 0 if A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
 /* Returns the determinant of a factored matrix, and its sign. */
 pk_real pk_lu_determinant(const pk_real *A, const pk_real *pivot, size_t m, int *sign);
-/* A = L D L^T in place, A symmetric. Returns 0, or 1 + i if pivot i is not positive or so small
- * relative to A_ii that it is rounding (PK_PIVOT_MIN, as in generated accelerations). */
+/* Factors A = L D L^T in place, A symmetric. Returns 0, or 1 + i if pivot i is not positive or,
+ * relative to A_ii, so small that it may be rounding (PK_PIVOT_MIN, as in generated
+ * accelerations). */
 size_t pk_ldl_factor(pk_real *A, size_t n);
 void pk_ldl_solve(const pk_real *A, size_t n, pk_real *x);
-/* Returns A_kk of a factored matrix. */
+/* Returns the diagonal entry A_kk of a factored matrix. */
 pk_real pk_ldl_diagonal(const pk_real *A, size_t n, size_t k);
 
 PK_END

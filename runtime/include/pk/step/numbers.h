@@ -1,6 +1,5 @@
-/* The arithmetic of steps: round-off, compensated sums, the layout of a state. Needs pk/real.h
- * only, since exports without the runtime contain this text too.
- */
+/* The arithmetic of steps: round-off, compensated sums, the layout of a state. Needs only
+ * pk/real.h, since C exports without the runtime contain this text too. */
 #ifndef PK_STEP_NUMBERS_H
 #define PK_STEP_NUMBERS_H
 
@@ -25,7 +24,7 @@
  * the others n; the last n - n_q of v are first-order variables. */
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
-/* Returns the offset of a part. */
+/* Returns the offset of a part of the state. */
 static inline size_t pk_state_offset(size_t n_q, size_t n, int part)
 {
     const size_t of_q = (size_t)(part > PK_Q) + (size_t)(part > PK_LOW_Q);
@@ -41,10 +40,10 @@ static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
 static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
 static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
 
-/* x - x is 0 for finite x alone; works for every scalar type, as isfinite() does not. */
+/* x - x is 0 only for finite x; unlike isfinite(), this works for every scalar type. */
 static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
 
-/* a + b = the result + *rest, exactly: Knuth's two-sum. */
+/* Returns a + b rounded, and the rounding error in *rest: Knuth's two-sum. */
 static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
 {
     const pk_real sum = a + b, back = sum - a;
@@ -59,7 +58,7 @@ static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
     return pk_pair_sum(x, d + *low, low);
 }
 
-/* Returns from the function if the call fails, with its status. */
+/* Evaluates a call; if it fails, the calling function returns its status. */
 #define PK_TRY(call)                           \
     do {                                       \
         const enum pk_status of_call = (call); \

@@ -3,13 +3,12 @@
  *
  *     kick   v += kappa h a(q, t)          drift   q += delta h v,  t += delta h
  *
- * Time moves with the drift, like another coordinate, so a kick sees the time that belongs to its q
- * and the order holds for driven systems too. The last acceleration of a step is the first of the
- * next. Sums are compensated. Uses the macros of pk/inlined.h.
+ * Time advances in the drift, like a coordinate, so the time of a kick is that of its q, and the
+ * order is the same for driven systems. The last acceleration of a step is the first of the next
+ * step. Sums are compensated. Uses the macros of pk/inlined.h.
  *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. ("GNI"),
- * I.1, II.4; L. Verlet, Phys. Rev. 159 (1967) 98; H. Yoshida, Phys. Lett. A 150 (1990) 262.
- */
+ * I.1, II.4; L. Verlet, Phys. Rev. 159 (1967) 98; H. Yoshida, Phys. Lett. A 150 (1990) 262. */
 #include <pk/step/tables.h>
 
 #ifndef PK_WITHOUT_RUNTIME
@@ -28,11 +27,11 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
     const pk_real h = it->own->h, *from = it->own->state, *a = from + pk_state_offset(n_q, n, PK_A);
     pk_real *to = it->own->next, *a1 = pk_part(to, n_q, n, PK_A);
-    pk_real done = 0; /* fraction of the step drifted so far */
+    pk_real done = 0; /* fraction of the step already drifted */
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
 
 #ifndef PK_WITHOUT_RUNTIME
-    if (pk_is_ahead(it, h)) { /* a state, and its acceleration if steps end with one */
+    if (pk_is_ahead(it, h)) { /* the state, and its acceleration if the method ends with a kick */
         pk_ahead_take(it, PK_Q, 2);
         pk_ahead_take(it, PK_LOW_Q, ends ? 3 : 2);
         it->count.evaluations += (unsigned long)s;
@@ -53,7 +52,7 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
         PK_TRY(PK_STEPPER(acceleration)(it, it->own->next_t, to, to + n_q, a1));
         pk_kick(n_q, n, table->kick[s] * h, a1, to);
     }
-    /* The last acceleration is part of the new state, so a failure does not spoil the old one. */
+    /* The last acceleration belongs to the new state: its failure leaves the old one valid. */
     if (pk_all_finite(to, n_q + n))
         it->own->flags = ends ? it->own->flags | PK_HAVE_A : it->own->flags & ~PK_HAVE_A;
     return PK_DONE;

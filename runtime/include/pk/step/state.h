@@ -1,81 +1,80 @@
-/* Shared by all steps, in the core and where pkgen compiles a step together with a model's kernels:
- * the private part of an integrator, tolerances, trial steps, inputs, failures. Not for programs
- * that only integrate.
- */
+/* Shared by all methods, in the library and where a step is compiled together with a model's
+ * kernels: the private part of an integrator, tolerances, trial steps, inputs, failures. Not for
+ * programs that only integrate. */
 #ifndef PK_STEP_STATE_H
 #define PK_STEP_STATE_H
 
 #include <pk/integrator.h>
 #include <pk/step/ahead.h>
 
-/* Whether fma() is an instruction, with the same results on all processors. */
+/* fma() is an instruction, with the same results on all processors. */
 #if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
     !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
 #define PK_HAVE_FMA
 #endif
 
-/* Fixed steps: t = anchor + count * h, never a running sum. */
+/* The times of fixed steps: t = anchor + count * h, computed without a running sum. */
 struct pk_grid {
     pk_real anchor, count;
-    int off; /* the current step is shorter and ends the grid */
+    int off; /* the current step is shorter than h, so a new grid starts after it */
 };
 
-/* How far the steps have come; for the checks of progress in src/integrate/grid.c. */
+/* Progress of the integration, for the checks in src/integrate/grid.c. */
 struct pk_progress {
     pk_real passed;                  /* sum of the lengths of all steps since init */
     pk_real judged_passed, judged_t; /* at the last check: passed, t, trials, rejections */
     unsigned long judged, judged_rejections;
     pk_real longest;                  /* longest rejected step */
-    unsigned long rounded_rejections; /* when rounding was last measured: rejections, step */
+    unsigned long rounded_rejections; /* rejections and step size when rounding was last measured */
     pk_real rounded_step;             /* size; see src/core/rounding.c */
 };
 
-/* Flags of src/constraints/singular_crossing.c: the last step crossed a singular position, the state
- * is near one, and PK_SEEN... of the end of the step. */
+/* Flags of src/constraints/singular_crossing.c: the last step crossed a singular position, the
+ * state is near one, and the flags PK_SEEN... at the end of the step. */
 struct pk_passing {
     int crossed, near, seen;
 };
 
-/* The limits of src/core/short_force_limiter.c. */
+/* State of src/core/short_force_limiter.c. */
 struct pk_short_force {
-    int known, unlooked;   /* values at the start are known; fixed steps that stay unexamined */
-    pk_real reach, rise;   /* limit of the next step, 0: none; of the one after it */
-    pk_real calm;          /* length of the last step in which marks hardly varied */
-    pk_real range, varied; /* variation of marks in the trial step; the part of it that matters */
+    int known, unlooked;   /* values at the start are known; count of unchecked fixed steps */
+    pk_real reach, rise;   /* limit of the next step, 0: none; limit of the step after it */
+    pk_real calm;          /* length of the last step in which the marks hardly changed */
+    pk_real range, varied; /* change of marks in the trial step, and near a short force */
 };
 
-/* The last trial step that broke down: the cause to report if step sizes then underflow just before
- * reason.time. PK_DONE: none. */
+/* The last trial step that failed: the cause that is reported if the step size then underflows just
+ * before reason.time. PK_DONE: none. */
 struct pk_trouble {
     enum pk_status status;
     struct pk_reason reason;
 };
 
-/* The private part of an integrator, it->own, for methods and the runtime alone. */
+/* The private part of an integrator, it->own; only for methods and the runtime. */
 struct pk_integrator_private {
-    /* Addresses, which a saved integrator (pk/keep.h) does not have; all before `slopes`. */
-    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* of method or system */
-    pk_real *state, *next;  /* each with the parts of pk/step/numbers.h */
-    pk_real *u, *work;      /* u: inputs at one time, then those of each lane */
-    pk_real *atol;          /* absolute tolerances of q, then v; NULL: fixed steps; core/scale.c */
+    /* Pointers, which a saved integrator (pk/keep.h) does not contain; all are before `slopes`. */
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* the step function */
+    pk_real *state, *next;  /* two states, with the parts listed in pk/step/numbers.h */
+    pk_real *u, *work;      /* u: inputs at one time, then inputs for each lane */
+    pk_real *atol;          /* absolute tolerances of q, then v (core/scale.c); NULL: fixed steps */
     pk_real *lane;          /* one state and its acceleration, for a system without lane kernels */
-    pk_real *singularities; /* NULL: the system has none; see src/core/singularity.c */
-    pk_real *project;       /* rotations and constraints: src/constraints/project.c; NULL: none */
-    pk_real *crossing; /* src/constraints/singular_crossing.c; NULL: there are no constraints */
-    pk_real *marks;    /* their values at the start, ...: short_force_limiter.c; NULL: none */
-    pk_real *params;   /* memory for a copy of the params */
-    struct pk_ahead *ahead; /* NULL: no steps are made ahead */
+    pk_real *singularities; /* work of src/core/singularity.c; NULL: no singularities */
+    pk_real *project;       /* work of src/constraints/project.c; NULL: not needed */
+    pk_real *crossing;      /* work of src/constraints/singular_crossing.c; NULL: no constraints */
+    pk_real *marks;         /* work of short_force_limiter.c; NULL: no marks */
+    pk_real *params;        /* memory for a copy of the params */
+    struct pk_ahead *ahead; /* a step computed in a SIMD lane, or NULL */
     void *extra;            /* memory of a foreign library */
-    size_t n_singularities; /* number of their values; for a family one for each member */
+    size_t n_singularities; /* number of monitored values (pk_system_singularity_count()) */
 
-    int slopes;     /* flags of singularity.c: which slopes are known here */
+    int slopes;     /* flags of singularity.c: known slopes at the state */
     int ready;      /* a start was accepted; otherwise no step is made */
-    int made;       /* tables that a method makes once, for any start, are made */
+    int made;       /* the tables that a method makes once are made */
     int direction;  /* +1, -1, 0 before the first step */
     int flags;      /* PK_HAVE_A and so on */
     pk_real next_t; /* end of the current step */
-    pk_real h;      /* signed step size, of the last step or the next */
-    pk_real error;  /* adaptive: of the last accepted step, relative to the tolerance */
+    pk_real h;      /* signed size of the last or the next step */
+    pk_real error;  /* error of the last accepted adaptive step relative to the tolerance */
     struct pk_grid grid;
     struct pk_progress progress;
     struct pk_passing passing;
@@ -86,7 +85,7 @@ struct pk_integrator_private {
 /* it->own->flags */
 enum { PK_HAVE_A = 1, PK_HAVE_LU = 2, PK_HAVE_STEP = 4, PK_HAVE_DENSE = 8, PK_REFRESH = 16 };
 
-/* Return a part of the state, and of the new state that the current step makes. */
+/* Return a part of the state, and of the new state. */
 static inline pk_real *pk_state(const struct pk_integrator *it, int part)
 {
     return pk_part(it->own->state, it->n_q, it->n, part);
@@ -96,36 +95,36 @@ static inline pk_real *pk_next(const struct pk_integrator *it, int part)
     return pk_part(it->own->next, it->n_q, it->n, part);
 }
 
-/* Returns the tolerance of number i of (q, v), which changes from a to b in the step. */
+/* Returns the tolerance of number i of (q, v), which is a before and b after the step. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
     return it->own->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
 }
 
-/* For the guess of a first step: infinity for the tolerance of a number that is zero so far. */
+/* For the first step size: infinity for the tolerance of a number that has been zero so far. */
 static inline pk_real pk_scale_known(pk_real tolerance)
 {
     return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
 }
 
 PK_BEGIN
-/* Updates it->own->atol for a step of length h: rounding of forces adds up over the trial step. */
+/* Updates it->own->atol for a trial step of length h, in which rounding of forces accumulates. */
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
 PK_END
 
-/* Whether the current step, of length h, was made ahead; if so it must be taken. */
+/* Returns whether the current step, of length h, was computed in a lane; it must then be taken. */
 static inline int pk_is_ahead(const struct pk_integrator *it, pk_real h)
 {
     return pk_ahead_serves(it->own->ahead, it->t, h, it->own->next_t);
 }
 
-/* Whether a trial was rejected and the next one will be made ahead; it then continues there. */
+/* Returns whether a trial was rejected and the next trial will be computed in a lane. */
 static inline int pk_waits(const struct pk_integrator *it)
 {
     return it->own->ahead && it->own->ahead->waits;
 }
 
-/* Returns the first trial, or the waiting one. */
+/* Returns the first trial step, or the one that follows a rejected step of a lane. */
 static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
 {
     if (pk_waits(it))
@@ -139,8 +138,8 @@ static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real l
     return x;
 }
 
-/* Prepares the next trial step, to it->own->next_t. Returns 0 if it would be too short, also if the
- * step size shrank although steps were accepted. */
+/* Prepares the next trial step, to it->own->next_t. Returns 0 if the step would be too short; also
+ * if it became too short by growth factors below 1 after accepted steps. */
 static inline int pk_trial_next(struct pk_integrator *it, pk_real limit, struct pk_trial *x)
 {
     if (it->options.h_max > 0)
@@ -149,12 +148,12 @@ static inline int pk_trial_next(struct pk_integrator *it, pk_real limit, struct 
         return 0;
     x->lands = x->planned * PK_C(1.01) >= x->left || !(x->left > x->least);
     it->own->next_t = x->lands ? limit : it->t + x->sign * x->planned;
-    x->h = it->own->next_t - it->t; /* of rounded times: q and t do not drift apart */
+    x->h = it->own->next_t - it->t; /* from rounded times, so that q and t stay consistent */
     pk_scale_attempt(it, x->h);
     return 1;
 }
 
-/* Rejects a trial step; a shorter one follows. */
+/* Rejects a trial step; the next trial step has size `planned`. */
 static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x, pk_real planned)
 {
     x->planned = planned;
@@ -164,7 +163,7 @@ static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x,
     it->own->h = x->sign * planned;
 }
 
-/* Whether the next trial will be made ahead like this one; the step then ends without a result. */
+/* Returns whether the next trial will be computed in a lane; the step then has no result. */
 static inline int pk_waits_for(struct pk_integrator *it, const struct pk_trial *x)
 {
     struct pk_ahead *a = it->own->ahead;
@@ -174,9 +173,9 @@ static inline int pk_waits_for(struct pk_integrator *it, const struct pk_trial *
     return a->waits;
 }
 
-/* Accepts a trial step, `next` being the next step size; `cut`: if the limit shortened this step,
- * the next one has its planned size or more. After a step below round-off a first one is
- * guessed. */
+/* Accepts a trial step; next: the next step size. If the limit shortened this step and `cut` is
+ * set, the next step has at least its planned size. After a step below round-off the size is
+ * guessed anew, as for a first step. */
 static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_trial *x, pk_real next,
                                    int cut)
 {
@@ -184,7 +183,7 @@ static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_tri
     it->own->h = x->planned > x->least || x->left > x->least ? x->sign * h : 0;
 }
 
-/* Records that a trial step up to t broke down. */
+/* Records the failure of a trial step up to t. */
 static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
 {
     it->own->trouble.status = status;
@@ -198,25 +197,25 @@ PK_BEGIN
 void pk_ahead_take(struct pk_integrator *it, int part, int parts);
 void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages);
 int pk_all_finite(const pk_real *x, size_t count);
-/* Write the inputs at t to u (0 without an input function), and to it->own->u. */
+/* Write the inputs at t (0 without an input function): to u, or to it->own->u. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
-/* The same with feedback, at a state. */
+/* Write the inputs at a state in the same way, with the problem's feedback. */
 void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                  pk_real *u);
 const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
                                 const pk_real *v);
-/* Returns the status of an acceleration that returned `failed`; sets it->reason. */
+/* Returns the status for an acceleration that returned `failed`; sets it->reason. */
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed);
-/* Calls system->lanes(), or acceleration() for each lane if the system has none. */
+/* Calls system->lanes(), or acceleration() for each lane if the system has no kernel `lanes`. */
 unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
                                  const pk_real *v, const pk_real *u, pk_real *a);
-/* Returns the first step size: options.h, or `share` of |y|/|y'| with y' = (v, a), HNW II.4 (4.14);
- * at most the distance to the limit. */
+/* Returns the first step size: options.h, or `share` times |y|/|y'| with y' = (v, a), HNW II.4
+ * (4.14); at most the distance to the limit. */
 pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real share,
                       pk_real limit);
-/* Returns the status for a step size h that became too small, with its cause if known. */
+/* Returns the status for a step size h that became too small; sets the cause if it is known. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
 
 PK_END

@@ -10,19 +10,20 @@
  * point is stage number s (counted from 0) if `e` or `d` uses it. */
 struct pk_tableau {
     int stages;
-    const pk_real *c; /* s, then those of the extra stages after the derivative at y1 */
+    const pk_real *c; /* s nodes, then the nodes of the extra stages after y1 */
     const pk_real *a; /* strictly lower triangle row by row, without the empty first row */
     const pk_real *b;
 
-    /* Adaptive: the error is h sum e_i k_i (s + 1 terms); with e3, a second estimate of lower order
-     * is included, HNW II.10 (10.17). Step size control as in HNW II.4 and IV.2. */
+    /* Adaptive methods: the error estimate is h sum e_i k_i (s + 1 terms); with e3, a second
+     * estimate of lower order is included, HNW II.10 (10.17). Step size control as in HNW II.4 and
+     * IV.2. */
     const pk_real *e, *e3;
-    int error_order; /* error = O(h^error_order); 1/exponent of the control */
+    int error_order; /* the error estimate is O(h^error_order) */
     pk_real beta, shrink, grow;
 
     /* Dense output: extra stages, and rows of d over all stages; HNW II.6 (6.12)-(6.14). */
     int extra;
-    const pk_real *extra_a; /* rows of s + 1 + i numbers */
+    const pk_real *extra_a; /* rows of s + 1 + i numbers for extra stage i */
     int rows;
     const pk_real *d; /* rows of s + 1 + extra numbers */
 };
@@ -34,12 +35,12 @@ struct pk_splitting {
     const pk_real *drift; /* s */
 };
 
-/* Most stages of an explicit method. */
+/* The largest number of stages of an explicit method. */
 #define PK_MOST_STAGES 16
 /* PK_EACH_STAGE(X): X(i) for every stage that a table may have except the first. Code compiled for
- * one table is unrolled completely, so that rows become straight-line code and zeros vanish;
- * compilers do that on their own only for small loops. PK_UNROLL_FEW: four iterations at a time,
- * for loops with an acceleration in each iteration. */
+ * one table is unrolled completely, so that rows become straight-line code without zeros; compilers
+ * unroll only small loops without being told. PK_UNROLL_FEW: four iterations at a time, for loops
+ * with an acceleration in each iteration. */
 #if defined PK_ANY_TABLE
 #define PK_EACH_STAGE(X)                     \
     for (int i = 1; i < PK_MOST_STAGES; i++) \
@@ -61,7 +62,7 @@ struct pk_splitting {
 #endif
 #endif
 
-/* Returns sum a_j k_j over rows of m numbers, skipping the zeros of a sparse table. */
+/* Returns the sum of a_j k_j over rows k_j of m numbers, skipping zeros of a_j. */
 static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
                                     size_t i)
 {
@@ -77,13 +78,13 @@ static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *
     return sum;
 }
 
-/* y = y0 + h sum a_j k_j. */
+/* Computes y = y0 + h sum a_j k_j. */
 static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, const pk_real *a,
                                      int count, const pk_real *k, size_t m)
 {
     const size_t whole = m - m % 4;
     size_t i = 0;
-    for (; i < whole; i += 4) { /* four sums at a time hide their latency */
+    for (; i < whole; i += 4) { /* four sums in parallel hide the latency of additions */
         pk_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
         int any = 0;
         PK_UNROLL
@@ -106,8 +107,8 @@ static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, c
         y[i] = y0[i] + h * pk_row_sum(a, count, k, m, i);
 }
 
-/* v += kappa a, then q += delta v, in one pass from one state to another: fewer sums wait for one
- * another than in two passes. */
+/* Computes v += kappa a, then q += delta v, from one state to another in one pass: fewer additions
+ * wait for each other than in two passes. */
 static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const pk_real *a,
                                     pk_real delta, const pk_real *from, pk_real *to)
 {
@@ -130,7 +131,7 @@ static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const p
     }
 }
 
-/* v += kappa a alone, at the end of a step. */
+/* Computes v += kappa a at the end of a step. */
 static PK_INLINE void pk_kick(size_t n_q, size_t n, pk_real kappa, const pk_real *a, pk_real *to)
 {
     pk_real *v = pk_part(to, n_q, n, PK_V), *low = pk_part(to, n_q, n, PK_LOW_X);

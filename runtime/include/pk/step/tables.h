@@ -1,8 +1,7 @@
-/* The tables of every family, and which methods are in it.
+/* The tables of explicit methods, and lists of the methods of each family.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, I.7
- * and II.1, Table 1.2 (C. Runge 1895, W. Kutta 1901).
- */
+ * and II.1, Table 1.2 (C. Runge 1895, W. Kutta 1901). */
 #ifndef PK_STEP_TABLES_H
 #define PK_STEP_TABLES_H
 
@@ -33,7 +32,7 @@ static const pk_real pk_rk2_b[] = {PK_C(0.0), PK_C(1.0)};
 static const struct pk_tableau pk_rk2_table = {
     .stages = 2, .c = pk_rk2_c, .a = pk_rk2_a, .b = pk_rk2_b};
 
-/* Kutta's method of order 3, with Simpson's weights. */
+/* Kutta's method of order 3; the weights are Simpson's. */
 static const pk_real pk_rk3_c[] = {PK_C(0.0), PK_C(0.5), PK_C(1.0)};
 static const pk_real pk_rk3_a[] = {PK_C(0.5), PK_C(-1.0), PK_C(2.0)};
 static const pk_real pk_rk3_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(2.0) / PK_C(3.0),
