@@ -1,13 +1,14 @@
-/* (Relative) equilibria; see pk/gsl_equilibria.h. Powell's hybrid method with scaling and analytic
- * derivatives, GSL's hybridsj, from Halton's points; then duplicates are removed. Unknown i is q_i,
- * and equation i is pdot_i = 0; for a cyclic coordinate v_i, and p_i has its initial value; for a
- * first-order variable v_i, and its rate is 0, or a quadrature has its initial value.
+/* Finds (relative) equilibria; see pk/gsl_equilibria.h. GSL's hybridsj (Powell's hybrid method,
+ * with scaling and analytic derivatives) starts from Halton's points; duplicate roots are removed.
+ * Unknown i is q_i and equation i is pdot_i = 0, with two exceptions: for a cyclic coordinate the
+ * unknown is v_i, and p_i keeps its initial value; for a first-order variable the unknown is its
+ * value v_i, and its rate is 0, except that a quadrature keeps its initial value.
  *
- * When Newton's method has come to round-off, a point is a root if the equations hold to 1e-10 of
- * their size and the correction is below 1e-4 of the distance from the start. The second test
- * rejects points on the way to infinity, where forces vanish too. It is loose to admit roots where
- * the linear terms vanish (a bead on a hoop at its critical rate). Reference: M. J. D. Powell, in
- * P. Rabinowitz (ed.), Numerical Methods for Nonlinear Algebraic Equations (1970) 87.
+ * A point at which the solver stops is a root if the equations hold to 1e-10 of their scale and
+ * Newton's correction is below 1e-4 of reach(). The second test rejects points on the way to
+ * infinity, where forces also tend to 0. Its tolerance is wide, to admit roots where the linear
+ * terms vanish (a bead on a hoop at its critical rate). Reference: M. J. D. Powell, in P.
+ * Rabinowitz (ed.), Numerical Methods for Nonlinear Algebraic Equations (1970) 87.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -21,8 +22,8 @@
 #include "halton.h"
 #include "rates.h"
 
-static const double BESIDE = 1e-2; /* step along a continuum, relative to the reach */
-enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* MORE: starts per root found, at least */
+static const double BESIDE = 1e-2; /* step along a continuum of equilibria, relative to reach() */
+enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* MORE: least number of starts per root found */
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
@@ -119,8 +120,8 @@ static int gsl_fdf(const gsl_vector *z, void *context, gsl_vector *f, gsl_matrix
     return failed ? failed : gsl_df(z, context, J);
 }
 
-/* Overwrites s->F with Newton's correction. Returns its largest component relative to the reach; 0
- * if the linear terms vanish exactly, HUGE_VAL if the equations do not hold. */
+/* Overwrites s->F with Newton's correction. Returns its largest component relative to reach(); 0 if
+ * J is singular, HUGE_VAL if the equations do not hold. */
 static double correction(struct search *s)
 {
     const size_t n = s->n;
@@ -147,7 +148,7 @@ static double correction(struct search *s)
     return most;
 }
 
-/* Returns whether the state is a root, after Newton's method as long as corrections shrink. */
+/* Refines the state by Newton's method while corrections shrink. Returns whether it is a root. */
 static int is_root(struct search *s)
 {
     double size = correction(s);
@@ -165,13 +166,14 @@ static int is_root(struct search *s)
         }
         size = next;
     }
-    for (size_t i = 0; i < s->n; i++) /* exactly 0, without round-off */
+    for (size_t i = 0; i < s->n; i++) /* removes round-off of body rates */
         s->v[i] = is_body_rate(s, i) ? 0 : s->v[i];
-    return size < HUGE_VAL && equations(s) && derivatives(s); /* sets s->M for is_positive() */
+    return size < HUGE_VAL && equations(s) && derivatives(s); /* also sets s->M for is_positive() */
 }
 
-/* Returns whether a root with null directions lies on a continuum of equilibria: solves again from
- * BESIDE along one. An isolated root where linear terms vanish takes most of that step back. */
+/* Returns whether a root at which J is singular lies on a continuum of equilibria: steps BESIDE
+ * along a null direction and solves again, which undoes most of the step if the root is
+ * isolated. */
 static int goes_on(struct search *s)
 {
     double *const at = s->p_q, *const step = s->F_q, back = 0, way = 0;
@@ -194,7 +196,7 @@ static int goes_on(struct search *s)
     }
     s->slack = slack;
     const int goes = off <= 1e-4 && back < way / 4;
-    for (size_t i = 0; i < s->n && !goes; i++) /* the root is this uncertain in that direction */
+    for (size_t i = 0; i < s->n && !goes; i++) /* the root is uncertain along the null direction */
         s->step[i] = step[i] / 100;
     return goes;
 }
@@ -205,8 +207,8 @@ static int is_positive(struct search *s)
     return is_bound(s) || pk_ldl_factor(s->J, s->n) == 0;
 }
 
-/* Returns whether the last step was round-off. The residual is no test: a pole in the box makes the
- * scale large and all residuals small. */
+/* Returns whether the solver's last step was round-off. Small residuals would not show this: a pole
+ * of the equations in the box makes their scale large, so that all scaled residuals are small. */
 static int arrived(struct search *s, const gsl_vector *step)
 {
     for (size_t i = 0; i < s->n; i++)
@@ -215,7 +217,7 @@ static int arrived(struct search *s, const gsl_vector *step)
     return 1;
 }
 
-/* Searches from z. Returns whether it found a root that was not known. */
+/* Solves from the guess z. Returns whether it found a new root. */
 static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vector *z,
                     gsl_multiroot_function_fdf *function, struct pk_equilibria *found)
 {
@@ -231,7 +233,7 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
         set_unknowns(s, solver->x);
     const int again = s->known != NULL;
     s->known = NULL;
-    if (!is_root(s)) /* tested even if GSL reports no progress: that may be round-off */
+    if (!is_root(s)) /* tested even if GSL reports no progress, which may be due to round-off */
         found->failed += !again;
     else if (!is_positive(s))
         found->singular += !again;
@@ -245,7 +247,8 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
     return 0;
 }
 
-/* Searches from a point, then again with known roots deflated, as long as that finds new roots. */
+/* Solves from a starting point, then again with known roots deflated, until no new root is
+ * found. */
 static void search_from(struct search *s, size_t point, gsl_multiroot_fdfsolver *solver,
                         gsl_vector *z, gsl_multiroot_function_fdf *function,
                         struct pk_equilibria *found)

@@ -1,14 +1,15 @@
 /* The equations of equilibria with rotations and constraints. The unknowns are all numbers of q and
- * v, also off the constraints:
+ * v, independent of the constraints. The equations are:
  *
- *     of a coordinate      a_i = 0; if it is cyclic, p_i = its initial value
- *     of a body rate       w_i = 0
- *     of a quaternion      the body's three accelerations = 0, |Q|^2 = 1
+ *     for a coordinate     a_i = 0; if it is cyclic, p_i = its initial value
+ *     for a body rate      w_i = 0
+ *     for a quaternion     the body's three accelerations = 0, |Q|^2 = 1
  *     in addition          phi = 0, J v + j0 = 0
  *
- * The accelerations contain the multipliers, so J a = 0 too, and rows are linearly dependent; on a
- * continuum of equilibria columns are too. The Levenberg-Marquardt method (gsl_multifit_nlinear)
- * solves them, and Newton's corrections are those of least norm.
+ * The accelerations include constraint forces, so they satisfy J a = 0, and rows of the Jacobian
+ * matrix are linearly dependent; on a continuum of equilibria its columns are too. The
+ * Levenberg-Marquardt method (gsl_multifit_nlinear) solves them, and Newton's corrections have
+ * least norm.
  */
 #include <string.h>
 
@@ -22,8 +23,8 @@
 #include "equilibria_search.h"
 
 enum { ITERATIONS = 100, NEWTON = 6 };
-static const double DEPENDENT = 1e-7; /* relative to the largest singular value: smaller are 0 */
-static const double BESIDE = 1e-6;    /* central differences, relative to the reach */
+static const double DEPENDENT = 1e-7; /* of the largest singular value: less counts as 0 */
+static const double BESIDE = 1e-6;    /* step of central differences, relative to reach() */
 
 int pk_bound_equations(struct search *s)
 {
@@ -95,7 +96,7 @@ void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df)
         if (!pk_bound_equations(s) || !pk_bound_derivatives(s) || !pk_bound_correct(s) ||
             !pk_all_finite(s->F, s->n))
             break;
-        for (size_t i = 0; i < s->n; i++) { /* tiny numbers become 0: squares would underflow */
+        for (size_t i = 0; i < s->n; i++) { /* tiny numbers become 0, since squares underflow */
             const double x = *unknown(s, i) - s->F[i];
             *unknown(s, i) = fabs(x) > 1e-40 * s->box[i] ? x : 0;
         }

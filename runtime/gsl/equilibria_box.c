@@ -1,6 +1,5 @@
-/* The box in which equilibria are sought, and its scales: lengths are those of the motion, each
- * equation has its own size, and nothing is compared with 1.
- */
+/* The box in which equilibria are sought, and the scale of each equation. Both are taken from the
+ * motion and the equations, so that they do not depend on the units. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,8 +21,9 @@ void pk_equilibria_normalise(struct search *s)
     }
 }
 
-/* Point 0 is the start. Half of the others lie in the box, a quarter each in boxes 4 and 32 times
- * as wide, except for angles. Bases begin at 3: base 2 correlates with the choice by k % 4. */
+/* Point 0 is the middle of the box. Half of the other points lie in the box, a quarter in a box 4
+ * times as wide and a quarter in one 32 times as wide; angles always lie in the box. Halton's bases
+ * begin at 3, since base 2 correlates with the choice of the box by k % 4. */
 void pk_equilibria_place(struct search *s, size_t k)
 {
     static const double widths[] = {32, 1, 4, 1};
@@ -34,21 +34,22 @@ void pk_equilibria_place(struct search *s, size_t k)
     }
     for (size_t i = quaternions(s); k && i < quaternions(s) + 4 * s->problem->system->n_rotations;
          i++)
-        s->v[i] -= s->middle[i]; /* any orientation, not one near the start */
+        s->v[i] -= s->middle[i]; /* any orientation, not only near the initial one */
     pk_equilibria_normalise(s);
 }
 
-/* Returns whether q_i and q_i + 2 pi are the same position, tested at three states. Each momentum
- * and force is compared with its own size, since sizes may differ by orders of magnitude. */
+/* Returns whether q_i and q_i + 2 pi are the same position, tested at three states. The tolerance
+ * of each momentum and force is relative to its own size: sizes may differ by orders of
+ * magnitude. */
 static int is_turn(struct search *s, size_t i)
 {
-    double *size = s->p_q, *change = s->F_q; /* of each number compared */
+    double *size = s->p_q, *change = s->F_q; /* of each momentum, force or residual */
     double *copy = s->M;
     const size_t n = s->n;
     const struct {
         const double *of;
         size_t count;
-    } parts[] = {{s->p, n}, {s->pdot, n}, {s->F, s->rows}}; /* p and pdot, or F */
+    } parts[] = {{s->p, n}, {s->pdot, n}, {s->F, s->rows}}; /* p and pdot, or F if is_bound() */
     int same = 1;
     for (int part = is_bound(s) ? 2 : 0; part < (is_bound(s) ? 3 : 2) && same; part++) {
         const double *now = parts[part].of;
@@ -74,15 +75,15 @@ static int is_turn(struct search *s, size_t i)
         double most = 0;
         for (size_t j = 0; j < count; j++)
             most = fmax(most, size[j]);
-        for (size_t j = 0; j < count; j++) /* a vanishing one has round-off of the others' size */
+        for (size_t j = 0; j < count; j++) /* if size[j] should be 0, it is round-off of `most` */
             same = same && change[j] <= 1e-9 * size[j] + 1e-14 * most;
     }
     return same;
 }
 
-/* Sets box to the extent of the motion in some steps of dop853: |q - q0|, or |v| for unknowns v_i.
- * Steps count once their size no longer doubles. The motion ends if an unknown is RUNAWAY times as
- * far as after the first counted step. */
+/* Sets box to the extent of the motion in some steps of dop853: the largest |q - q0|, or |v| for
+ * unknowns v_i. Steps count after the first one that is not twice as long as the step before. The
+ * motion is cut off where an unknown is RUNAWAY times as large as after the first counted step. */
 static void extent(struct search *s, const double *q0, const double *v0)
 {
     const struct pk_method *method = &pk_method_dop853;
@@ -93,7 +94,7 @@ static void extent(struct search *s, const double *q0, const double *v0)
     double before = HUGE_VAL, *begun = s->p;
     int settled = 0, runs = 1;
     options.rtol = 1e-6;
-    options.atol = 1e-300; /* none: the size of the units is not known */
+    options.atol = 1e-300; /* effectively 0: the scale of q is not known */
     memset(s->box, 0, s->n * sizeof *s->box);
     if (!block)
         return;
@@ -117,8 +118,9 @@ static void extent(struct search *s, const double *q0, const double *v0)
     free(block);
 }
 
-/* Sets the box of each unknown: twice the extent of the motion, or 2 |q0|; if both are 0, the
- * largest box of the other coordinates, or 1. */
+/* Sets the box of each unknown: twice the extent of the motion or 2 |q0| (2 |v0|), whichever is
+ * larger; if both are 0, the largest box of the other coordinates, or 1. Angles have pi,
+ * quaternions 1. */
 static void choose_box(struct search *s, const double *q0, const double *v0)
 {
     double others = 0;
@@ -138,8 +140,8 @@ static void choose_box(struct search *s, const double *q0, const double *v0)
         s->box[quaternions(s) + i] = 1;
 }
 
-/* Sets the size of each equation: its largest value in the box; at least the round-off of the
- * largest equation. */
+/* Sets the scale of each equation: its largest value at points of the box, but at least the
+ * round-off of the largest equation. */
 static void measure(struct search *s)
 {
     double most = 0;
@@ -153,7 +155,7 @@ static void measure(struct search *s)
     }
     for (size_t i = 0; i < s->rows; i++)
         s->scale[i] = fmax(s->scale[i], most > 0 ? 1e-14 * most : 1);
-    for (size_t i = 0; i < s->n; i++) /* w = 0 at all of these points */
+    for (size_t i = 0; i < s->n; i++) /* body rates are 0 at all points of the search */
         if (is_body_rate(s, i))
             s->scale[i] = s->box[i];
     for (size_t r = 0; r < s->problem->system->n_rotations; r++)

@@ -7,17 +7,17 @@
 
 #include "equilibria_search.h"
 
-/* Returns the part of unknown i in the squared distance of the state from root k, in boxes. For an
- * angle it is a squared sine, so that all its turns are deflated. For a quaternion it is the
- * squared sine of half the angle between, counted at its first component. *half: half the
- * derivative of the square by the unknown. */
+/* Returns the part of unknown i in the squared distance between the state and root k, in units of
+ * the box. An angle contributes a squared sine, so that all its turns are deflated. A quaternion
+ * contributes the squared sine of half its angle from the root's, in its first component. Sets
+ * *half to half the derivative of the squared distance by the unknown. */
 static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
                     double *half)
 {
     const int c = is_by_rate(s, i);
     const double *root = (c ? known->v : known->q) + k * s->n;
     const double d = *unknown(s, i) - root[i], size = s->box[i];
-    const size_t part = i - quaternions(s); /* wraps to a huge number before the quaternions */
+    const size_t part = i - quaternions(s); /* unsigned, so huge if i is before the quaternions */
     if (part < 4 * s->problem->system->n_rotations) {
         const double *Q = s->v + (i - part % 4), *R = root + (i - part % 4);
         *half = Q[part % 4] - (Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3]) * root[i];

@@ -1,6 +1,5 @@
-/* The list of known equilibria, lowest energy first, and the test whether a state is one of them or
- * on the continuum of one.
- */
+/* The list of known equilibria, lowest energy first, and the test whether a state is a known
+ * equilibrium or on the same continuum as one. */
 #include <string.h>
 
 #include <pk/gsl_equilibria.h>
@@ -13,8 +12,8 @@ double pk_equilibria_energy(const struct search *s, const double *q, const doubl
     return system->energy ? system->energy(s->problem->params, 0, q, v, NULL) : 0;
 }
 
-/* Returns whether the state is on the continuum of known root k: the energy is constant along it.
- * With nonholonomic constraints also if all eigenvalues of the linearised equations agree. */
+/* Returns whether the state is on the same continuum as known root k: their energies agree or, with
+ * nonholonomic constraints, the eigenvalues of their linearised equations. */
 static int is_continued(struct search *s, double h, double size, const struct pk_equilibria *found,
                         size_t k)
 {
@@ -30,7 +29,7 @@ static int is_continued(struct search *s, double h, double size, const struct pk
         pk_gsl_rates(s->problem, 0, q, v, there, there + 2 * s->n, &other) != PK_DONE)
         return 0;
     double apart = 0;
-    for (size_t power = 2; power <= 8; power += 2) { /* compares sums of |lambda|^power */
+    for (size_t power = 2; power <= 8; power += 2) { /* compares sums of |eigenvalue|^power */
         double a = 0, b = 0;
         for (size_t i = 0; i < count; i++)
             a += pow(hypot(here[i], here[2 * s->n + i]), (double)power);

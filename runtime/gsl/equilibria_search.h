@@ -19,24 +19,24 @@ static const double TWO_PI = 6.283185307179586476925;
 struct search {
     const struct pk_problem *problem;
     size_t n;
-    double *q, *v;               /* the current state; numbers not sought stay as in the start */
-    double *kept;                /* momenta of the start */
+    double *q, *v;               /* the current state; entries that are no unknowns are fixed */
+    double *kept;                /* initial momenta */
     double *step;                /* Newton's last correction */
     double *along;               /* a null direction of J, from pk_bound_correct() */
-    double energy;               /* |energy| of the start */
+    double energy;               /* |energy| of the initial state */
     size_t slack;                /* dimension of the null space of J */
     double *box, *middle;        /* unknown i is sought in middle_i +- box_i */
-    size_t rows;                 /* equations: n, or more with constraints */
+    size_t rows;                 /* number of equations: n, or more with constraints */
     double *p, *pdot, *pivot;    /* n */
-    double *F, *scale;           /* rows: residuals; the size of each equation in the box */
-    double *rest, *r_t;          /* n zeros; n */
-    double *M, *p_q, *F_q, *F_v; /* rows by n, of which n by n are used */
+    double *F, *scale;           /* residual and scale of each equation */
+    double *rest, *r_t;          /* n each; `rest` is 0 */
+    double *M, *p_q, *F_q, *F_v; /* work arrays of rows by n numbers */
     double *J;                   /* rows by n: dF/d(unknowns) */
-    unsigned char *turns;        /* q_i + 2 pi is the same position */
-    unsigned char *unread;       /* quadratures: first-order variables that no rate depends on */
-    size_t *primes;              /* n + 1, the bases of Halton's points */
+    unsigned char *turns;        /* whether q_i + 2 pi is the same position */
+    unsigned char *unread;       /* whether i is a quadrature: no rate depends on it */
+    size_t *primes;              /* n + 1 bases of Halton's points */
     double *slope;               /* gradient of the logarithm of the deflation factor */
-    const struct pk_equilibria *known; /* roots to deflate; NULL: none */
+    const struct pk_equilibria *known; /* roots to deflate, or NULL */
 };
 
 static inline size_t coordinates(const struct search *s)
@@ -67,7 +67,7 @@ static inline int is_body_rate(const struct search *s, size_t i)
     return i < quaternions(s) && i + 3 * s->problem->system->n_rotations >= quaternions(s);
 }
 
-/* Returns |Q|^2 - (Q.R)^2, for unit quaternions the squared sine of half the angle between. */
+/* Returns |Q|^2 - (Q.R)^2: for unit quaternions, the squared sine of half the angle from Q to R. */
 static inline double turned(const double *Q, const double *R)
 {
     const double same = Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3];
@@ -86,21 +86,24 @@ static inline double *unknown(struct search *s, size_t i)
     return (is_by_rate(s, i) ? s->v : s->q) + i;
 }
 
-/* Returns the length by which differences of unknown i are measured. */
+/* Returns the length scale of unknown i: its box, or its distance from the middle if that is
+ * larger. */
 static inline double reach(struct search *s, size_t i)
 {
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
 }
 
-/* F and J as GSL's solvers call them. */
+/* Callbacks by which GSL's solvers compute F and J. */
 typedef int pk_gsl_vector(const gsl_vector *z, void *search, gsl_vector *f);
 typedef int pk_gsl_matrix(const gsl_vector *z, void *search, gsl_matrix *J);
 
-/* With rotations or constraints: computes F; computes J; moves the state to the least residual. */
+/* With rotations or constraints: pk_bound_equations() computes F, pk_bound_derivatives() J, and
+ * pk_bound_solve() minimises |F| from the current state. */
 int pk_bound_equations(struct search *s);
 int pk_bound_derivatives(struct search *s);
 void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
-/* Overwrites the first n numbers of F with Newton's shortest correction; 0 on failure. */
+/* Overwrites the first n numbers of F with Newton's correction of least norm; returns 0 on
+ * failure. */
 int pk_bound_correct(struct search *s);
 
 /* Computes F at the state; returns 0 if it is not finite. */
@@ -111,7 +114,7 @@ static inline int equations(struct search *s)
     if (is_bound(s))
         return pk_bound_equations(s);
     system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
-    if (system->n_first_order) /* pdot at rest, and rates of first-order variables */
+    if (system->n_first_order) /* computes pdot at rest and rates of first-order variables */
         system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
     for (size_t i = 0; i < s->n; i++)
         s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i]
@@ -120,22 +123,22 @@ static inline int equations(struct search *s)
     return pk_all_finite(s->F, s->n);
 }
 
-/* Sets the box about the start, the angles, the momenta to keep and the size of each equation. The
- * state is then the start at rest, except for cyclic coordinates and first-order variables. */
+/* Sets the box, the angles, the initial momenta and the scale of each equation. Entries of the
+ * state that are no unknowns become the initial positions, and rates 0. */
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0);
 /* Scales quaternions to length 1. */
 void pk_equilibria_normalise(struct search *s);
-/* Sets the unknowns of the state to point k of the search; 0 is the start. */
+/* Sets the unknowns of the state to point k of the search; point 0 is the middle of the box. */
 void pk_equilibria_place(struct search *s, size_t k);
-/* Returns prod (1 + 1/|z - z_k|^2) over the known roots, in units of the box; infinite at a root.
- * Sets s->slope to the gradient of its logarithm. */
+/* Returns the deflation factor prod (1 + 1/|z - z_k|^2) over the known roots z_k, with distances in
+ * units of the box; infinite at a root. Sets s->slope to the gradient of its logarithm. */
 double pk_equilibria_deflated(struct search *s);
 
 /* Returns the energy at q and v, or 0 if the system has none. */
 double pk_equilibria_energy(const struct search *s, const double *q, const double *v);
-/* Returns whether the state is a known root, or on the continuum of one. */
+/* Returns whether the state is a known root, or on the same continuum as one. */
 int pk_equilibria_known(struct search *s, const struct pk_equilibria *found);
-/* Inserts the state by its energy; roots of equal energy keep their order. */
+/* Inserts the state into the list, sorted by energy; roots of equal energy keep their order. */
 void pk_equilibria_insert(struct search *s, struct pk_equilibria *found);
 
 #endif

@@ -1,7 +1,7 @@
 /* Finds the lines of a spectrum one by one; see pk/spectrum.h. GSL's radix-2 transform works in
- * place on the residual of the fit so far. The residual is windowed, since the fit uses the window
- * as its weight and leaves more at the ends. It is padded with zeros to at least twice its length,
- * so that the grid is finer than the width of a line.
+ * place on the residual of the fit so far. The residual is windowed, since the fit weights samples
+ * by the window and leaves larger residuals at the ends. It is padded with zeros to at least twice
+ * its length, so that the frequency grid is finer than the width of a line.
  */
 #include <math.h>
 #include <string.h>
@@ -13,8 +13,7 @@
 
 #include "../src/core/internal.h"
 
-/* Amplitude relative to the largest line that the fit may leave of a line; the search ends
- * there. */
+/* The search ends when the next line is below this fraction of the largest line's amplitude. */
 #define LEAST 1e-13
 
 static size_t padded(size_t count)
@@ -27,8 +26,8 @@ static size_t padded(size_t count)
 
 size_t pk_gsl_spectrum_size(size_t count) { return (padded(count) + count) * sizeof(double); }
 
-/* Brackets the largest peak of the transform by grid frequencies lo and hi. Returns its amplitude,
- * or -1 on failure. */
+/* Brackets the largest peak of the transform between grid frequencies lo and hi. Returns its
+ * amplitude, or -1 on failure. */
 static double strongest(const double *left, size_t count, double dt, double *work, double *lo,
                         double *hi)
 {
@@ -83,7 +82,7 @@ enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, si
         if (!(amplitude > LEAST * first))
             break;
         const double frequency = pk_spectrum_peak(left, count, dt, lo, hi);
-        if (!resolved(spectrum, frequency)) /* the residual belongs to lines already found */
+        if (!resolved(spectrum, frequency)) /* the peak belongs to a line already found */
             break;
         more.lines[more.count++].frequency = frequency;
         if (pk_spectrum_fit(&more, x, count, dt, left) < 0)

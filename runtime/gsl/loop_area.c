@@ -1,6 +1,6 @@
-/* The area of a loop; see pk/gsl.h. It uses Fourier series of q and p round the loop, with the
- * exact derivative of the series of q. The error is what the samples do not resolve; the last
- * harmonics show it. */
+/* The area enclosed by a loop in phase space; see pk/gsl.h. It integrates Fourier series of q and p
+ * along the loop. The error comes from harmonics that the samples do not resolve; the size of the
+ * last resolved harmonics shows it. */
 #include <math.h>
 
 #include <gsl/gsl_errno.h>
@@ -12,10 +12,10 @@
 #include "pencil.h"
 
 enum {
-    LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
-    ROUNDINGS = 4,  /* units in the last place by which a sample may be wrong */
+    LARGEST = 1000, /* a transform takes time p^2 for a prime factor p */
+    ROUNDINGS = 4,  /* units in the last place: rounding of a sample */
     FEW = 4
-}; /* FEW: least number of harmonics over which a mean square is taken */
+}; /* FEW: least number of harmonics in a mean square */
 
 static size_t largest_factor(size_t count)
 {
@@ -26,7 +26,7 @@ static size_t largest_factor(size_t count)
     return count > most ? count : most;
 }
 
-/* Returns the number of harmonics that count as the last ones. */
+/* Returns how many of the highest harmonics show the error. */
 static size_t last_of(size_t harmonics) { return harmonics / 8 > FEW ? harmonics / 8 : FEW; }
 
 static double square(const double *c, size_t j)
@@ -34,7 +34,7 @@ static double square(const double *c, size_t j)
     return c[2 * j - 1] * c[2 * j - 1] + c[2 * j] * c[2 * j];
 }
 
-/* Returns the mean square of the harmonics from + 1 .. to. */
+/* Returns the mean square amplitude of harmonics from + 1 .. to. */
 static double mean_square(const double *c, size_t from, size_t to)
 {
     double sum = 0;
@@ -43,8 +43,9 @@ static double mean_square(const double *c, size_t from, size_t to)
     return to > from ? sum / (double)(to - from) : 0;
 }
 
-/* Describes a series by its transform c; `most` is its largest sample. `besides` is variation that
- * the harmonics lack, scaled as they are: the winding for q, the mean for p of a winding q. */
+/* Sets rms, tail, rounding and flatness of a series from its transform c; `most` is its largest
+ * |sample|. `besides` is the variation outside the harmonics, in their scale: the increase round
+ * the loop of a winding q, or the mean of its p. */
 static void describe(struct pk_loop_series *s, const double *c, size_t count, double most,
                      double besides)
 {
@@ -95,7 +96,7 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
     const double noise_q = mean_square(q, rest, harmonics);
     const double noise_p = mean_square(p, rest, harmonics);
     double sum = 0, noise = 0;
-    for (size_t j = harmonics; j > 0; j--) { /* the smallest terms first, for less round-off */
+    for (size_t j = harmonics; j > 0; j--) { /* smallest terms first, for less round-off */
         const double weight = (double)j;
         sum += weight * (p[2 * j] * q[2 * j - 1] - p[2 * j - 1] * q[2 * j]);
         noise += weight * weight * (square(p, j) * noise_q + square(q, j) * noise_p) / 2;

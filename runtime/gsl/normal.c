@@ -1,4 +1,4 @@
-/* Normal coordinates of a natural system; see pk/gsl_equilibria.h. K u = omega^2 M u. */
+/* Normal modes of a natural system, K u = omega^2 M u; see pk/gsl_equilibria.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,10 +8,10 @@
 #include "../src/core/internal.h"
 #include "pencil.h"
 
-static const double SAME = 1e-12; /* relative tolerance of differences that must vanish */
+static const double SAME = 1e-12; /* relative size below which numbers count as 0 */
 
-/* Computes M and K = -d(pdot)/dq, made symmetric. PK_REFUSED if forces depend on rates, or K is not
- * symmetric. */
+/* Computes M and the symmetric part K of -d(pdot)/dq. Returns PK_REFUSED if forces depend on rates,
+ * or the matrix is not symmetric. */
 static enum pk_status pencil(const struct pk_problem *problem, size_t n, const double *q, double *M,
                              double *K, double *work)
 {
@@ -35,7 +35,7 @@ static enum pk_status pencil(const struct pk_problem *problem, size_t n, const d
     return PK_DONE;
 }
 
-/* Copies mode k, column k of U, to `shape`, with its largest component positive. */
+/* Copies column k of U, a mode, to `shape`, with the sign that makes its largest entry positive. */
 static void take(size_t n, const double *U, size_t k, double *shape)
 {
     double most = 0;

@@ -1,7 +1,7 @@
 /* GSL's steppers rkf45 and rk8pd (explicit Runge-Kutta), msadams and msbdf (multistep, of variable
- * order) and bsimp (extrapolation of the implicit midpoint rule) on y = (q, v), as methods like the
- * core's, with GSL's formula for the step size. The last two take the Jacobian of y' = (v, a) from
- * the system's `linear`. GSL's error handler, which aborts, is off during every call into GSL.
+ * order) and bsimp (extrapolation of the implicit midpoint rule) on y = (q, v), as methods of the
+ * runtime, with GSL's formula for the step size. msbdf and bsimp take the Jacobian of y' = (v, a)
+ * from the system's `linear`. GSL's error handler, which aborts, is off during every call into GSL.
  *
  * References: GNU Scientific Library Reference Manual, "Ordinary Differential Equations";
  * E. Fehlberg, NASA TR R-315 (1969); P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7 (1981) 67;
@@ -26,9 +26,9 @@
 struct foreign {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver;
-    enum pk_status status; /* of the right-hand side; GSL only knows that it failed */
-    double h;              /* step size that GSL proposes; 0: choose one */
-    double *linear;        /* work for the Jacobian; NULL for methods without it */
+    enum pk_status status; /* status of the right-hand side; GSL only gets that it failed */
+    double h;              /* step size that GSL proposes; 0: none yet */
+    double *linear;        /* work for the Jacobian; NULL if it is not used */
 };
 
 static int right_hand_side(double t, const double *y, double *dy, void *context)
@@ -50,7 +50,7 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
         return GSL_SUCCESS;
     }
     pk_trouble(it, f->status, t);
-    return GSL_FAILURE; /* GSL halves the step on this; on GSL_EBADFUNC it would give up */
+    return GSL_FAILURE; /* GSL then halves the step; on GSL_EBADFUNC it would give up */
 }
 
 static int jacobian(double t, const double *y, double *df_dy, double *df_dt, void *context)
@@ -122,7 +122,7 @@ static int hadjust(void *context, size_t dim, unsigned int order, const double y
 static void *control_alloc(void)
 {
     static char none;
-    return &none; /* NULL would mean no memory; init() replaces it by the integrator */
+    return &none; /* GSL takes NULL for a failed allocation; init() sets the integrator */
 }
 
 static int control_init(void *context, double eps_abs, double eps_rel, double a_y, double a_dydt)
@@ -191,12 +191,12 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     struct foreign *f = (struct foreign *)it->own->extra;
     const double left = limit - it->t;
     double t = it->t, h = f->h;
-    if (!(h * left > 0)) { /* first step, or the direction has changed */
+    if (!(h * left > 0)) { /* first step, or the direction of time has changed */
         h = it->options.h > 0 ? it->options.h : 1e-3 * (left > 0 ? left : -left);
         h = left > 0 ? h : -h;
         it->own->flags = 0;
     }
-    if (!(it->own->flags & PK_HAVE_STEP)) /* the last step was rejected: GSL must forget it */
+    if (!(it->own->flags & PK_HAVE_STEP)) /* the last step was not accepted: GSL must discard it */
         fall_back(f, PK_DONE);
     it->own->flags = 0;
     if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
@@ -234,7 +234,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     gsl_set_error_handler(handler);
     if (status < 0)
         return fall_back(f, status);
-    /* A step cut short by the limit says nothing about the next. */
+    /* A step shortened by the limit does not determine the size of the next step. */
     const int cut = (t <= limit && t >= limit) && made * made < planned * planned;
     f->h = cut && h * h < planned * planned ? planned : h;
     it->own->next_t = t;
@@ -243,8 +243,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-/* Saves or restores the state. A Runge-Kutta method has all its state in the public
- * gsl_odeiv2_evolve; the other methods have private state, so they return PK_REFUSED. */
+/* Saves or restores the state. A Runge-Kutta method has all its state in gsl_odeiv2_evolve, which
+ * is public; other methods have private state, so that PK_REFUSED is returned. */
 static enum pk_status keep(struct pk_integrator *it, struct pk_keep *k)
 {
     struct foreign *f = (struct foreign *)it->own->extra;

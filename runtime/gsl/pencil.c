@@ -1,4 +1,4 @@
-/* Solves the pencil by Cholesky factors of M and symmetric QR (gsl_eigen_gensymmv). */
+/* Solves symmetric eigenproblems by Cholesky factors of M and QR steps (gsl_eigen_gensymmv). */
 #include <math.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ double pk_gsl_largest(const double *x, size_t count)
     return most;
 }
 
-/* Returns the factor that makes u.M u = 1; u is column k of U, of length 1 from GSL. */
+/* Returns the factor by which u, column k of U of length 1, is scaled to u.M u = 1. */
 static double scale(size_t n, const double *M, const gsl_matrix *U, size_t k)
 {
     double square = 0;

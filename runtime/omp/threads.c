@@ -1,6 +1,6 @@
 /* Ensembles in threads of OpenMP; without -fopenmp, in one thread. Each thread takes a few blocks
- * of members at a time, since members differ in cost. With many members it takes more blocks, so
- * that lanes whose members have ended find others.
+ * of members at a time, since members differ in cost. With many members it takes more blocks at a
+ * time, so that SIMD lanes whose members have ended can take other members.
  */
 #include <pk/ensemble.h>
 
@@ -8,7 +8,7 @@
 #include <omp.h>
 #endif
 
-enum { BLOCK = 64, MOST = 16, SHARES = 8 }; /* BLOCK: a multiple of any number of lanes */
+enum { BLOCK = 64, MOST = 16, SHARES = 8 }; /* BLOCK: a multiple of every number of lanes */
 
 size_t pk_ensemble_threads(void)
 {
@@ -55,7 +55,7 @@ enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threa
         const size_t first = i * chunk, left = e->members - first;
         (void)pk_ensemble_run(e, first, left < chunk ? left : chunk,
                               (char *)block + pk_thread() * one,
-                              one); /* the results are in e->status */
+                              one); /* e->status holds each member's status */
     }
     for (size_t i = 0; i < e->members; i++)
         if (e->status[i] != PK_DONE)

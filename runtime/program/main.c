@@ -1,5 +1,5 @@
-/* The program that `pkgen build` makes of a model: it reads options and writes rows and a report,
- * by the layer of pk/run.h. It needs only the C library.
+/* The program that `pkgen build` makes of a model: it reads options, runs the model by pk/run.h,
+ * and writes rows and a report. It needs only the C library.
  *
  * Exit codes: those of enum pk_run_code.
  */
@@ -55,7 +55,7 @@ static int help(const struct program *p)
     return 0;
 }
 
-/* Returns `path` with `end` appended, in memory of malloc(). */
+/* Returns `path` with `end` appended; the caller frees it. */
 static char *named(const char *path, const char *end)
 {
     char *text = (char *)malloc(strlen(path) + strlen(end) + 1);
@@ -68,7 +68,7 @@ static int failed(const char *what, const char *path)
     return PK_RUN_USAGE;
 }
 
-/* Writes the report and the names and units of the columns to a file next to the rows. */
+/* Writes the report and the names and units of the columns to OUTPUT.json. */
 static int write_side_file(struct program *p, struct pk_run *run)
 {
     char *path = named(p->output, ".json");

@@ -1,4 +1,4 @@
-/* Finds names of the model, reads numbers, and keeps memory for the options. */
+/* Finds names of the model, reads numbers, and allocates memory for the options. */
 #include "program.h"
 
 #include <ctype.h>
@@ -27,7 +27,7 @@ int find_name(const char *name, size_t length, char kind, size_t *index, const c
     const size_t one = sizeof(struct pk_quantity), n = families ? s->families.n_coordinates : s->n;
     const struct {
         char kind;
-        const void *first; /* a struct pk_quantity, or a struct that begins with one */
+        const void *first; /* array of struct pk_quantity or of a struct that begins with one */
         size_t count, stride;
     } lists[] = {
         {'p', s->parameters, s->n_parameters, sizeof *s->parameters},

@@ -17,10 +17,10 @@ void options_free(struct program *p)
         free(p->lists[k]);
 }
 
-/* The lists of settings that options append to, by kind of value. */
+/* The lists in the settings to which options append values, by kind; see find_name(). */
 static const struct list {
     char kind;
-    size_t list, count; /* offsets in the settings */
+    size_t list, count; /* offsets in struct pk_run_settings */
 } assigned[] = {
 #define PLACE(member) offsetof(struct pk_run_settings, member)
     {'p', PLACE(parameters), PLACE(n_parameters)},
@@ -30,7 +30,7 @@ static const struct list {
     {'s', PLACE(sizes), PLACE(n_sizes)},
 };
 
-/* Appends a value to a list. The list of the scene is constant, so it is copied first. */
+/* Appends a value to a list. The scene's own list is constant, so it is copied first. */
 static void add(struct program *p, const struct list *of, struct pk_run_value x)
 {
     struct pk_run_value *list, *fixed;
@@ -49,11 +49,11 @@ static void add(struct program *p, const struct list *of, struct pk_run_value x)
 struct option {
     const char *name, *value, *help;
     int (*take)(struct program *p, const struct option *o, const char *text);
-    size_t offset;     /* of the number in the settings */
+    size_t offset;     /* offset of the number in struct pk_run_settings */
     const char *kinds; /* kinds of lists that assign() may append to */
 };
 
-/* Takes NAME=VALUE and appends it to the list of the kind of NAME. */
+/* Parses NAME=VALUE and appends the value to the list for that kind of name. */
 static int assign(struct program *p, const struct option *o, const char *text)
 {
     const char *equals = strchr(text, '='), *unit = "";
@@ -75,7 +75,7 @@ static int assign(struct program *p, const struct option *o, const char *text)
     return usage(o->name, text, "the model has no such name; see --help");
 }
 
-/* Takes the names of the columns: --record a,b,energy. */
+/* Parses the names of the columns: --record a,b,energy. */
 static int record(struct program *p, const struct option *o, const char *text)
 {
     struct pk_run_settings *s = &p->settings;
@@ -150,7 +150,7 @@ static int count(struct program *p, const struct option *o, const char *text)
     const unsigned long x = strtoul(text, &end, 10);
     if (!isdigit((unsigned char)*text) || *end || !x)
         return usage(o->name, text, "not a positive whole number");
-    memcpy((char *)&p->settings + o->offset, &x, sizeof x); /* size_t has the same size */
+    memcpy((char *)&p->settings + o->offset, &x, sizeof x); /* size_t has the size of x */
     return 0;
 }
 

@@ -13,11 +13,11 @@ extern const struct pk_run_settings program_settings;
 struct program {
     const char *name;
     struct pk_run_settings settings;
-    const char *output; /* NULL: standard output */
-    int json, shows;    /* the report goes to standard output; progress goes to the terminal */
-    const char *shard, *starts, *to; /* shard of a sweep: its JSON members; input, output file */
-    unsigned long first;             /* number of its first member, from 0 */
-    void *lists[16];                 /* memory of keep() */
+    const char *output; /* file of the rows; NULL: standard output */
+    int json, shows;    /* flags: report on standard output; progress on the terminal */
+    const char *shard, *starts, *to; /* a shard of a sweep: its JSON; its input and output file */
+    unsigned long first;             /* number of the shard's first member, from 0 */
+    void *lists[16];                 /* allocated by keep() */
     size_t n_lists;
 };
 
@@ -28,23 +28,22 @@ int options_read(struct program *p, int argc, char **argv);
 void options_help(FILE *file);
 void options_free(struct program *p);
 
-/* Of shard.c: runs the members of a shard; returns the exit code. */
+/* In shard.c: runs the members of a shard; returns the exit code. */
 int shard_write(const struct program *p);
-/* Of tables.c: reads an ensemble's CSV; returns 0, or the exit code after a message. */
+/* In tables.c: reads an ensemble's CSV; returns 0, or the exit code after a message. */
 int table_read(struct program *p, const char *path);
-/* Of files.c: writes rows as a NumPy array; columns, report and rows in JSON; a summary in one
- * line.
- */
+/* In files.c: write_npy() writes rows as a NumPy array; write_description() writes columns, report
+ * and rows in JSON; write_summary() writes one line. */
 int write_npy(const struct pk_run *run, const char *path);
 void write_description(const struct program *p, struct pk_run *run, FILE *file);
 void write_summary(struct pk_run *run, FILE *file);
 
-/* Of names.c. Finds a name of the model and sets its index and unit; returns 0 if there is none.
+/* In names.c: finds a name of the model and sets its index and unit; returns 0 if there is none.
  * `kind`: p parameter, i input, q coordinate, v rate, o output, e event, s size. */
 int find_name(const char *name, size_t length, char kind, size_t *index, const char **unit);
 /* Reads a number in SI, which may be followed by [unit]. Returns 0 if it is not a finite number. */
 int read_number(const char *text, const char *unit, double *x);
-/* Returns `old` resized (NULL: new) for options_free(); ends the program without memory. */
+/* Resizes `old`, or allocates if it is NULL; options_free() frees it. Exits if memory runs out. */
 void *keep(struct program *p, void *old, size_t size);
 
 #endif

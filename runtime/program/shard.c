@@ -1,6 +1,6 @@
 /* A shard of a sweep: reads the members' values from a file of doubles and writes their results to
- * another: blocks of numbers, then a line of JSON with their shapes. Python writes the same format
- * (pkgen_sweep/shards.py). The caller appends the digest and renames the file.
+ * another file: blocks of numbers, then a line of JSON with their shapes. Python writes the same
+ * format (pkgen_sweep/shards.py). The caller appends the digest and renames the file.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MEMBERS = 1 << 14, WITH_ROWS = 1 << 8 }; /* members per block, without and with rows */
+enum { MEMBERS = 1 << 14, WITH_ROWS = 1 << 8 }; /* members per block: without rows; with rows */
 
 static int wrong(const char *what, const char *path)
 {
@@ -19,7 +19,7 @@ static int wrong(const char *what, const char *path)
     return PK_RUN_USAGE;
 }
 
-/* Runs one block; its shape and report are appended to `shapes` and `reports`. */
+/* Runs one block, and appends its shape and report to `shapes` and `reports`. */
 static int block(const struct program *p, size_t first, size_t count, const double *starts,
                  FILE *out, FILE *shapes, FILE *reports)
 {
@@ -51,7 +51,7 @@ static int block(const struct program *p, size_t first, size_t count, const doub
     return code;
 }
 
-/* Runs all blocks and writes the line of JSON. */
+/* Runs all blocks, then writes the line of JSON. */
 static int blocks(const struct program *p, FILE *in, FILE *out)
 {
     const size_t n = p->settings.n_member_columns;
@@ -72,7 +72,7 @@ static int blocks(const struct program *p, FILE *in, FILE *out)
         fclose(reports);
     if (!code)
         fprintf(out, "\n{%s, \"blocks\": [%s], \"reports\": [", p->shard, texts[0]);
-    for (const char *c = code ? "" : texts[1]; *c; c++) /* newlines of the reports become blanks */
+    for (const char *c = code ? "" : texts[1]; *c; c++) /* line breaks become blanks */
         fputc(*c == '\n' ? ' ' : *c, out);
     if (!code)
         fputs("]}\n", out);

@@ -1,4 +1,4 @@
-/* A run step by step; see pk/run.h. */
+/* Advances a run step by step; see pk/run.h. */
 #include <pk/run.h>
 
 #include "settings/settings.h"

@@ -1,6 +1,5 @@
-/* Kernels at many states in one call: the acceleration in lanes, da/dq and da/dv by the kernel
- * `linear` or, where the system has none, by central differences, good to some PK_EPSILON^(2/3).
- */
+/* Evaluates kernels at many states in one call: accelerations in SIMD lanes; da/dq and da/dv by the
+ * kernel `linear` or, without it, by central differences with errors of about PK_EPSILON^(2/3). */
 
 #include <pk/linear.h>
 
@@ -51,7 +50,7 @@ static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *
                                 : status == PK_DONE;
 }
 
-/* A kernel by its name; `width` is its numbers per state, 0 if the system has no such kernel. */
+/* A kernel by its name. `width` is its number of values per state, or 0 if the system lacks it. */
 struct kernel {
     const char *name;
     enum { ACCELERATION, JACOBIAN, MOMENTA, FREE, SLOPES, ROWS, RATES, ENERGY, PLAIN } kind;
@@ -83,7 +82,7 @@ static struct kernel find(const struct settings *s, const char *name)
     return *k;
 }
 
-/* Evaluates a kernel at one state. Returns 0 if M is singular there; `out` is then undefined. */
+/* Evaluates a kernel at one state. Returns 0, with `out` undefined, if M is singular there. */
 static int at(const struct settings *s, const struct pk_problem *problem, const struct kernel *k,
               pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *out,
               pk_real *work)
@@ -119,7 +118,7 @@ static int at(const struct settings *s, const struct pk_problem *problem, const 
     }
 }
 
-/* Computes accelerations in blocks of PK_LANES states. Returns how many states failed. */
+/* Computes accelerations in blocks of PK_LANES states. Returns the number of states that failed. */
 static size_t in_lanes(const struct settings *s, size_t count, const double *t, const double *q,
                        const double *v, const double *u, double *out, pk_real *work)
 {

@@ -5,7 +5,7 @@
 #include "settings/settings.h"
 #include "steps/steps.h"
 
-#define LAP_SECONDS 1e-3 /* least length of a lap, so that reading the clock costs nothing */
+#define LAP_SECONDS 1e-3 /* least duration of a lap: the time to read the clock is negligible */
 
 static void tell_failure(struct pk_run *run)
 {
@@ -23,7 +23,7 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     char reason[640];
     code = rows_end(run, code);
     if (run->write_failed == EPIPE)
-        return PK_RUN_DONE; /* the reader of the pipe has closed it */
+        return PK_RUN_DONE; /* the reader of the pipe has ended */
     if (!run->settings.asked.bare && !run->settings.asked.compared) {
         trust_judge(run);
         watch_warn(run);
@@ -48,7 +48,7 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     return code;
 }
 
-/* Writes start and end, or the final state, as rows where a compared or bare run has no others. */
+/* Writes rows if there are no others: a bare run its final state, a compared run start and end. */
 static void ends(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
@@ -63,7 +63,7 @@ static void ends(struct pk_run *run)
         observe_row(run, run_moment(run));
 }
 
-/* Ends a run that left a checkpoint; the resumed run writes the other messages. */
+/* Ends a run that has written a checkpoint; the resumed run writes the other messages. */
 static enum pk_run_code leave(struct pk_run *run)
 {
     const enum pk_run_code code = rows_end(run, PK_RUN_LEFT);
@@ -95,7 +95,7 @@ static enum pk_run_code one(struct pk_run *run)
     return finish(run, code);
 }
 
-/* Takes the settings and opens the file of the rows. */
+/* Converts the settings and opens the file of the rows. */
 static void take(void *context)
 {
     struct pk_run *run = context;
@@ -156,7 +156,7 @@ size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *
     return run->members ? run->settings.asked.members : 0;
 }
 
-/* Returns *text, which `write` makes at the first call. */
+/* Returns *text; the first call makes it by write(). */
 static const char *once(struct pk_run *run, char **text,
                         void (*write)(struct pk_run *run, FILE *file))
 {
@@ -169,7 +169,7 @@ static const char *once(struct pk_run *run, char **text,
     return *text ? *text : "{}";
 }
 
-const char *pk_run_report(struct pk_run *run) /* an ensemble sets run->report, and has no `it` */
+const char *pk_run_report(struct pk_run *run) /* ensembles set run->report */
 {
     const int known = (run->report || run->it.method) && !run->checkpoint.refused;
     return known ? once(run, &run->report, report_run) : "{}"; /* a refused checkpoint: no state */
@@ -192,7 +192,7 @@ size_t pk_run_size(int which)
     return which >= 0 && which < 4 ? sizes[which] : 0;
 }
 
-/* Laps are doubled until the clock resolves them: under a limit of CPU time it ticks in
+/* The number of laps is doubled until the clock resolves them; the clock of CPU time may tick in
  * milliseconds. */
 double pk_run_laps(struct pk_run *run, double seconds)
 {

@@ -80,7 +80,7 @@ static const char *const singularity_use[] = {
 };
 
 /* If the acceleration does not grow on the way to a division by zero, it seems to have a limit
- * there: the expression ends and the motion may not. */
+ * there: the expression is undefined there, and the motion may go on. */
 static int singular(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
@@ -108,7 +108,7 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
                             : "");
 }
 
-/* Which fact, kernel or side of a switch the method lacks. */
+/* Writes which fact, kernel or side of a switch the method lacks. */
 static int refused(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;

@@ -1,7 +1,6 @@
-/* Blocks of coordinates integrated apart; see pk/subsystems.h. The memory block holds the structs of the
- * parts, the state of the whole, the parameters and input map of each part, then the integrators of
- * each part, all padded so that each is aligned.
- */
+/* Blocks of coordinates with integrators of their own, called parts; see pk/subsystems.h. The
+ * memory block holds the structs of the parts, the whole state, parameters and input map of each
+ * part, then the integrators, all padded for alignment. */
 #include <stdio.h>
 #include <string.h>
 
@@ -14,7 +13,7 @@ enum { ALIGNED = 64 };
 
 static size_t padded(size_t bytes) { return (bytes + ALIGNED - 1) / ALIGNED * ALIGNED; }
 
-/* Families kept as loops are not integrated apart. */
+/* Families kept as loops cannot be split into parts. */
 static size_t coordinates(const struct pk_system *system)
 {
     return pk_system_coordinates(system, NULL);
@@ -25,7 +24,7 @@ static size_t state_reals(const struct pk_system *whole)
     return coordinates(whole) + whole->n + whole->n_inputs;
 }
 
-/* Returns the bytes of params and of the map of inputs. */
+/* Returns the bytes of the parameters and the map of inputs. */
 static size_t own_size(const struct pk_system *system)
 {
     return padded(system->params_size) + padded(system->n_inputs * sizeof(size_t));
@@ -58,7 +57,8 @@ static enum pk_status bad(struct pk_subsystems *a, const char *why, size_t part)
     return a->status = PK_BAD_ARGUMENT;
 }
 
-/* Finds each name of `of` among those of the whole. Returns 0 if one is missing. */
+/* Finds the index of each name of `of` among the names of the whole. Returns 0 if one is
+ * missing. */
 static int find(const struct pk_quantity *of, size_t count, const struct pk_quantity *whole,
                 size_t n, size_t *where)
 {
@@ -73,8 +73,8 @@ static int find(const struct pk_quantity *of, size_t count, const struct pk_quan
     return 1;
 }
 
-/* Copies the values of equal names; the part's other parameters follow from these. `given`: a flag
- * for each. */
+/* Copies the parameters with equal names, sets their flags in `given`, and derives the part's other
+ * parameters. */
 static int take_parameters(struct pk_subsystem *part, const struct pk_problem *whole,
                            unsigned char *given)
 {
@@ -103,7 +103,7 @@ static void input(void *context, pk_real t, pk_real *u)
         u[i] = part->u[part->inputs[i]];
 }
 
-/* Checks that each coordinate of the whole is in one part, and each input of a part is in the
+/* Checks that each coordinate of the whole is in one part, and each input of a part in the
  * whole. */
 static enum pk_status check_parts(struct pk_subsystems *a)
 {
@@ -133,7 +133,7 @@ static enum pk_status check_parts(struct pk_subsystems *a)
     return PK_DONE;
 }
 
-/* Copies the states of the parts into that of the whole. */
+/* Copies the states of the parts into the whole state. */
 static void assemble(struct pk_subsystems *a)
 {
     const size_t n_q = coordinates(a->whole.system);
@@ -153,11 +153,11 @@ static enum pk_status start(struct pk_subsystems *a, size_t k, const struct pk_c
     struct pk_subsystem *part = &a->parts[k];
     const struct pk_system *system = part->of.system;
     const size_t n_q = coordinates(system), n = system->n;
-    pk_real *q = a->state, *v = q + n_q; /* unused until all parts have started */
+    pk_real *q = a->state, *v = q + n_q; /* not in use until all parts have started */
     struct pk_problem problem = {.system = system, .params = part->params};
     a->failed = k + 1;
     const int outside = take_parameters(part, &a->whole, (unsigned char *)block);
-    if (outside) { /* as the integrator would report it */
+    if (outside) { /* reported as an integrator would */
         part->it.problem = problem;
         part->it.method = choice->method;
         part->it.reason.index = pk_refused_parameter(system, outside);

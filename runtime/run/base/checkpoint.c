@@ -1,5 +1,5 @@
-/* The file of a checkpoint; see checkpoint.h. Numbers are stored as in memory: `order` and `real`
- * of the head reveal another byte order or size of pk_real.
+/* The file of a checkpoint; see checkpoint.h. Numbers are stored as in memory; `order` and `real`
+ * in the header detect a machine with another byte order or size of pk_real.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -16,9 +16,9 @@ enum { VERSION = 2, SUMMED = 24, TAIL = 1 << 16 };
 
 struct head {
     char magic[16];
-    uint32_t version, sum; /* `sum`: CRC-32 of all bytes behind it */
-    uint64_t order, size;  /* the constant ORDER; bytes of the whole file */
-    uint32_t real, note;   /* bytes of a pk_real; bytes of the note, which follows the head */
+    uint32_t version, sum; /* `sum`: CRC-32 of all bytes after it */
+    uint64_t order, size;  /* the constant ORDER; size of the file in bytes */
+    uint32_t real, note;   /* size of pk_real; size of the note, which follows the header */
 };
 
 uint32_t checkpoint_sum(uint32_t before, const void *bytes, size_t size)
@@ -50,7 +50,7 @@ static int all_written(int fd, const void *bytes, size_t size)
     return 1;
 }
 
-/* Syncs the folder of `path`: only then is a rename on the disk. `name` is room for its name. */
+/* Syncs the folder of `path`, which completes a rename on disk. `name` is a buffer for its name. */
 static void settle_folder(const char *path, char *name)
 {
     const char *slash = strrchr(path, '/');
@@ -76,7 +76,7 @@ int checkpoint_store(struct memory *memory, const char *path, const char *note,
     head.sum = checkpoint_sum(head.sum, bytes, size);
     char *beside = memory_take(memory, strlen(path) + sizeof ".new" + 2, 1);
     strcat(strcpy(beside, path), ".new");
-    /* Only the owner may read or write it; pkgen checks the owner before it resumes. */
+    /* Only the owner may read or write the file; pkgen checks the owner before it resumes. */
     const int fd = open(beside, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0600);
     int wrong = fd < 0 || !all_written(fd, &head, sizeof head) ||
                         !all_written(fd, note, head.note) || !all_written(fd, bytes, size) ||
@@ -147,8 +147,8 @@ const unsigned char *checkpoint_load(struct memory *memory, const char *path, si
     return bytes + before;
 }
 
-/* Sets *sum to the CRC-32 of the tail; 0 if it cannot be read. `fd` may be write-only, so the file
- * is opened again by /dev/fd, where the system has that. */
+/* Sets *sum to the CRC-32 of the last place->tail bytes; returns 0 if they cannot be read. `fd` may
+ * be write-only, so the file is opened again as /dev/fd/N, if the system has that. */
 static int tail_sum(int fd, const struct place *place, uint64_t *sum)
 {
     unsigned char bytes[TAIL];

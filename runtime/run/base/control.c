@@ -6,8 +6,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SELDOM 64u  /* steps between two readings of the clock, while these take less than */
-#define SHORT 1e-3  /* seconds together */
+#define SELDOM 64u  /* steps between two readings of the clock, if they take less */
+#define SHORT 1e-3  /* than so many seconds */
 #define BETWEEN 0.1 /* seconds between two calls of `poll` */
 
 static double seconds_of(clockid_t clock)

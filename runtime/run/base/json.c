@@ -18,7 +18,7 @@ static void quoted(FILE *file, const char *text)
     fputc('"', file);
 }
 
-/* Writes the comma before a value, where it needs one, and its key. */
+/* Writes the comma before a value, if it needs one, and the key. */
 static void begin(struct json *j, const char *key)
 {
     if (j->behind)

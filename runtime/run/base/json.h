@@ -1,6 +1,6 @@
-/* A JSON writer. It sets the commas; a number that is not finite becomes null, since JSON has no
- * word for it. Keys are NULL in arrays. Each member of the outermost object has a line of its own.
- */
+/* A JSON writer. It writes the commas, and writes null for a number that is not finite, which JSON
+ * cannot express. Keys are NULL in arrays. Each member of the outermost object is on a line of its
+ * own. */
 #ifndef RUN_JSON_H
 #define RUN_JSON_H
 
@@ -10,7 +10,7 @@
 
 struct json {
     FILE *file;
-    int depth, behind; /* open brackets; whether the next value follows another and needs a comma */
+    int depth, behind; /* number of open brackets; whether the next value needs a comma */
 };
 
 struct json_real {
@@ -25,11 +25,11 @@ struct json_integer {
 
 void json_open(struct json *j, const char *key, char bracket);
 void json_close(struct json *j, char bracket);
-void json_text(struct json *j, const char *key, const char *text); /* NULL: null */
-void json_raw(struct json *j, const char *key, const char *text);  /* `text` is JSON already */
+void json_text(struct json *j, const char *key, const char *text); /* NULL is written as null */
+void json_raw(struct json *j, const char *key, const char *text);  /* `text` is JSON */
 void json_real(struct json *j, const char *key, pk_real x);
 void json_integer(struct json *j, const char *key, size_t x);
-/* Several members in the given order: json_reals(j, {"t", t}, {"energy", energy}). */
+/* Writes several members in order: json_reals(j, {"t", t}, {"energy", energy}). */
 #define json_reals(j, ...) json_each_real(j, (const struct json_real[]){__VA_ARGS__, {NULL, 0}})
 #define json_counts(j, ...) \
     json_each_integer(j, (const struct json_integer[]){__VA_ARGS__, {NULL, 0}})

@@ -1,5 +1,5 @@
 /* Memory of a run, freed all at once. A failed allocation ends the run: longjmp() returns to
- * memory_try(). Only this file jumps.
+ * memory_try(). Only this file calls longjmp().
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -94,7 +94,7 @@ void memory_drop(struct memory *m, void *begin)
 
 void memory_end(struct memory *m)
 {
-    if (m->text) /* left open by a jump: fclose() writes to its buffer, which must still exist */
+    if (m->text) /* a longjmp() left it open: fclose() writes to its buffer, which must still exist */
         fclose(m->text);
     m->text = NULL;
     for (struct piece *piece = m->pieces, *next; piece; piece = next) {

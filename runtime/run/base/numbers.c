@@ -1,4 +1,4 @@
-/* The fewest digits that read back as the same number; see numbers.h. */
+/* Writes a number with the fewest digits that read back as it; see numbers.h. */
 #include "numbers.h"
 
 #include <float.h>
@@ -7,9 +7,9 @@
 
 enum { DIGITS = 17 };
 
-/* Returns whether d[0..n) times 10^e reads back as x; d is a decimal mantissa with the point behind
- * its first digit. The long double product is right to two units in the last place; if both ends of
- * that interval round to one double, strtod() gives the same double. Otherwise strtod() decides. */
+/* Returns whether d[0..n) times 10^e reads back as x; the decimal point of d is after its first
+ * digit. The long double product is right to two units in the last place; if both ends of that
+ * interval round to one double, strtod() gives the same double. Otherwise strtod() decides. */
 static int is_same(const char *text, const char *d, int n, int e, double x)
 {
     static const long double power[] = {1e0L,  1e1L,  1e2L,  1e3L,  1e4L,  1e5L,  1e6L,  1e7L,
@@ -37,7 +37,7 @@ static size_t rounded(char text[], const char *exact, int n, double x)
     const int sign = exact[0] == '-';
     int first = 1, e = atoi(exact + sign + DIGITS + 2);
     const int asked = n;
-    d[0] = '0'; /* room for the carry of a rounded 9 */
+    d[0] = '0'; /* for a carry if nines are rounded up */
     d[1] = exact[sign];
     memcpy(d + 2, exact + sign + 2, DIGITS - 1);
     if (n < DIGITS && d[n + 1] >= '5') {
@@ -79,7 +79,7 @@ size_t numbers_text(char text[NUMBERS_LONGEST], double x)
     sprintf(exact, "%.16e", x);
     char *const last = exact + (x < 0) + DIGITS;
     size_t length;
-    if (*last == '5') { /* the 17th digit is itself rounded: printf() rounds to 16 exactly */
+    if (*last == '5') { /* the 17th digit is itself rounded; printf() rounds to 16 exactly */
         sprintf(shorter, "%.15e", x);
         memmove(shorter + (last - exact) + 1, shorter + (last - exact), strlen(last));
         shorter[last - exact] = '0';
@@ -102,5 +102,5 @@ void numbers_write(FILE *file, double x)
     if (x > 0 || x <= 0)
         fwrite(text, 1, numbers_text(text, x), file);
     else
-        fputs("nan", file); /* without a sign, which libraries print differently */
+        fputs("nan", file); /* no sign: libraries differ in its output */
 }

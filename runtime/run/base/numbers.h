@@ -6,7 +6,7 @@
 
 enum { NUMBERS_LONGEST = 32 };
 
-/* The fewest digits that read back as x; returns their length. */
+/* Writes the fewest digits that read back as x; returns their length. */
 size_t numbers_text(char text[NUMBERS_LONGEST], double x);
 void numbers_write(FILE *file, double x);
 

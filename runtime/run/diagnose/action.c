@@ -1,6 +1,6 @@
-/* The action of a run of one degree of freedom, at the start and at rows: of the orbit with the
- * row's energy and t held constant. If L depends slowly on time, it is the adiabatic invariant.
- */
+/* The action of a run of one degree of freedom, at the start and at rows. It is that of the orbit
+ * with the row's energy, with t in L held constant; if L depends slowly on t, it is an adiabatic
+ * invariant. */
 
 #include "parts.h"
 

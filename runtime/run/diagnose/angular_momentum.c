@@ -2,8 +2,8 @@
 #include "bodies.h"
 
 struct turning {
-    struct pk_drift drift[2][3]; /* [0] about the origin, [1] about the centre of mass */
-    pk_real first[2][3], last[2][3], torque[2], arm[2]; /* torque, and the sum it is relative to */
+    struct pk_drift drift[2][3]; /* [0] about the origin; [1] about the centre of mass */
+    pk_real first[2][3], last[2][3], torque[2], arm[2]; /* torque; scale of its terms */
     int moves[3]; /* whether a particle moves along each axis */
 };
 
@@ -24,7 +24,7 @@ static void turn(void *context, struct bodies *b, pk_real t)
         x->moves[i % 3] |= PK_F(fabs)(b->r[i]) > 0 || PK_F(fabs)(b->v[i]) > 0;
 }
 
-/* Returns the axis normal to a planar motion; -1: the motion is in space. */
+/* Returns the axis normal to a planar motion, or -1 if the motion is not planar. */
 static int normal(const struct turning *x)
 {
     return !x->moves[2] ? 2 : !x->moves[1] ? 1 : !x->moves[0] ? 0 : -1;

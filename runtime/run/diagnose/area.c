@@ -1,5 +1,5 @@
-/* Collects q and p of the members of a loop at their rows; area_find.c computes the enclosed area.
- */
+/* Collects q and p of the members of a loop at their rows; area_find.c computes the enclosed
+ * area. */
 #include "area.h"
 
 #include "../observers/observers.h"
@@ -8,7 +8,7 @@
 #include <pk/gsl.h>
 #endif
 
-static const double BYTES = 2147483648.0; /* limit of memory for q and p at all rows */
+static const double BYTES = 2147483648.0; /* memory limit for q and p at all rows */
 
 static enum pk_run_code refuse(struct pk_run *run, const char *why)
 {
@@ -73,7 +73,7 @@ void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v
         return;
     const size_t member = run->member, row = l->came[member];
     const double now = (double)t;
-    if (row >= l->rows || now < l->t[row] || now > l->t[row]) /* an extra row, at an event */
+    if (row >= l->rows || now < l->t[row] || now > l->t[row]) /* an extra row at an event */
         return;
     pk_real *p = l->work + 2 * l->whole * member;
     run->settings.system->canonical(run->settings.params, t, q, v, run->settings.u, p,

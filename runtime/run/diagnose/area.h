@@ -1,4 +1,4 @@
-/* Poincare's integral invariant of an ensemble whose members are a closed loop of starts. */
+/* Poincare's integral invariant of an ensemble whose initial states form a closed loop. */
 #ifndef RUN_DIAGNOSE_AREA_H
 #define RUN_DIAGNOSE_AREA_H
 
@@ -7,11 +7,11 @@
 /* q and p of all members at their common rows, for the area that the members enclose. */
 struct loop {
     size_t members, rows, n; /* n: coordinates; first-order variables have no momenta */
-    double *x;               /* rows by (q, p) by n by members; see area_series() */
+    double *x;               /* [rows][q or p][n][members]; see area_series() */
     double *t;               /* time of each row; row 0 is the start */
-    size_t *came;            /* number of rows of each member */
-    pk_real *work;           /* p and pdot of each member, since members run in parallel */
-    size_t whole;            /* length of p: coordinates and first-order variables */
+    size_t *came;            /* number of rows that each member has reached */
+    pk_real *work;           /* p and pdot of each member; members run in parallel */
+    size_t whole;            /* length of p, which includes first-order variables */
     const char *gone;        /* why members may have ended early, for messages */
 };
 

@@ -1,13 +1,14 @@
 /* The area of a loop of members in phase space: the sum over coordinates of the closed integral of
  * p dq, which any flow of L preserves (Poincare). The loop is a Fourier series over its members.
- * Members shear apart along the loop until they no longer resolve it; the last harmonics show this.
+ * The motion stretches the loop until its members do not resolve it; then its last harmonics are
+ * large.
  *
- * A series that contributes less to the sum may be resolved less well: its tail is weighted by the
- * area of an ellipse as wide as the series and as high as its conjugate, relative to the area of
- * all. A decaying tail means that the loop is finer than the spacing of its members; then the area
- * is meaningless. A flat, small tail is an independent error of each member, from round-off or from
- * its own step sizes; its effect on the area is known (`noise`).
- * Reference: V. I. Arnold, Mathematical Methods of Classical Mechanics, 44.
+ * A series may be resolved badly if it contributes little to the sum: its tail, the size of its
+ * last harmonics, is weighted by rms(q) rms(p) of its coordinate, relative to the sum over
+ * coordinates. A large tail that decays means that the loop has details finer than the spacing of
+ * its members; then the area is meaningless. A small tail that does not decay is due to errors of
+ * single members, by round-off or step sizes; its effect on the area is known (`noise`). Reference:
+ * V. I. Arnold, Mathematical Methods of Classical Mechanics, 44.
  */
 #include "area.h"
 
@@ -16,16 +17,16 @@
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
 
-#define RESOLVED 1e-12 /* largest weighted tail of a resolved loop, */
-#define NOISY 1e-6     /* and of a noisy one; a loop torn at a separatrix has more */
+#define RESOLVED 1e-12 /* largest weighted tail of a resolved loop */
+#define NOISY 1e-6     /* of a noisy loop; a loop torn at a separatrix has more */
 
 enum quality { GOOD, NOISE, COVERED, FINER };
 
 struct finding {
     struct loop *l;
-    size_t common;              /* rows that all members have */
-    double *winding;            /* per coordinate: its increase once round the loop */
-    struct pk_loop_area *parts; /* rows by coordinates */
+    size_t common;              /* number of rows that all members have */
+    double *winding;            /* increase of each coordinate once round the loop */
+    struct pk_loop_area *parts; /* areas by row, then coordinate */
     int smooth, adaptive;
 };
 
@@ -79,8 +80,8 @@ static struct row row_of(const struct finding *f, size_t row)
     return found;
 }
 
-/* Returns whether q_i and q_i + turn are the same position: p and pdot of three members, at nonzero
- * rates, must agree. */
+/* Returns whether q_i and q_i + turn are the same position: p and pdot of three members with
+ * nonzero rates must agree. */
 static int is_turn(struct pk_run *run, size_t i, double turn)
 {
     const struct loop *l = run->loop;
@@ -89,7 +90,7 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit
                                                          : NULL;
     pk_real *q = memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
-    pk_real *p = v + n, *P = p + 2 * n; /* p and pdot at q_i; at q_i + turn */
+    pk_real *p = v + n, *P = p + 2 * n; /* p and pdot at q_i, and at q_i + turn */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
     for (size_t k = 0; k < 3 && same; k++) {
         double off = 0, most = 0;
@@ -110,7 +111,8 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     return same;
 }
 
-/* Returns the increase of a coordinate once round the starts: whole turns of an angle, or 0. */
+/* Returns the increase of a coordinate round the loop at the start: whole turns of an angle, or
+ * 0. */
 static double winding_of(struct pk_run *run, size_t i)
 {
     const size_t count = run->loop->members;
@@ -120,7 +122,7 @@ static double winding_of(struct pk_run *run, size_t i)
     return fabs(turn) > 0 && is_turn(run, i, turn) ? turn : 0;
 }
 
-/* Steps of a series from the last member to the first, and from the one before to the last. */
+/* Differences between neighbours in a series: the first and last member; the last two members. */
 struct ends {
     double closing, before;
 };
@@ -130,8 +132,8 @@ static struct ends ends_of(const double *x, size_t count, double winding)
     return (struct ends){x[0] + winding - x[count - 1], x[count - 1] - x[count - 2]};
 }
 
-/* Writes why the starts are no loop, or returns 0. Weights are the larger of those at the start and
- * a row later, since q or p may be 0 for all members at the start. A series that is 0 or round-off
+/* Writes why the initial states form no loop, or returns 0. A weight is the larger of those at row
+ * 0 and row 1, since q or p may be 0 for all members at the start. A series that is 0 or round-off
  * is not checked. */
 static int no_loop(const struct pk_run *run, const struct finding *f, const struct ends *ends,
                    char *reason, size_t size)
@@ -167,7 +169,7 @@ static int no_loop(const struct pk_run *run, const struct finding *f, const stru
     return worst > 0;
 }
 
-/* Computes the areas at all common rows; overwrites the series. */
+/* Computes the areas at all rows that all members have; overwrites the series. */
 static enum pk_status transform(struct pk_run *run, struct finding *f)
 {
     const struct loop *l = f->l;
@@ -176,7 +178,7 @@ static enum pk_status transform(struct pk_run *run, struct finding *f)
             const enum pk_status status =
                 pk_gsl_loop_area(area_series(l, row, i, 0), area_series(l, row, i, 1), l->members,
                                  f->winding[i], f->parts + row * l->n + i);
-            if (status == PK_NOT_FINITE && row > 0) { /* M is singular, or a number too large */
+            if (status == PK_NOT_FINITE && row > 0) { /* M is singular, or numbers overflow */
                 f->common = row;
                 return PK_DONE;
             }
@@ -200,7 +202,7 @@ static const char *words_of(const struct finding *f, enum quality quality)
     return "it is finer than its members are apart";
 }
 
-/* Writes why some members do not have all rows; returns 0 if all members have them. */
+/* Writes why some members lack rows; returns 0 if no member does. */
 static int parted(const struct pk_run *run, const struct finding *f, char *text, size_t size)
 {
     const struct loop *l = f->l;
@@ -229,7 +231,7 @@ static void write_rows(struct pk_run *run, struct diagnostics *d, const struct f
     const struct loop *l = f->l;
     struct json *j = &d->json;
     struct pk_drift drift;
-    double until = -1, size = 0; /* first nonzero size; it is 0 if all members start at rest */
+    double until = -1, size = 0; /* first nonzero size: if all start at rest it is 0 */
     char ends[400] = "", apart[400] = "";
     int resolved = 1;
     if (parted(run, f, apart, sizeof apart)) {

@@ -1,6 +1,5 @@
-/* Particles of a run; see bodies.h. The kernel of the event `pericentre` only gets the parameters,
- * so `watched` holds the particles that it reads, those of the run of this thread.
- */
+/* The particles of a run; see bodies.h. The kernel of the event `pericentre` only gets the
+ * parameters, so it reads the particles of this thread's run from `watched`. */
 #include "bodies.h"
 
 void bodies_relative(const struct bodies *b, const pk_real *x, pk_real *out)

@@ -1,4 +1,4 @@
-/* The particles of a model along a run, which is repeated from its start, step by step. */
+/* The particles of a model along a run, which is integrated again from its start, step by step. */
 #ifndef RUN_DIAGNOSE_BODIES_H
 #define RUN_DIAGNOSE_BODIES_H
 
@@ -8,27 +8,27 @@
     "the kinetic energy is not seen to be a sum of m/2 r'^2 over particles; named, " \
     "it says why"
 
-/* The particles at a state. */
+/* The particles at one state of the run. */
 struct bodies {
     struct pk_run *run;
-    struct pk_system system; /* the model's, with `pericentre` as its only event, or none */
+    struct pk_system system; /* the model without its events; `pericentre` may be added */
     struct pk_problem problem;
-    struct pk_integrator it; /* the integrator that repeats the run */
+    struct pk_integrator it; /* integrates the run again */
     size_t n;
-    pk_real *m, *r, *v, *a; /* n masses; 3 n positions, velocities, accelerations; one block */
-    pk_real *qa, *u;        /* accelerations of the coordinates; inputs */
-    /* Called after each step; and, if not NULL, at each pericentre. */
+    pk_real *m, *r, *v, *a; /* n masses; 3 n components of r, r' and r'' */
+    pk_real *qa, *u;        /* accelerations of the coordinates; values of the inputs */
+    /* Callbacks after each step and, if not NULL, at each pericentre. */
     void (*see)(void *context, struct bodies *b, pk_real t);
     void (*pericentre)(void *context, struct bodies *b, pk_real t);
     void *context;
 };
 
-/* Sets the particles at the start. Returns 0 if the model has no particles. */
+/* Sets the particles to the start of the run. Returns 0 if the model has no particles. */
 int bodies_begin(struct bodies *b, struct pk_run *run);
-/* Repeats all steps up to the end of the run. */
+/* Repeats all steps to the end of the run. */
 enum pk_status bodies_follow(struct bodies *b);
-/* Returns x of the second particle relative to the first; of a single one, relative to the origin.
- * bodies_approach() returns r.r' of these relative vectors. */
+/* bodies_relative() sets `out` to x of the second particle minus x of the first, or to x of a
+ * single particle. bodies_approach() returns r.r' of these relative vectors. */
 void bodies_relative(const struct bodies *b, const pk_real *x, pk_real *out);
 pk_real bodies_approach(const struct bodies *b);
 

@@ -1,4 +1,4 @@
-/* The diagnostics of a run, in order; see diagnose.h. */
+/* Makes the diagnostics of a run in the order of their list; see diagnose.h. */
 
 #include "parts.h"
 
@@ -6,7 +6,7 @@
 static const struct {
     const char *name;
     unsigned flag;
-    void (*make)(struct pk_run *run, struct diagnostics *d); /* in this order */
+    void (*make)(struct pk_run *run, struct diagnostics *d); /* called in this order */
 } names[] = {DIAGNOSTICS(ROW){"all", DIAGNOSE_ALL, NULL},
              {"area", DIAGNOSE_AREA, NULL}}; /* see area.h */
 
@@ -32,7 +32,7 @@ static enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
         return code;
     struct diagnostics *d = diagnose_open(run);
     if (run->out)
-        fflush(run->out); /* the rows are complete, even if a diagnostic ends the process */
+        fflush(run->out); /* completes the rows, even if a diagnostic ends the process */
     run->settings.options.stop = stop;
     run->settings.options.context = run;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)

@@ -1,11 +1,11 @@
 /* The list of diagnostics of `pkgen run --diagnose`. The command line parses this file too.
  *
- *     X(name, made of, kernels)
+ *     X(name, kind, kernels)
  *
- * MOTION: made after the run by diagnose_NAME() in NAME.c, in this order. OF_ROWS and REDUCED: also
- * reads rows kept during the run. REDUCED: requested alone, it is made of the system that a scene's
- * reductions leave. MEMBERS: made of an ensemble. Kernels needed besides those of a run: LINEAR the
- * linearised equations, PARTICLES positions of particles, EVERY all kernels, NONE no others.
+ * Kinds: MOTION is made by diagnose_NAME() in NAME.c after the run, in this order. OF_ROWS and
+ * REDUCED also read rows kept during the run. REDUCED, if requested alone, is made of the system
+ * without the coordinates that a scene eliminates. MEMBERS is made of an ensemble. Additional
+ * kernels: LINEAR (linearised equations), PARTICLES (their positions), EVERY (all kernels), NONE.
  */
 #ifndef RUN_DIAGNOSTICS_H
 #define RUN_DIAGNOSTICS_H

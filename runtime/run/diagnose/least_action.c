@@ -1,6 +1,6 @@
-/* Hamilton's principle for a run: whether its action is a minimum among neighbouring paths with the
- * same ends, and the conjugate points after which it is not. The number of quadrature panels is
- * doubled until the action has settled. */
+/* Finds whether the action of a run is a minimum among neighbouring paths with the same ends, and
+ * the conjugate points after which it is none. The number of quadrature panels is doubled until the
+ * action has settled. */
 
 #include "parts.h"
 
@@ -10,9 +10,9 @@
 
 enum { MODES = 24, MOST = 400, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
 static const double SETTLED = 1e-12;  /* relative change of the action when panels are doubled */
-static const double AMPLITUDE = 1e-3; /* of a neighbour, in the norm of B (pk/least_action.h) */
+static const double AMPLITUDE = 1e-3; /* of a varied path, in the norm of B (pk/least_action.h) */
 
-/* Doubles the panels, each at most half a wave of the shortest mode, until the action settles. */
+/* Doubles the panels, at most half a wave of the shortest mode each, until the action settles. */
 static enum pk_status integrate(struct pk_least_action *found, struct pk_run *run, size_t modes)
 {
     const struct settings *s = &run->settings;
@@ -40,8 +40,7 @@ static size_t negative(const double *lambda, size_t count)
     return found;
 }
 
-/* Returns the change of the action along the lowest mode: the steepest fall or the least rise.
- */
+/* Returns the change of the action for a varied path along the mode of the lowest eigenvalue. */
 static double neighbour(const struct pk_least_action *found, double *a, size_t m)
 {
     for (size_t i = 0; i < m; i++)
@@ -49,7 +48,7 @@ static double neighbour(const struct pk_least_action *found, double *a, size_t m
     return pk_least_action_at(found, a) - found->action;
 }
 
-/* Returns the Morse index: each conjugate point counts one, even if the modes do not show it. */
+/* Returns the Morse index: at least the number of conjugate points, even if modes show fewer. */
 static size_t index_of(const struct pk_least_action *found, const double *lambda)
 {
     const size_t index = negative(lambda, found->n * found->modes);
@@ -101,7 +100,7 @@ void diagnose_least_action(struct pk_run *run, struct diagnostics *d)
         half = status < 0 ? 0 : negative(lambda, n * (modes / 2));
         if (status >= 0)
             status = pk_gsl_least_action(&found, modes, lambda, lambda + m);
-        /* Too few modes may not show all negative directions yet. */
+        /* With few modes some negative directions may not show yet. */
         more = status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST;
         modes *= more ? 2 : 1;
     }

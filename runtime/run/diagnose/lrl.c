@@ -1,8 +1,8 @@
 /* The Laplace-Runge-Lenz vector along a run, and the rotation of the pericentre. */
 #include "bodies.h"
 
-static const double ROUND = 1e-8; /* eccentricity of round-off: the orbit has no direction */
-static const double AGAIN = 1e-6; /* of r/|r'|: a pericentre so soon after the last is the same */
+static const double ROUND = 1e-8; /* below it the orbit is a circle, without a direction */
+static const double AGAIN = 1e-6; /* times r/|r'|: a pericentre so soon after another is the same */
 
 struct apsides {
     struct pk_lrl lrl;

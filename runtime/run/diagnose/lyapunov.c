@@ -1,10 +1,10 @@
 /* The largest Lyapunov exponent of a run, and its interpretation.
  *
- * Exponential growth of displacements means chaos only if the motion stays bounded. A motion that
- * still leaves its start at the end, or does not move at all, shows the instability of a simple
- * motion (an equilibrium, a steady rotation) and no more. A single coordinate, or two first-order
- * variables, without explicit time cannot be chaotic: orbits are curves in a plane (Poincare and
- * Bendixson).
+ * Exponential growth of displacements means chaos only if the motion stays bounded. If the motion
+ * is still moving away from its start at the end, or does not move at all, growth only shows that a
+ * simple motion (an equilibrium, a steady rotation) is unstable. A single coordinate, or two
+ * first-order variables, without explicit time cannot be chaotic: orbits are curves in a plane
+ * (Poincare and Bendixson).
  */
 
 #include <pk/lyapunov.h>
@@ -12,10 +12,10 @@
 #include "parts.h"
 
 enum { BLOCKS = 1000 };
-#define REST 1e-8 /* relative to the largest coordinate: less is growth of round-off at rest */
-#define LEAVING 8 /* ratio of excursions in the second and first half: t^3 gives 8 */
+#define REST 1e-8 /* relative to the largest coordinate; below it nothing moves */
+#define LEAVING 8 /* ratio of excursions in second and first half; t^3 has 8 */
 
-/* Largest distance of each coordinate and rate from its start, in the first and second half. */
+/* Largest |x - x(0)| of each coordinate and rate in the first and in the second half. */
 struct excursion {
     size_t count;
     pk_real *most[2];
@@ -28,7 +28,7 @@ static void excursion_begin(struct excursion *e, struct memory *memory, size_t n
     e->most[1] = e->most[0] + e->count;
 }
 
-/* `it` holds displacements behind the n coordinates of the motion; they are skipped. */
+/* Updates the excursions from `it`. Displacements follow its n coordinates; they are skipped. */
 static void excursion_note(struct excursion *e, const struct settings *s,
                            const struct pk_integrator *it, int half)
 {
@@ -69,7 +69,7 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
     const size_t size = pk_lyapunov_size(&run->problem, s->method);
     void *block = memory_take(&run->memory, size, 1);
     struct pk_lyapunov l = {0};
-    /* Displacements may leave the constraints, and then grow as no motion on them does. */
+    /* Displacements may violate the constraints, and then grow as no allowed motion does. */
     const int bound = run->problem.system->constraints.n > 0;
     enum pk_status status = PK_REFUSED;
     if (!bound)
@@ -89,7 +89,7 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
         pk_real error;
         const pk_real exponent = pk_lyapunov_exponent(&l, &error);
         const enum pk_motion motion = pk_lyapunov_motion(&l);
-        if (motion == PK_CHAOTIC) /* round-off grows by it, also if the motion is leaving */
+        if (motion == PK_CHAOTIC) /* round-off grows at this rate, even if the motion is leaving */
             d->exponent = (double)exponent;
         const int leaving = motion == PK_CHAOTIC && (excursion_leaves(&excursion, s) ||
                                                      !can_be_chaotic(run->problem.system));
@@ -100,7 +100,7 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
     pk_lyapunov_free(&l);
 }
 
-/* Returns the largest exponent of an ensemble member with a run of its own; NAN on failure. */
+/* Returns the largest exponent of an ensemble member that has a struct pk_run; NAN on failure. */
 pk_real diagnose_exponent(struct pk_run *of)
 {
     const struct settings *s = &of->settings;

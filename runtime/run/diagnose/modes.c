@@ -1,8 +1,9 @@
 /* Normal modes at the equilibrium about which a motion oscillates, and the energy of each mode.
  *
- * The equilibrium is the start, if it is one, at rest. Else it is a minimum of the potential below
- * the motion's energy: the nearest with no higher potential on the straight line to it, else the
- * nearest. If none is found it is the nearest of the other equilibria, which are unstable.
+ * If the run starts at rest at an equilibrium, it is this one. Else it is a minimum of the
+ * potential below the energy of the motion: the nearest one to which the potential on the straight
+ * line stays below this energy, else the nearest. If there is none, it is the nearest unstable
+ * equilibrium.
  */
 
 #include "parts.h"
@@ -13,16 +14,16 @@
 
 #ifdef PK_WITH_GSL
 enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WAY = 64 };
-static const double PART = 1e-6; /* fraction of the way to the start, for differences */
+static const double PART = 1e-6; /* step of differences, as a fraction of the way to the start */
 
 struct modes {
     struct pk_run *run;
     size_t n;
-    double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q, h: of the equilibrium */
+    double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q and h are of the equilibrium */
     unsigned char *turns; /* whether q_i + 2 pi is the same position as q_i */
 };
 
-/* Ranks of equilibria, the best first. */
+/* Ranks of equilibria, best first. */
 enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, KINKED, NO_MODES, NOTHING };
 
 static const char *unfit(const struct pk_system *system, size_t n)
@@ -43,8 +44,8 @@ static const char *unfit(const struct pk_system *system, size_t n)
     return NULL;
 }
 
-/* Returns whether the force at q is below `share` of its change at q extrapolated linearly to the
- * start. That ratio is about 1 far away, where forces decay. */
+/* Returns whether the force at q is below `share` of its change when extrapolated linearly to the
+ * start. This ratio is about 1 far away, where forces decay. */
 static int rests(const struct modes *m, const double *q, double share)
 {
     const struct pk_problem *problem = &m->run->problem;
@@ -88,7 +89,7 @@ static double away(const struct modes *m, const double *q)
     return size > 0 ? far / size : far > 0 ? HUGE_VAL : 0;
 }
 
-/* Returns whether the motion starts at q, at rest. */
+/* Returns whether the run starts at q with all rates 0. */
 static int is_start(const struct modes *m, const double *q)
 {
     for (size_t i = 0; i < m->n; i++)
@@ -110,7 +111,7 @@ static int in_sight(const struct modes *m, const double *q, const double *rest, 
     return 1;
 }
 
-/* Returns whether the equations have a kink at q, along the line to the start. */
+/* Returns whether the equations have a kink at q, on the line to the start. */
 static int is_kinked(const struct modes *m, const double *q)
 {
     const double *start = m->run->settings.q;
@@ -140,15 +141,15 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
         return KINKED;
     if (is_start(m, q))
         return START;
-    if (!pulled) /* so far away that exponentially decaying forces are 0 */
+    if (!pulled) /* far away, where exponentially decaying forces underflow */
         return NOTHING;
     if (m->squares[0] < 0 || there > h + slack)
         return UNSTABLE;
     return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
 }
 
-/* Shifts angles by whole turns towards the start; copies q to m->q if its rank is better, or equal
- * and q is nearer. Returns the best rank. */
+/* Shifts angles by whole turns towards the start. Copies q to m->q if q has a better rank than
+ * `best`, or the same rank and is nearer. Returns the better rank. */
 static enum fitness consider(struct modes *m, double *q, enum fitness best)
 {
     for (size_t i = 0; i < m->n; i++)
@@ -161,8 +162,8 @@ static enum fitness consider(struct modes *m, double *q, enum fitness best)
     return found;
 }
 
-/* Sets m->q to the best equilibrium: of q = 0, if no force acts there, and those found from the
- * start and, for few coordinates, from other starts. Returns its rank. */
+/* Sets m->q to the best equilibrium and returns its rank. Candidates are q = 0, if no force acts
+ * there, and the roots found from the start and, for few coordinates, from other points. */
 static enum fitness choose(struct modes *m)
 {
     struct pk_run *run = m->run;
@@ -173,12 +174,12 @@ static enum fitness choose(struct modes *m)
     struct pk_equilibria found = {
         .most = PLACES, .q = q, .v = q + PLACES * m->n, .turns = m->turns};
     double *rest = memory_take(&run->memory, m->n, sizeof *rest);
-    still.cyclic = NULL; /* no steady motions: cyclic coordinates must rest too */
+    still.cyclic = NULL; /* excludes steady motions: cyclic coordinates must rest too */
     problem.system = &still;
     enum fitness best = NOTHING;
     const enum pk_status status =
         pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
-    if (rests(m, rest, 1e-12)) /* at q = 0 */
+    if (rests(m, rest, 1e-12)) /* tests q = 0 */
         best = consider(m, rest, best);
     for (size_t k = 0; status >= 0 && k < found.count; k++)
         best = consider(m, q + k * m->n, best);
@@ -190,7 +191,7 @@ static void row(struct modes *m, struct json *j, double t, const double *q, cons
     const struct pk_problem *problem = &m->run->problem;
     const size_t n = m->n, shown = n < MODES ? n : MODES;
     double *p = m->work, *pdot = p + n, sum = 0;
-    /* p - p(rest) = M q': p at rest comes from a total derivative in L. */
+    /* p - p(rest) = M q'. p(rest) is not 0 if L contains a total derivative. */
     memset(m->p, 0, n * sizeof *m->p);
     problem->system->canonical(problem->params, t, q, m->p, NULL, p, pdot);
     memcpy(m->p, p, n * sizeof *p);

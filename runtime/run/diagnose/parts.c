@@ -1,11 +1,10 @@
-/* Functions shared by the diagnostics. Each writes one member of a JSON object: it begins with
- * {"status": ..., "reason": ...}, and its numbers follow if it succeeded.
- */
+/* Functions shared by the diagnostics. Each diagnostic writes one member of a JSON object, which
+ * begins with {"status": ..., "reason": ...}; numbers follow if it succeeded. */
 #include "parts.h"
 
 #include "../observers/observers.h"
 
-/* Flags of the diagnostics that read rows. */
+/* Flags of diagnostics that read rows. */
 #define FLAG_OF_MOTION(name)
 #define FLAG_OF_OF_ROWS(name) | 1u << DIAGNOSE_PLACE_##name
 #define FLAG_OF_REDUCED(name) | 1u << DIAGNOSE_PLACE_##name
@@ -19,11 +18,11 @@ static struct diagnostics *diagnostics(struct pk_run *run)
     return run->diagnostics;
 }
 
-/* Keeps a row for the diagnostics that read rows. */
+/* Keeps a row for diagnostics that read rows. */
 static void keep_row(struct pk_run *run, const struct moment *at)
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
-    /* Rows at events are left out: spectra need equal times. */
+    /* Rows at events are left out, since spectra need equal intervals. */
     if (!(run->settings.asked.diagnose & OF_ROWS) || (run->at_event && run->settings.has_every))
         return;
     struct diagnostics *d = diagnostics(run);
@@ -76,11 +75,11 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
     reason = reason ? reason : pk_status_text(status);
     json_text(&d->json, "status", pk_status_name(status));
     json_text(&d->json, "reason", reason);
-    if (status >= 0 || d->run->control.stop) /* diagnose_run() reports the interruption once */
+    if (status >= 0 || d->run->control.stop) /* diagnose_run() reports an interruption once */
         return status >= 0;
     run_say(d->run, "diagnose %s: %s", d->name, reason);
     if (d->code == 0 && status == PK_REFUSED)
-        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* `all` skips those that do not apply */
+        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* `all` skips what does not apply */
     else if (d->code == 0)
         d->code = PK_RUN_FAILED;
     return 0;
@@ -140,7 +139,7 @@ void diagnose_report(const struct pk_run *run, struct json *j)
         json_raw(j, "diagnostics", run->diagnostics->text);
 }
 
-/* Saves or restores the kept rows. */
+/* Saves or restores the rows kept. */
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
     struct diagnostics *d = run->diagnostics;

@@ -9,25 +9,25 @@
 struct diagnostics {
     pk_real *rows; /* t, q, v of each row kept during the run */
     size_t n_rows, room;
-    char *text;       /* the JSON object of all diagnostics, */
-    struct json json; /* its writer */
+    char *text;       /* the JSON object of all diagnostics */
+    struct json json; /* writer of `text` */
     struct pk_run *run;
-    const char *name; /* of the current diagnostic */
+    const char *name; /* name of the current diagnostic */
     enum pk_run_code code;
     int all;         /* whether `all` was requested */
-    double exponent; /* largest Lyapunov exponent, if the motion is chaotic or leaving; else 0 */
+    double exponent; /* largest Lyapunov exponent if PK_CHAOTIC, else 0 */
 };
 
 /* diagnose_open() opens the JSON object of all diagnostics; diagnose_close() closes it. */
 struct diagnostics *diagnose_open(struct pk_run *run);
 void diagnose_close(struct diagnostics *d);
-/* Writes one member of the object by make(): status and reason come first. */
+/* Writes a member of the object by make(), which writes status and reason first. */
 void diagnose_one(struct diagnostics *d, const char *name,
                   void (*make)(struct pk_run *run, struct diagnostics *d));
-/* Returns the k-th of `count` kept rows that are spread evenly from the first to the last. */
+/* Returns kept row k of `count`, spread evenly from the first kept row to the last. */
 const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count);
-/* Writes status and reason. `reason` NULL: that of `it`, if it failed, or the text of the status.
- * Returns 1 if the caller is to write its numbers to d->json. */
+/* Writes status and reason. If `reason` is NULL, it is that of the failed integrator `it`, or else
+ * the text of the status. Returns 1 if the diagnostic succeeded and its numbers must follow. */
 int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,
                   const struct pk_integrator *it);
 #define DIAGNOSE_NEEDS_GSL(name)                                                               \
@@ -38,15 +38,15 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
                       NULL);                                                                   \
     }
 
-/* Returns why (q, p) are not independent canonical coordinates, or NULL if they are. */
+/* Returns why (q, p) are no independent canonical coordinates, or NULL if they are. */
 const char *diagnose_not_free(const struct pk_system *system);
 /* Returns why there are no variational equations, or NULL if there are. */
 const char *diagnose_no_variation(const struct pk_run *run);
-/* Returns whether the equations have a kink on the straight line between two positions, at rest: a
- * switch is 0 or changes its sign. Kinks without switches cannot be located: then 1.
- */
+/* Returns whether the equations at rest have a kink on the straight line between two positions,
+ * where a switch is 0 or changes sign. Returns 1 if there are kinks without switches, which cannot
+ * be located. */
 int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to);
-/* Each diagnostic writes its member. */
+/* Each of these functions writes the diagnostic of its name. */
 #define DIAGNOSE_DECLARE(name, of, kernels) \
     void diagnose_##name(struct pk_run *run, struct diagnostics *d);
 DIAGNOSTICS(DIAGNOSE_DECLARE)

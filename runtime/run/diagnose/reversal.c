@@ -1,8 +1,8 @@
-/* Reversal: integrates forward and back, and finds when the start is no longer regained. */
+/* Integrates forward and back, and finds the time after which the start is not regained. */
 
 #include "parts.h"
 
-static const double THRESHOLD = 1e-3; /* distance from the start at which it is lost */
+static const double THRESHOLD = 1e-3; /* distance from the start that counts as not regained */
 
 void diagnose_reversal(struct pk_run *run, struct diagnostics *d)
 {

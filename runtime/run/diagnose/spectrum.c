@@ -40,7 +40,7 @@ static void spectrum_lines(struct pk_run *run, struct diagnostics *d, const stru
 /* Returns the index in (q, v) of quantity i: coordinates first, then first-order variables. */
 static size_t column(size_t i, size_t n, size_t seen) { return i < seen ? i : n + i; }
 
-/* Uses rows at equal times: a last row after a shorter interval is dropped. */
+/* Uses rows at equal intervals: a last row after a shorter interval is dropped. */
 void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *set = &run->settings;

@@ -1,7 +1,6 @@
-/* Runs an ensemble (`pkgen run --ensemble`): one batch of members is in memory at a time, and rows
- * come in the order of members, whichever thread made them. The parameters of every member are
- * checked before the first one runs.
- */
+/* Runs an ensemble (`pkgen run --ensemble`). One batch of members is in memory at a time, and rows
+ * are written in the order of members, independent of the threads. The parameters of all members
+ * are checked before the first one runs. */
 
 #include "../settings/settings.h"
 #include "ensemble.h"
@@ -12,7 +11,7 @@ static int stop(void *context)
     return pk_thread() ? run->control.stop : run_stopped(run, run->part);
 }
 
-/* Passes a member's state to the observers, as a row if has_row. */
+/* Passes a state of a member to the observers, also as a row if has_row. */
 static void show(struct pk_run *run, int has_row, const struct moment *at)
 {
     if (has_row)
@@ -20,7 +19,7 @@ static void show(struct pk_run *run, int has_row, const struct moment *at)
     observe_step(run, at);
 }
 
-/* Writes all rows that a member reached. Its drifts are measured at its rows only. */
+/* Writes all rows of member i of the batch. Its drifts are measured at rows only. */
 static void show_all(const struct batch *b, struct pk_run *run, size_t i)
 {
     const struct pk_ensemble *e = &b->e;
@@ -43,7 +42,7 @@ static void show_all(const struct batch *b, struct pk_run *run, size_t i)
     reduce_end(run, run, run->member, e->status[i], &at);
 }
 
-/* Observers read parameters and inputs from the settings, so they point to the member's here. */
+/* Sets the settings, from which observers read parameters and inputs, to the member's meanwhile. */
 static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t member)
 {
     const struct pk_ensemble *e = &b->e;
@@ -64,13 +63,13 @@ static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t m
     s->u = u;
 }
 
-/* Returns whether fixed steps left a member with a wrong energy at its end. */
+/* Returns whether fixed steps ended with a wrong energy in member i of the batch. */
 static int is_astray(const struct batch *b, const struct pk_run *run, size_t i)
 {
     if (!run->monitor_block || !member_fixed(&run->settings) || b->e.done[i] == 0)
         return 0;
     const pk_real final = pk_drift_final(&run->monitor.energy);
-    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* also true if it is NaN */
+    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* also true for NaN */
 }
 
 static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_t count,
@@ -86,7 +85,7 @@ static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_
     }
 }
 
-/* Writes the members that failed with one status. */
+/* Writes the count and the first of the members that failed with one status. */
 static void report_failed(const struct settings *s, struct json *j, const char *key,
                           const struct failed *of)
 {
@@ -188,10 +187,10 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
 struct ensemble {
     struct batch b;
     struct tally tally;
-    size_t first; /* the next member to run */
+    size_t first; /* index of the next member to run */
 };
 
-/* Saves or restores the results of the members so far, for a checkpoint. */
+/* Saves or restores the results so far, for a checkpoint. */
 static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     struct ensemble *of = context;
@@ -213,7 +212,7 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     return PK_DONE;
 }
 
-/* Runs `count` members; 0: the run is to end, and a resumed run makes them again. */
+/* Runs `count` members. Returns 0 if the run must end; a resumed run repeats these members. */
 static int make_batch(struct pk_run *run, struct ensemble *of, size_t count)
 {
     struct batch *b = &of->b;
@@ -230,8 +229,8 @@ static int make_batch(struct pk_run *run, struct ensemble *of, size_t count)
     return 1;
 }
 
-/* With checkpoints, batches begin small, and double while one takes less than a quarter of the time
- * between two checkpoints. */
+/* With checkpoints, batches are small at first. Their size doubles if one takes less than a quarter
+ * of the time between two checkpoints. */
 static void make_all(struct pk_run *run, struct ensemble *of)
 {
     const struct pk_run_settings *asked = &run->settings.asked;

@@ -1,13 +1,13 @@
-/* Members of an ensemble: their memory, and their parameters from the settings and the table. */
+/* Members of an ensemble: their memory, and their parameters from the settings and their table. */
 #include "../settings/settings.h"
 #include "ensemble.h"
 
-/* Limit of the rows of a batch, in bytes. Tests set less, to have more than one batch. */
+/* Memory limit for the rows of a batch, in bytes. Tests lower it to get several batches. */
 #ifndef RUN_BATCH_BYTES
 #define RUN_BATCH_BYTES (1 << 26)
 #endif
 
-/* Sets parameters, start and inputs of member i of the batch from row `member` of the table. */
+/* Sets parameters, initial state and inputs of member i of the batch from a row of the table. */
 static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, struct pk_run *run)
 {
     struct settings *s = &run->settings;
@@ -19,7 +19,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     pk_real *u = b->u + i * system->n_inputs;
     char who[40];
     memcpy(params, s->params, system->params_size);
-    if (b->families_size) { /* memory of families of parameters, and of the factors of M */
+    if (b->families_size) { /* memory for families of parameters and factors of M */
         char *const own = b->families + i * b->families_size;
         memcpy(own, s->families, b->families_size);
         system->families.attach(params, own);
@@ -33,7 +33,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     }
     settings_assign(s, params, b->own, n_own);
     const int outside = system->prepare(params);
-    if (outside && !s->asked.lenient) { /* a lenient run lets this member's integrator fail */
+    if (outside && !s->asked.lenient) { /* its integrator then fails */
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
         settings_refused(run, params, outside, who);
         return PK_RUN_USAGE;

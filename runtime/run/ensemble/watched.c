@@ -1,5 +1,5 @@
 /* Ensembles whose events are watched, or whose equations have switches: each member is a struct
- * pk_run with its own rows and results. Threads run several at a time, and their output is merged
+ * pk_run with its own rows and results. Threads run members in parallel, and their output is merged
  * in the order of members.
  */
 #include "../diagnose/area.h"
@@ -10,20 +10,20 @@
 
 enum { PARTS = 4 }; /* groups of members per thread */
 
-/* A batch of members. Each thread advances `lanes` of them at once in SIMD lanes; 1: one by one. */
+/* A batch of members. Each thread advances `lanes` members at once in SIMD lanes; 1: no lanes. */
 struct work {
     const struct batch *b;
     const struct pk_run *run; /* the run of the whole ensemble, whose settings the members share */
-    size_t first, count, group, lanes, bytes; /* `group`: members per call of make() */
-    struct pk_run *runs;                      /* per member, kept until its results are merged */
-    char *block;                              /* `bytes` per thread, for its lanes */
+    size_t first, count, group, lanes, bytes; /* `group`: number of members per call of make() */
+    struct pk_run *runs;                      /* one per member, kept until merged */
+    char *block;                              /* `bytes` of memory per thread, for its lanes */
 };
 
 struct member {
     const struct work *w;
     struct pk_run *run;
-    size_t i; /* number in the batch */
-    int goes; /* whether it has another step to make */
+    size_t i; /* index in the batch */
+    int goes; /* whether another step follows */
 };
 
 static size_t kinds(const struct settings *s)
@@ -31,7 +31,8 @@ static size_t kinds(const struct settings *s)
     return s->system->events.n + s->system->switches.n;
 }
 
-/* Gives a member's run its own start, parameters, inputs, expectations and memory. */
+/* Initialises a member's run: its own parameters, initial state, inputs, expectations and
+ * memory. */
 static void prepare(struct pk_run *run, const struct work *w, size_t i)
 {
     const struct batch *b = w->b;
@@ -111,7 +112,7 @@ static void finish(struct member *m)
     run->out = NULL;
 }
 
-/* Starts member i of the batch. Returns whether it has a step to make; else it is finished. */
+/* Starts member i of the batch. Returns 1 if it has a step to make; otherwise finishes it. */
 static int begin(struct member *m, const struct work *w, size_t i)
 {
     *m = (struct member){w, &w->runs[i], i, 0};
@@ -123,7 +124,7 @@ static int begin(struct member *m, const struct work *w, size_t i)
     return 0;
 }
 
-/* Advances members in lanes; a lane whose member has ended takes the next one. */
+/* Advances members in lanes; when a member has ended, its lane takes the next one. */
 static void go_in_lanes(const struct work *w, size_t next, size_t behind)
 {
     struct member members[PK_BLOCK_MOST];
@@ -272,7 +273,7 @@ void watched_keep(struct tally *tally, const struct settings *s, struct pk_keep 
         pk_keep(k, tally->first, all * sizeof *tally->first);
 }
 
-/* Writes `count` events or switches, from number `from` on. */
+/* Writes `count` events or switches, the first with index `from`. */
 static void report_kind(const struct tally *tally, const struct settings *s, struct json *j,
                         const char *key, size_t from, size_t count)
 {

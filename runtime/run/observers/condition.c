@@ -1,28 +1,28 @@
-/* Condition numbers along a run (pk/condition.h); an observer. It computes them at some 64 states,
- * and where a rate changes twice as fast as at any step before: there M is nearest to singular, for
- * a short time. After 1024 steps it sees one in 8, or explicit runs would take some 5 % longer.
- */
+/* Condition numbers along a run (pk/condition.h); an observer. It computes them at about 64 states,
+ * and also where a rate changes twice as fast as at any earlier step, since M is nearest to
+ * singular there, for a short time. After 1024 steps it examines one step in 8, which keeps the
+ * cost below 5 % of explicit runs. */
 #include "condition.h"
 
-#define LOST PK_C(1e5) /* magnification of rounding in accelerations that gives a warning */
-#define NEAR PK_C(1e3) /* condition number; below it the cause is cancelling forces, as at rest */
-#define FASTER 2       /* factor over the largest |dv/dt| so far at which a state is examined */
+#define LOST PK_C(1e5) /* amplification of rounding in accelerations that gives a warning */
+#define NEAR PK_C(1e3) /* condition number; below it forces cancel, as at rest */
+#define FASTER 2       /* a state is examined if |dv/dt| grows by this factor */
 enum {
-    LOOKS = 64, /* states, spread over the duration */
-    STEPS = 64, /* least number of steps between two, for FEW unknowns; more in proportion */
+    LOOKS = 64, /* states over the whole duration */
+    STEPS = 64, /* least steps between two states; more above FEW unknowns */
     FEW = 16,
-    MOST_RECORDS = 256, /* states examined since a rate changes faster than before */
-    ALL = 1024,         /* steps after which one in PART is seen */
+    MOST_RECORDS = 256, /* limit of states examined because a rate changes faster */
+    ALL = 1024,         /* after so many steps only one in PART is examined */
     PART = 8
 };
 
-struct looking { /* v, turned and the block follow it in memory */
+struct looking { /* v, turned and block follow this struct in memory */
     struct pk_condition found;
     const struct pk_problem *problem;
     void *block;
     size_t n;
-    pk_real next, t, *v; /* time of the next look; time and v of the step seen before */
-    pk_real *turned;     /* FASTER times the largest |dv/dt| of each rate */
+    pk_real next, t, *v; /* time of the next look; time and v at the last step examined */
+    pk_real *turned;     /* FASTER times the largest |dv_i/dt| of each rate */
     unsigned long seen, steps, records;
 };
 

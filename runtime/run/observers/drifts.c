@@ -1,9 +1,9 @@
 /* Drifts of constants of the motion: energy, momenta of cyclic coordinates, declared constants. */
 #include "observers.h"
 
-#define LARGE PK_C(0.1) /* drift relative to its scale */
+#define LARGE PK_C(0.1) /* relative to the scale of the quantity */
 
-/* Drifts are measured at all of the first ALL steps, then so rarely that it adds a twentieth to the
+/* Drifts are measured at each of the first ALL steps, and later so rarely that this adds 5 % to the
  * time of the steps: one measurement costs about three evaluations of the forces. */
 enum { ALL = 1024, STEPS_BY_ONE = 60 };
 
@@ -41,13 +41,13 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
 {
     pk_real exponent, spread;
     const enum pk_growth growth = pk_drift_growth(drift, &exponent, &spread);
-    /* A bounded drift may still be large. */
+    /* A drift that does not grow may still be large. */
     const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
     json_open(j, key, '{');
     json_text(j, "name", name);
     json_reals(j, {"max", pk_drift_max(drift)}, {"final", pk_drift_final(drift)},
                {"slope", pk_drift_slope(drift)});
-    /* `scale`: the unit of max, final and slope; if it is round-off, the drift is round-off too. */
+    /* `scale`: the unit of max, final and slope. If it is round-off, so is the drift. */
     json_reals(j, {"scale", drift->scale}, {"first", drift->first}, {"exponent", exponent},
                {"spread", spread});
     json_text(j, "growth", far ? "off by more than a tenth" : pk_growth_text(growth));
@@ -69,7 +69,7 @@ static void report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
 }
 
-/* The monitor of an ensemble is not saved: it begins anew for each member. */
+/* The monitor of an ensemble is not saved, since it starts anew for each member. */
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
     if (run->monitor_block && !run->settings.asked.members)

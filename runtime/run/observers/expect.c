@@ -1,17 +1,17 @@
-/* Expectations of a scene, checked along its run; an observer. */
+/* Checks the expectations of a scene along its run; an observer. */
 #include "observers.h"
 
 #include "../settings/settings.h"
 
 static int is_number(pk_real x) { return x - x == PK_C(0.0); }
 
-/* Returns whether `now` is the worst so far; NaN is worse than any number. */
+/* Returns whether `now` is worse than `before`; NaN is worse than any number. */
 static int is_worst(int first, pk_real now, pk_real before)
 {
     return first || (is_number(before) && !(now <= before));
 }
 
-/* Checks the relation between a and b, and keeps the worst case. A NaN is a miss. */
+/* Checks the relation between a and b, and keeps the worst case. A NaN counts as a failure. */
 static void compare(struct pk_run *run, struct expected *x, pk_real t, pk_real a, pk_real b,
                     pk_real within)
 {
@@ -40,7 +40,7 @@ static const pk_real *outputs(struct pk_run *run, const struct moment *at)
     return run->expected;
 }
 
-/* Returns whether t is `at` up to the round-off of a step that ends there. */
+/* Returns whether t equals `at` up to the round-off of a step that ends there. */
 static int is_at(const struct pk_run *run, pk_real t, pk_real at)
 {
     return PK_F(fabs)(t - at) <= 8 * PK_EPSILON * run->settings.until;
@@ -58,7 +58,7 @@ pk_real expect_limit(const struct pk_run *run, pk_real t, pk_real limit)
     return next;
 }
 
-/* Checks the relations of kind `when` that belong to the time or event. */
+/* Checks the relations of kind `when` (t, e, r) for this time, event or row. */
 static void compare_all(struct pk_run *run, char when, size_t event, const struct moment *at)
 {
     const pk_real *out = NULL;
@@ -114,7 +114,7 @@ int expect_lean(const struct pk_run *run)
     return run->settings.asked.n_drifts == 0;
 }
 
-/* Merges the drifts of the member that has ended, and resets them for the next one. */
+/* Records the drifts of the member that has ended, and resets them for the next one. */
 static void end(struct pk_run *run)
 {
     for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {
@@ -197,7 +197,7 @@ void expect_report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
 }
 
-/* Saves or restores the results; the relations themselves come from the settings. */
+/* Saves or restores the results; the relations come from the settings. */
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
     for (size_t i = 0; i < run->settings.asked.n_expected; i++) {

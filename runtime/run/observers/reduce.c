@@ -1,13 +1,12 @@
-/* Reductions of each ensemble member to some numbers, in place of its rows or with them; an
- * observer. It reads the columns from the cells of each row.
- */
+/* Reduces each ensemble member to some numbers, instead of its rows or in addition to them; an
+ * observer. It reads the columns from run->cells. */
 #include "observers.h"
 
 #include "../settings/settings.h"
 
-enum { BEFORE = 2 }; /* cells before the columns: the member, t */
+enum { BEFORE = 2 }; /* cells before the columns: member and t */
 
-/* Returns whether any requested reduction is of one of these kinds. */
+/* Returns whether a requested reduction is of one of these kinds. */
 static int has(const struct pk_run *run, const char *kinds)
 {
     const struct pk_run_settings *s = &run->settings.asked;
@@ -24,7 +23,7 @@ static void begin(struct pk_run *run)
     run->reduces_rows = has(run, "Mma");
 }
 
-/* A NaN in any row makes the reduction NaN. */
+/* Updates the reductions by a row. A NaN in any row makes the result NaN. */
 static void row(struct pk_run *run, const struct moment *at)
 {
     const struct pk_run_settings *s = &run->settings.asked;
@@ -45,7 +44,7 @@ static void row(struct pk_run *run, const struct moment *at)
     run->reduces++;
 }
 
-/* Returns whether the current member met a relation at every check, with at least one check. */
+/* Returns whether the current member met the relation in all its checks, at least one. */
 static int met(struct expected *x)
 {
     const int found = x->count > x->counted && x->missed == x->lost;
@@ -99,7 +98,7 @@ void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_st
     of->reduces = 0;
 }
 
-/* Saves or restores the table of members; checkpoints lie between members. */
+/* Saves or restores the table of members; checkpoints are only written between members. */
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
     const struct pk_run_settings *s = &run->settings.asked;

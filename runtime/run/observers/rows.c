@@ -1,6 +1,5 @@
-/* Rows: computes their columns, then writes them as CSV or keeps them in memory. CSV quotes a name
- * that holds a comma, a quote or a blank (RFC 4180).
- */
+/* Computes the columns of rows, and writes rows as CSV or keeps them in memory. Names in CSV with a
+ * comma, quote, blank or newline are quoted (RFC 4180). */
 #include <pk/constraint.h>
 
 #include "observers.h"
@@ -29,7 +28,7 @@ static void csv_name(FILE *file, const char *name)
     fputs(quoted ? "\"" : "", file);
 }
 
-/* Returns in `name` the name of an output or the energy. */
+/* Sets `name` to the name of an output or to "energy". */
 static void name_of(const struct pk_run *run, const struct pk_run_column *column, char *name,
                     size_t size)
 {
@@ -100,8 +99,8 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
     }
 }
 
-/* Sets outputs to NaN that round-off of the state changes by more than LOST of their value. Near a
- * position with dependent constraints these are accelerations and multipliers. */
+/* Sets outputs to NaN if round-off of the state changes them by more than the fraction LOST. Near
+ * positions with dependent constraints these are accelerations and multipliers. */
 static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
 {
     const struct settings *s = &run->settings;
@@ -204,7 +203,7 @@ void rows_take(struct pk_run *run, const struct pk_run *from)
     run->n_kept += from->n_kept;
 }
 
-/* An output may be not finite where the motion is valid: the rows go on, and the run reports it. */
+/* An output may be not finite although the motion is valid, so the run continues and reports it. */
 static void write_row(struct pk_run *run, const struct moment *at)
 {
     const int none = run->settings.asked.no_rows;
@@ -219,7 +218,7 @@ static void write_row(struct pk_run *run, const struct moment *at)
     }
 }
 
-/* Saves or restores a pointer to a column of the rows as 1 + its number; 0: NULL. */
+/* Saves or restores a pointer to a column as 1 + its index, or 0 for NULL. */
 static void keep_column(struct pk_run *run, struct pk_keep *k, const struct pk_run_column **column)
 {
     const struct settings *s = &run->settings;
@@ -229,7 +228,7 @@ static void keep_column(struct pk_run *run, struct pk_keep *k, const struct pk_r
     *column = number && !k->wrong ? &s->show[number - 1] : NULL;
 }
 
-/* Saves or restores the rows kept in memory; rows of a file stay in the file. */
+/* Saves or restores the rows kept in memory; rows in a file are not saved. */
 static void keep_all(struct pk_run *run, struct pk_keep *k)
 {
     const size_t size = run_width(run) * sizeof(double), had = run->n_kept;

@@ -1,4 +1,4 @@
-/* Judges up to which time a run can be trusted; an observer. See observers.h. */
+/* Determines up to which time a run can be trusted; an observer. See observers.h. */
 #include <pk/methods.h>
 
 #include "../settings/settings.h"
@@ -9,13 +9,13 @@
 #define JUDGE "dop853"
 #define JUDGE_TOL PK_C(1e-9)
 
-enum { MOST_VALUES = 5000000 }; /* limit of accelerations by the judge: about a second */
+enum { MOST_VALUES = 5000000 }; /* limit of accelerations in judge(), about a second */
 
 static void step(struct pk_run *run, const struct moment *at)
 {
     if (!run->looked || !run->monitor.has_energy || run->distrusted)
         return;
-    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* true of NaN */
+    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* true for NaN */
     if (!run->distrusted)
         run->trusted = at->t;
 }
@@ -28,7 +28,7 @@ static void keep(struct pk_run *run, struct pk_keep *k)
 
 const struct observer trust_observer = {.step = step, .keep = keep};
 
-/* Returns whether the failure may be an artefact of the steps, not of the motion. */
+/* Returns whether the failure may be due to the steps rather than the motion. */
 static int doubtful(const struct pk_run *run)
 {
     static const enum pk_status statuses[] = {PK_SINGULAR_MASS,        PK_SINGULAR_TIME,
@@ -40,7 +40,7 @@ static int doubtful(const struct pk_run *run)
     return found && run->it.t > 0;
 }
 
-/* Integrates the same motion up to t by JUDGE, and writes where it ends or that it goes on. */
+/* Integrates the same motion to t by JUDGE, and writes where it ends, or that it goes on. */
 static void judge(struct pk_run *run, pk_real t, FILE *file)
 {
     const struct settings *s = &run->settings;
@@ -61,7 +61,7 @@ static void judge(struct pk_run *run, pk_real t, FILE *file)
         fprintf(file,
                 "; by %s at %.0e the motion goes on to t = %.9g at least: only these steps end",
                 JUDGE, (double)JUDGE_TOL, (double)t);
-        if (run->it.status != PK_STEP_TOO_LONG) /* its reason has this advice already */
+        if (run->it.status != PK_STEP_TOO_LONG) /* whose reason has this advice */
             fprintf(file, ": make the step%s",
                     run_fixed(run) ? " shorter (--step)" : "s shorter (--step, --rtol)");
     }
@@ -79,7 +79,7 @@ static void judge(struct pk_run *run, pk_real t, FILE *file)
 void trust_judge(struct pk_run *run)
 {
     const int fixed = run_fixed(run), arrived = run->it.status >= 0;
-    /* Fixed steps that arrive with a wrong energy may have passed the end of the motion. */
+    /* Fixed steps that reach the end with a wrong energy may have passed the end of the motion. */
     if (run->settings.n_parts ||
         !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;
@@ -118,7 +118,7 @@ void trust_reason(const struct pk_run *run, char *text, size_t size)
         return;
     }
     pk_integrator_reason(it, text, size);
-    /* The singularity ends these steps; the motion itself goes on. */
+    /* Only these steps end at the singularity, not the motion. */
     if (run->goes_on && (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
         pk_system_singularity_name(it->problem.system, it->problem.params, it->reason.index, name,
                                    sizeof name);

@@ -1,7 +1,7 @@
 /* Records and reports the crossings of events and switches; an observer. */
 #include "observers.h"
 
-enum { FEW = 4 }; /* states too few to judge an event function; a stop at the event is one */
+enum { FEW = 4 }; /* minimum of states to judge an event function */
 
 static void note(struct pk_run *run, size_t event, const struct moment *at)
 {
@@ -17,7 +17,7 @@ const char *watch_name(const struct pk_system *system, size_t k)
                                 : system->switches.names[k - system->events.n].name;
 }
 
-/* Returns the run's integrator, or that of its block k; NULL behind the last. */
+/* Returns the run's integrator, or that of block k; NULL if k is behind the last one. */
 static const struct pk_integrator *integrator(const struct pk_run *run, size_t k)
 {
     if (run->settings.n_parts)
@@ -56,7 +56,7 @@ void watch_warn(struct pk_run *run)
                     run->problem.system->events.table[k].what.name, (double)WATCH_NOISE);
 }
 
-/* Writes `count` events or switches, from number `from` on, with the times of their crossings. */
+/* Writes `count` events or switches, the first with index `from`, and their crossing times. */
 static void report_kind(const struct pk_run *run, struct json *j, const char *key, size_t from,
                         size_t count)
 {

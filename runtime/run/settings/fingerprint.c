@@ -1,9 +1,9 @@
-/* Marks: a hash of each setting that determines the results of a run. A checkpoint stores them, and
- * only a run with the same marks resumes it. Settings of output files and callbacks have none.
+/* Marks: hashes of all settings that determine the results of a run. A checkpoint stores them, and
+ * only a run with the same marks can resume it. Output files and callbacks have no marks.
  */
 #include "settings.h"
 
-#define FIRST 0xcbf29ce484222325u /* FNV-1a of 64 bits */
+#define FIRST 0xcbf29ce484222325u /* 64-bit FNV-1a */
 #define PRIME 0x100000001b3u
 
 static uint64_t mark(uint64_t before, const void *bytes, size_t size)
@@ -19,7 +19,7 @@ static uint64_t text(uint64_t before, const char *of)
     return of ? mark(before, of, strlen(of) + 1) : before;
 }
 
-/* Hashes member by member, since the padding between them is undefined. */
+/* Hashes struct members one by one, since padding bytes are undefined. */
 static uint64_t columns(uint64_t before, const struct pk_run_column *of, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-/* Parameters as text: which one was refused and why; all of them as JSON. */
+/* Parameters as text: which parameter was refused and why; all parameters as JSON. */
 #include "settings.h"
 
 #include "../base/numbers.h"
@@ -11,7 +11,7 @@ static void tell(FILE *file, const char *before, pk_real x)
     numbers_write(file, (double)x);
 }
 
-/* Returns the address of parameter i; for a family kept as a loop, of its first member. */
+/* Returns the address of parameter i, or of the first member of a family that is kept as a loop. */
 static const void *place(const struct pk_system *system, const void *params, size_t i,
                          struct pk_range *range)
 {
@@ -24,7 +24,7 @@ static const void *place(const struct pk_system *system, const void *params, siz
     return at;
 }
 
-/* Writes why parameter i is refused: not finite, or outside its bounds (one pair per family). */
+/* Writes why parameter i is refused: not finite, or outside its bounds (one pair for a family). */
 static void refused_one(FILE *file, const struct pk_system *system, const void *params, size_t i,
                         const struct pk_range *range, pk_real x)
 {
@@ -111,7 +111,7 @@ void settings_tell(struct pk_run *run, FILE *file)
     struct json j = {.file = file};
     json_open(&j, NULL, '{');
     json_parameters_known(&j, s->system, s->params);
-    json_open(&j, "families", '['); /* per declared parameter: its members; 0: it is no family */
+    json_open(&j, "families", '['); /* per parameter: length of the family, or 0 */
     for (size_t i = 0; i < s->system->n_parameters; i++) {
         const struct pk_range range = pk_system_range(s->system, s->params, PK_OF_PARAMETER, i);
         json_real(&j, NULL, range.is_family ? (pk_real)range.count : 0);

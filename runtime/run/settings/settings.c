@@ -1,7 +1,7 @@
-/* Converts the caller's settings to those that the run uses: sizes first, since they determine the
- * number of values; then parameters (defaults, given ones, derived ones); then the start, computed
- * from them, with its given values. Each step returns a message if something is wrong, or NULL.
- */
+/* Converts the caller's settings to those that the run uses. Sizes of families come first, since
+ * the number of other values depends on them; then parameters (defaults, given and derived values);
+ * then the initial state, which is computed from the parameters and overridden by given values.
+ * Each step returns NULL, or a message if a setting is wrong. */
 #include "settings.h"
 
 struct pk_run_settings pk_run_defaults(void)
@@ -76,7 +76,7 @@ static const char *steps(struct settings *s)
     return NULL;
 }
 
-/* Sets the sizes, allocates the memory that depends on them, and sets all defaults. */
+/* Sets the sizes of families, allocates the memory that depends on them, and sets all defaults. */
 static const char *sizes(struct settings *s)
 {
     const struct pk_system *system = s->system;
@@ -119,7 +119,7 @@ static int has_value(const struct pk_run_value *given, size_t n_given, size_t pa
     return 0;
 }
 
-/* Sets a parameter, or the given members of a family. Returns 0 if there is no such member. */
+/* Sets a parameter, or the given members of a family. Returns 0 if the index is out of range. */
 static int set(const struct settings *s, void *params, const struct pk_run_value *given,
                size_t n_given, size_t parameter)
 {
@@ -156,7 +156,7 @@ int settings_assign(struct settings *s, void *params, const struct pk_run_value 
                 continue;
             if (range_of(s, at).is_family != families)
                 continue;
-            /* First derive the members that are not given; they may depend on earlier families. */
+            /* Members that are not given are derived first; they may depend on earlier families. */
             if (families)
                 system->derive(params, s->given);
             if (!set(s, params, asked, n, at) || !set(s, params, more, n_more, at))
@@ -172,7 +172,7 @@ static const char *parameters(struct settings *s)
     return settings_assign(s, s->params, NULL, 0) ? NULL : "there is no such parameter";
 }
 
-/* Copies given values to `to`: inputs or, with flags, the start. Returns 0 if one is invalid. */
+/* Copies given values to inputs or, with flags, to the initial state. Returns 0 on a bad index. */
 static int take(const struct pk_run_value *x, size_t n_x, pk_real *to, size_t n,
                 unsigned char *flags)
 {
@@ -198,7 +198,7 @@ static const char *start(struct settings *s)
                : "there is no such start or input";
 }
 
-/* Returns the number of columns of a kind. */
+/* Returns how many columns of a kind the model has. */
 static size_t count_of(const struct settings *s, char kind)
 {
     const struct pk_system *system = s->system;
@@ -214,7 +214,7 @@ static int is_column(const struct settings *s, struct pk_run_column c)
     return c.index < count_of(s, c.kind);
 }
 
-/* Sets the columns of rows: the requested ones, or all that are not hidden. */
+/* Sets the columns of rows to the requested ones, or to all that are not hidden. */
 static const char *columns(struct settings *s)
 {
     static const char kinds[] = "qvoe";
@@ -304,7 +304,7 @@ static const char *prepare(struct settings *s)
     return run->refused ? "" : NULL;
 }
 
-/* Returns the table of functions that these settings need and the program lacks, or NULL. */
+/* Returns which table of functions these settings need and the program lacks, or NULL. */
 static const char *lack(const struct pk_run_settings *x, const struct pk_run_model *model)
 {
     int diagnoses = x->diagnose != 0;

@@ -1,4 +1,4 @@
-/* The equilibria of a model in JSON; see pk/stability.h. */
+/* Writes the equilibria of a model as JSON; see pk/stability.h. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <pk/stability.h>

@@ -1,6 +1,6 @@
-/* The list of methods in JSON: their traits, required facts, and stability limits on linear
- * equations (pk/limits.h). An infinite limit is the word "infinite", an unknown one null.
- */
+/* Writes the list of methods as JSON: traits, required facts about the system, and limits of the
+ * step size on linear equations (pk/limits.h). An infinite limit is "infinite"; an unknown one is
+ * null. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <pk/limits.h>
@@ -29,8 +29,8 @@ static void limit(struct json *j, const char *key, pk_real x)
         json_real(j, key, x);
 }
 
-/* Writes both limits, and the intervals of growth [[from, to], ...] on the imaginary axis; the last
- * one may be infinite. */
+/* Writes both limits, and the intervals [[from, to], ...] on the imaginary axis in which steps
+ * grow; the last one may be infinite. */
 static void limits(struct json *j, const struct pk_method *method)
 {
     pk_real found[2];

@@ -1,4 +1,4 @@
-/* Steps of any method from any state; see pk/stability.h. */
+/* Makes steps of any method from any state; see pk/stability.h. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <pk/constraint.h>
@@ -14,10 +14,10 @@ struct pk_stability {
     struct pk_problem problem;
     struct pk_integrator it;
     struct pk_monitor monitor;
-    struct looking *looking; /* NULL: condition numbers are not watched */
+    struct looking *looking; /* NULL if condition numbers are not watched */
     unsigned watch;
     struct memory memory;
-    const double *state; /* of pk_stability_begin() */
+    const double *state; /* given to pk_stability_begin() */
     enum pk_status status;
     char *report;
 };
@@ -79,7 +79,7 @@ static void write(const struct pk_integrator *it, double *state)
     memcpy(state + it->n, it->v, it->n * sizeof *state);
 }
 
-/* Writes t and the state; returns the place behind. */
+/* Writes t and the state to `out`; returns the address after them. */
 static double *put(const struct pk_integrator *it, double *out)
 {
     *out = it->t;

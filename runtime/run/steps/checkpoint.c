@@ -1,6 +1,5 @@
-/* Checkpoints: when they are written, and their contents: the model's hash, the marks of the
- * settings, the end of the rows, and the run's state.
- */
+/* Checkpoints: when they are written, and what they contain: the hash of the model, the marks of
+ * the settings, the end of the rows, and the state of the run. */
 #include <pk/keep.h>
 
 #include "../base/checkpoint.h"
@@ -16,7 +15,7 @@ static enum pk_status everything(struct pk_run *run, checkpoint_keep *keep, void
     return status < 0 ? status : k->wrong ? PK_BLOCK_TOO_SMALL : PK_DONE;
 }
 
-/* Identity of a run: 64 characters of the model's hash, the marks of all settings; its rows. */
+/* Identity of a run: hash of the model (64 characters), marks of all settings; end of its rows. */
 struct of {
     char model[64];
     uint64_t marks[MARKS];
@@ -83,14 +82,14 @@ void checkpoint_write(struct pk_run *run, checkpoint_keep *keep, void *context)
     struct of of = of_run(run);
     struct pk_keep k = {0};
     const double seconds = run->seconds, processor = run->processor;
-    if (run->write_failed) /* the rows before it are not all there */
+    if (run->write_failed) /* some rows are missing in the file */
         return;
     run->seconds += run_now() - run->checkpoint.began;
     run->processor += run_processor() - run->control.began;
     of.rows = checkpoint_place(run->out);
     everything(run, keep, context, &k);
     k.size = k.used + sizeof of;
-    k.to = memory_ask(&run->memory, k.size, 1); /* without memory the run goes on */
+    k.to = memory_ask(&run->memory, k.size, 1); /* if memory runs out the run goes on */
     k.used = 0;
     pk_keep(&k, &of, sizeof of);
     if (k.to)

@@ -4,13 +4,13 @@
 
 #include "steps.h"
 
-/* Saves the state of a kind of run to k, or restores it from k; `context` is the caller's. */
+/* Saves the state of a run to k, or restores it from k; `context` is the caller's. */
 typedef enum pk_status checkpoint_keep(struct pk_run *run, void *context, struct pk_keep *k);
 
-/* Called before the first step, when all memory is allocated. Restores the file if that was
- * requested, and sets run->checkpoint.resumed. Returns 0, with a message, if that fails. */
+/* Called before the first step, after all memory is allocated. If requested, restores the run from
+ * the file and sets run->checkpoint.resumed. Returns 0, with a message, if that fails. */
 int checkpoint_begin(struct pk_run *run, checkpoint_keep *keep, void *context);
-/* Called between steps: writes a checkpoint if one is due or the run is to end. */
+/* Called between steps: writes a checkpoint if one is due or the run must end. */
 void checkpoint_look(struct pk_run *run, checkpoint_keep *keep, void *context);
 /* Writes a checkpoint now. */
 void checkpoint_write(struct pk_run *run, checkpoint_keep *keep, void *context);

@@ -1,5 +1,5 @@
-/* Steps that detect crossings of events and switches: rows at events, rows due before them, stops.
- */
+/* Steps that detect crossings of events and switches. They write rows at events and rows due before
+ * these, and stop at events. */
 
 #include "steps.h"
 
@@ -8,7 +8,7 @@ static struct moment moment_of(const struct pk_events *e)
     return (struct moment){e->t, e->q, e->v};
 }
 
-/* Writes what is due up to the switch: the step ends here, and then has no dense output. */
+/* Writes rows due up to the switch. The step ends there and then has no dense output. */
 static void switched(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
@@ -71,9 +71,9 @@ enum pk_run_code crossings_begin(struct pk_run *run)
     return PK_RUN_DONE;
 }
 
-/* Notes whether event functions g leave zero. A g that is zero up to errors, like a constant of the
- * motion, crosses zero by these errors alone. The scale of g is the largest |dg/dx_i| |x_i| over
- * coordinates and rates. */
+/* Notes whether each event function g becomes clearly nonzero. A g that is always zero up to
+ * errors, such as a constant of the motion, crosses zero by these errors alone. The scale of g is
+ * the largest |dg/dx_i| |x_i| over coordinates and rates. */
 static void note_leaving(struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
@@ -83,7 +83,7 @@ static void note_leaving(struct pk_run *run)
     int all = 1;
     for (size_t k = 0; k < m; k++)
         all &= run->crossed[k].leaves;
-    if (all) /* also if there are no events, only switches */
+    if (all) /* also if there are no events */
         return;
     memcpy(x, run->it.q, n_q * sizeof *x);
     memcpy(x + n_q, run->it.v, n * sizeof *x);

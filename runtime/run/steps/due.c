@@ -1,15 +1,15 @@
-/* Rows and expectations that are due at given times, where steps end or within them.
+/* Rows and expectations that are due at given times, at ends of steps or within steps.
  *
- * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. They do not disturb fixed steps: only the
- * last one before `until` or a switch is shorter, and a row within a step comes from an extra,
- * shorter step from the same start. An adaptive method lands on rows, or uses its dense output if
- * that is as accurate as its steps: gauss does; dopri5's and dop853's lose digits at tight
- * tolerances (measured in tests/runtime), so they land.
+ * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. They do not change fixed steps: only the
+ * last step before `until` or a switch is shorter, and a row within a step is computed by an extra,
+ * shorter step from the same state. The steps of an adaptive method end at rows, unless its dense
+ * output is as accurate as its steps: this is so for gauss, but dense output of dopri5 and dop853
+ * loses digits at tight tolerances (measured in tests/runtime).
  */
 #include "steps.h"
 
-/* The slack is 1e-12 of the quotient; with 1e9 or more intervals only round-off, since 1e-12 of
- * very many could be a whole interval. */
+/* A quotient may exceed an integer by 1e-12 of it. From 1e9 intervals on, only round-off is
+ * allowed, since 1e-12 of a huge number could be a whole interval. */
 pk_real run_intervals(pk_real whole, pk_real part)
 {
     const pk_real ratio = whole / part, round = 4 * PK_EPSILON;
@@ -35,14 +35,14 @@ enum pk_status run_aside(struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const size_t size = pk_integrator_size(&it->problem, it->method);
     struct pk_problem problem = run->problem;
-    if (run->events.params) /* these hold the current sides of the switches */
+    if (run->events.params) /* these have the current sides of switches */
         problem.params = run->events.params;
     run->aside_block = memory_take(&run->memory, size, 1);
     return pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
                               run->aside_block, size);
 }
 
-/* Returns the state at t within the last step; q is NULL on failure. */
+/* Returns the state at t within the last step; q is NULL if it cannot be computed. */
 static struct moment at(struct pk_run *run, pk_real t)
 {
     struct pk_integrator *it = &run->it;
@@ -79,7 +79,7 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
     return expect_limit(run, from, row < limit ? row : limit);
 }
 
-/* Returns the next time at which a step ends for the computed inputs, at most `limit`. */
+/* Returns the next of settings.stops, where inputs are computed, or `limit` if that is earlier. */
 static pk_real stop(const struct pk_run *run, pk_real limit)
 {
     const struct pk_run_settings *x = &run->settings.asked;
@@ -87,7 +87,7 @@ static pk_real stop(const struct pk_run *run, pk_real limit)
     return k < x->n_stops && (pk_real)x->stops[k] < limit ? (pk_real)x->stops[k] : limit;
 }
 
-/* Adaptive steps land on the times of expectations, and on rows if asked.land is set. */
+/* Adaptive steps end at times of expectations and, if asked.land is set, at rows. */
 pk_real run_limit(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;

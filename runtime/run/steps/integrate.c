@@ -1,30 +1,30 @@
-/* One trajectory from the start to the end, row by row. */
+/* Makes one trajectory from the initial state to the end, row by row. */
 #include <pk/adaptive_lanes.h>
 
 #include "../settings/settings.h"
 #include "checkpoint.h"
 
-enum { CLOSE = 8 }; /* steps per call for systems with poles, which long steps may jump over */
+enum { CLOSE = 8 }; /* steps per call if there are poles, over which long steps may jump */
 
 static int singular(const struct pk_run *run)
 {
     return run->problem.system->singularities.values != NULL;
 }
 
-/* Makes many steps of a large system in one call, some 0.1 s. Drifts are measured at rows. */
+/* Makes many steps of a large system in one call, about 0.1 s. Drifts are measured at rows only. */
 static enum pk_status many(struct pk_run *run, pk_real end)
 {
     struct pk_integrator *it = &run->it;
     const unsigned long most = singular(run) ? CLOSE : (unsigned long)(50000000 / it->n) + 2;
     const pk_real next = run_wanted(run, it->t, run->settings.until);
     const pk_real whole = PK_F(floor)((next - it->t) / it->options.h);
-    if (end > next && !(whole >= 2)) /* the row is within the next two steps */
+    if (end > next && !(whole >= 2)) /* the row is less than two steps away */
         return pk_integrator_step(it, end);
     return pk_integrator_steps(it, end,
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
 }
 
-/* At one of settings.stops, recomputes the inputs and restarts the method: forces may jump. */
+/* At one of settings.stops, recomputes inputs and restarts the method, since forces may jump. */
 static void stop(struct pk_run *run)
 {
     const struct pk_run_settings *x = &run->settings.asked;
@@ -54,8 +54,8 @@ static int by_time(const struct pk_run *run)
     return s->has_every || (!s->asked.bare && !s->asked.at);
 }
 
-/* Returns how many fixed steps to make before the observers see one: 1, or up to the next multiple
- * of LOOK if no step of its own is requested and no row is due. */
+/* Returns how many fixed steps to make before the next call of the observers: 1, or, if not every
+ * step is needed and no row is due, the number up to the next multiple of LOOK. */
 static unsigned long unseen(const struct pk_run *run)
 {
     enum { ALL = 1024, LOOK = 16 };
@@ -87,7 +87,8 @@ static int step(struct pk_run *run)
     if (pk_waits(it))
         return 1;
     const pk_real h = it->t - it->last_t; /* 0 at an event that stopped the run */
-    /* A step at most half the next one was short due to a start, event or row, not to its error. */
+    /* A step at most half of the next one was limited by a start, event or row, not by its
+     * error. */
     if (before > 0 && h < 2 * before && (!(run->h_min > 0) || before < run->h_min))
         run->h_min = before;
     if (h > run->h_max)
@@ -97,7 +98,7 @@ static int step(struct pk_run *run)
     return status == PK_DONE && !run->write_failed;
 }
 
-/* Saves or restores all state that the next step needs. */
+/* Saves or restores all state on which the next step depends. */
 static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     int aside = run->aside_block != NULL;
@@ -117,7 +118,7 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     return status >= 0 && aside ? pk_integrator_keep(&run->aside, k) : status;
 }
 
-/* Called between steps: polls and writes checkpoints. Returns whether the run goes on. */
+/* Called between steps: polls, and writes checkpoints. Returns whether the run continues. */
 static int goes_on(struct pk_run *run)
 {
     const struct pk_integrator *it = &run->it;
@@ -154,7 +155,7 @@ int run_goes(struct pk_run *run)
         return 0;
     if (by_time(run) && !(s->every > 0))
         observe_row(run, run_moment(run));
-    return run->it.t < s->until && goes_on(run); /* a run that has arrived is not interrupted */
+    return run->it.t < s->until && goes_on(run); /* a completed run is not interrupted */
 }
 
 void run_ends(struct pk_run *run)

@@ -1,6 +1,5 @@
-/* The observers of a run, in the order of the report: events first, diagnostics last. Drifts come
- * before trust, which reads them; rows come before reductions, which read their cells.
- */
+/* Calls the observers of a run in the order of the report: events first, diagnostics last. Drifts
+ * precede trust, which reads them; rows precede reductions, which read run->cells. */
 #include "steps.h"
 
 static const struct observer *const observers[] = {

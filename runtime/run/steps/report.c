@@ -1,4 +1,4 @@
-/* The report of one trajectory. */
+/* Writes the report of one trajectory. */
 #include "steps.h"
 
 enum { MOST_LISTED = 10000 };
@@ -24,7 +24,7 @@ static void report_work(struct json *j, const struct pk_run *run)
     json_real(j, "step_min", run->h_min > 0 ? run->h_min : run->h_max);
     json_real(j, "step_max", run->h_max);
     json_real(j, "rtol", s->options.rtol);
-    /* atol < 0, derived from the motion, is written as null. */
+    /* atol < 0 means that it is derived from the motion; the report has null. */
     json_real(j, "atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol);
     json_counts(j, {"rows", run->rows}, {"steps", c->steps}, {"rejections", c->rejections},
                 {"evaluations", c->evaluations}, {"jacobians", c->jacobians},
@@ -49,7 +49,7 @@ void report_run(struct pk_run *run, FILE *file)
     trust_reason(run, text, sizeof text);
     json_text(j, "reason", text);
     json_text(j, "besides",
-              run->besides && *run->besides ? run->besides + 2 : ""); /* without the leading "; " */
+              run->besides && *run->besides ? run->besides + 2 : ""); /* skips the leading "; " */
     trust_warning(run, text, sizeof text);
     json_text(j, "warning", text);
     json_flag(j, "interrupted", run->interrupted);

@@ -5,43 +5,45 @@
 #include "../observers/observers.h"
 
 /* run_settle() completes settings that depend on each other; run_begin() allocates memory, starts
- * integrators and events; run_steps() makes all rows; run_end() frees all but the settings. */
+ * integrators and events; run_steps() makes steps and rows; run_end() frees all but the
+ * settings. */
 enum pk_run_code run_settle(struct pk_run *run);
 enum pk_run_code run_begin(struct pk_run *run);
 void run_steps(struct pk_run *run);
 void run_end(struct pk_run *run);
 
-/* Of integrate.c. run_integrate() makes the whole trajectory. Or step by step: run_starts() returns
- * whether there is a step to make; run_goes() makes one and returns whether another follows. */
+/* In integrate.c: run_integrate() makes the whole trajectory. Alternatively, run_starts() returns
+ * whether there is a step to make, and run_goes() makes a step and returns whether another
+ * follows. */
 void run_integrate(struct pk_run *run);
 int run_starts(struct pk_run *run);
 int run_goes(struct pk_run *run);
 void run_ends(struct pk_run *run);
 
-/* Of crossings.c: begins after pk_integrator_init(); makes one step and handles its crossings. */
+/* In crossings.c: starts after pk_integrator_init(); makes one step and handles its crossings. */
 enum pk_run_code crossings_begin(struct pk_run *run);
 enum pk_status crossings_step(struct pk_run *run, pk_real limit);
 
-/* Of due.c. Writes rows by time, and checks expectations at times, up to t in the last step.
- * Returns 0 if the state at such a time cannot be computed. */
+/* In due.c: writes rows and checks expectations that are due up to t in the last step. Returns 0 if
+ * the state at such a time cannot be computed. */
 int run_due(struct pk_run *run, pk_real t);
-/* Starts the integrator for states within fixed steps, at the run's current state. */
+/* Starts run->aside, which computes states within fixed steps, at the current state. */
 enum pk_status run_aside(struct pk_run *run);
-/* Returns the next time of a row or an expectation, at most `limit`. */
+/* Returns the next time after `from` of a row or an expectation, at most `limit`. */
 pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit);
-/* Returns the latest time at which the next step is to end. */
+/* Returns the time at which the next step must end at the latest. */
 pk_real run_limit(const struct pk_run *run);
 /* Returns the current time and state. */
 const struct moment *run_moment(struct pk_run *run);
-/* Returns how many intervals of length `part` cover `whole`, at least 1. A quotient that is an
- * integer up to round-off counts as that integer. */
+/* Returns the number of intervals of length `part` that cover `whole`, at least 1. A quotient that
+ * is an integer up to round-off counts as this integer. */
 pk_real run_intervals(pk_real whole, pk_real part);
-/* Returns h, changed to an exact fraction 1/k of the interval if it is one up to rounding. */
+/* Returns h, rounded to an exact fraction 1/k of the interval if it is one up to round-off. */
 pk_real run_step(pk_real interval, pk_real h);
 /* Returns the time of row k of `count`: a double in every precision, since it is written as one. */
 pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count);
 
-/* Of observe.c: calls each observer, in the order of the table there. */
+/* In observe.c: call the function of each observer, in the order of the table there. */
 void observe_begin(struct pk_run *run);
 void observe_step(struct pk_run *run, const struct moment *at);
 void observe_crossing(struct pk_run *run, size_t event, const struct moment *at);
@@ -50,8 +52,9 @@ void observe_end(struct pk_run *run);
 void observe_keep(struct pk_run *run, struct pk_keep *k);
 void observe_report(const struct pk_run *run, struct json *j);
 
-/* Of subsystems.c: blocks of coordinates integrated apart; see pk/subsystems.h. */
-/* Refuses settings that need the whole system, and chooses the methods and options of the parts. */
+/* In subsystems.c: blocks of coordinates with integrators of their own; see pk/subsystems.h. */
+/* Refuses settings that need all coordinates together, and chooses methods and options of
+ * blocks. */
 enum pk_run_code subsystems_choose(struct pk_run *run);
 enum pk_run_code subsystems_begin(struct pk_run *run);
 void subsystems_integrate(struct pk_run *run);

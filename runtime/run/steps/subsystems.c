@@ -1,11 +1,11 @@
-/* Blocks of coordinates integrated apart. Adaptive parts land on rows; fixed-step parts reach rows
- * by a second integrator. run->it makes no steps: it holds the time, the state and summed counts.
- */
+/* Blocks of coordinates, called parts, each with an integrator of its own. Adaptive steps end at
+ * rows; fixed steps reach rows by a second integrator. run->it makes no steps: it holds the time,
+ * the state and the summed counts. */
 #include "checkpoint.h"
 
 #include "../settings/settings.h"
 
-/* Returns the method and options of part k; those not given are the run's. */
+/* Returns the method and options of part k; by default they are the run's. */
 static struct pk_choice choice_of(const struct settings *s, size_t k)
 {
     const struct pk_run_part none = {0}, *given = s->asked.parts ? &s->asked.parts[k] : &none;
@@ -56,7 +56,7 @@ enum pk_run_code subsystems_choose(struct pk_run *run)
     return PK_RUN_DONE;
 }
 
-/* Copies time, state, status and counts to run->it, for rows, drifts and the report. */
+/* Copies time, state, status and summed counts to run->it, for rows, drifts and the report. */
 static void look(struct pk_run *run)
 {
     const struct pk_subsystems *a = &run->subsystems;
@@ -97,8 +97,8 @@ enum pk_run_code subsystems_begin(struct pk_run *run)
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }
 
-/* Updates the energy scale of part k at each of its steps. Rows alone may miss it: a motion that is
- * recorded only at its turning points looks at rest. */
+/* Updates the energy scale of part k at each of its steps. Rows may be too few: if a motion is
+ * recorded at its turning points only, it seems to be at rest. */
 static void stepped(void *context, size_t k)
 {
     struct pk_run *run = context;

@@ -1,5 +1,5 @@
-/* Residuals of constraints, the check of a start, and reasons of failures; see pk/constraint.h.
- */
+/* Residuals of constraints, the check of an initial state, and texts for failures; see
+ * pk/constraint.h. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "../core/project.h"
 
 enum { SHOWN = 8 };
-#define SHARE PK_C(1e-6) /* least coefficient by which a row counts in one that depends on it */
+#define SHARE PK_C(1e-6) /* smaller coefficients in a dependence of rows count as 0 */
 
 size_t pk_constraint_size(const struct pk_problem *problem)
 {
@@ -18,7 +18,7 @@ size_t pk_constraint_size(const struct pk_problem *problem)
     return (pk_project_size(problem, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
 }
 
-/* The block has the memory of the projection, then inputs. */
+/* The block holds the memory of the projection, then the inputs. */
 static enum pk_status begin(struct pk_projection *w, const struct pk_problem *problem, pk_real t,
                             const pk_real *q, const pk_real *v, void *block, size_t size)
 {
@@ -89,7 +89,7 @@ enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_rea
     return it->own->project ? pk_project(it, t, q, v, NULL, NULL, &moved) : PK_DONE;
 }
 
-/* Returns 1 + a row that is zero up to rounding of q, or 0. */
+/* Returns 1 + the index of a row of J that is zero up to rounding of q, or 0. */
 static size_t nothing(struct pk_projection *w, const pk_real *q, const pk_real *v, pk_real *near)
 {
     for (size_t k = 0; k < w->rotation; k++)
@@ -186,7 +186,7 @@ int pk_constraint_name(const struct pk_system *system, const void *params, size_
                                      : 0);
 }
 
-/* Writes the rows that the dependent row depends on: "a, b". */
+/* Writes the names of the rows on which the dependent row depends: "a, b". */
 static void of_others(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
@@ -199,7 +199,7 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
     const size_t last = w.whole ? pk_index(w.depends[0] - 1, w.c) : w.c;
     for (size_t i = 0; i < last && used < size; i++)
         if (pk_abs(w.depends[1 + i]) > SHARE) {
-            if (count == SHOWN) { /* a long chain of them */
+            if (count == SHOWN) { /* the list would be too long */
                 snprintf(text + used, size - used, ", ...");
                 break;
             }
@@ -208,7 +208,7 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
         }
 }
 
-/* Whether a row is independent of the others although J M^-1 J^T has no pivot for it. */
+/* Returns whether a row is linearly independent although J M^-1 J^T has no pivot for it. */
 static int inertia_hides(const struct pk_integrator *it, size_t row)
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
@@ -223,7 +223,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     const struct pk_system *system = it->problem.system;
     const struct pk_reason *reason = &it->reason;
     const size_t c = pk_system_rows(system, it->problem.params, 0);
-    const size_t row = reason->index % (c ? c : 1); /* a restored one may be any number */
+    const size_t row = reason->index % (c ? c : 1); /* a restored index may be out of range */
     const char *what = pk_status_text(it->status);
     const char *alone = system->constraints.count
                             ? "; families kept as loops take no rows that follow from others"

@@ -1,7 +1,6 @@
-/* How near a motion is to a position where constraint rows depend on each other; see singular_crossing.c.
- * sigma comes from the factor of J M^-1 J^T that a step needs anyway; its slope is computed only
- * where it is small.
- */
+/* Monitors how near a motion is to a position where constraint rows are linearly dependent, by
+ * sigma; see singular_crossing.c. sigma comes from the factors of J M^-1 J^T, which a step computes
+ * anyway; its slope is computed only where sigma is small. */
 #include <string.h>
 
 #include <pk/constraint.h>
@@ -9,13 +8,13 @@
 #include "../core/tableau.h"
 #include "singular_crossing.h"
 
-#define AHEAD PK_C(2.0)   /* steps: a root as near as that is stepped over, */
-#define EARLY PK_C(0.1)   /* or, by an adaptive method, whose steps may be short, at this sigma */
-#define LESS PK_C(0.6)    /* sigma must fall to this share before the next try of a passage */
-#define LONG PK_C(1.25)   /* fixed steps: a root nearer than that is within the next step, */
-#define MIDDLE PK_C(0.75) /* and farther than that, the passage takes two steps */
-#define LITTLE PK_C(1e-4) /* of the time left, for the slope of sigma */
-#define TURN PK_C(0.3)    /* of its way: a larger deviation from its rates means another branch */
+#define AHEAD PK_C(2.0)   /* adaptive methods cross a root of sigma within so many steps, */
+#define EARLY PK_C(0.1)   /* or if sigma is below this, since their steps may be short */
+#define LESS PK_C(0.6)    /* sigma must fall by this factor before a crossing is tried again */
+#define LONG PK_C(1.25)   /* fixed steps cross a root within so many steps, */
+#define MIDDLE PK_C(0.75) /* by a step of double length if it is farther than this */
+#define LITTLE PK_C(1e-4) /* step for the slope of sigma, as a fraction of the time left */
+#define TURN PK_C(0.3) /* a step that deviates more, relative to its length, is on another branch */
 
 static size_t lay_out(struct pk_singular_crossing_parts *x, size_t n_q, size_t n, pk_real *base)
 {
@@ -96,7 +95,7 @@ int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q
     return sigma < PK_SINGULAR;
 }
 
-/* Predicts the root of sigma by its slope along the motion; `left`: a rough time until then. */
+/* Predicts the time of the root of sigma from its slope; `left` is a rough time until then. */
 static enum pk_status aim(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                           pk_real left)
 {

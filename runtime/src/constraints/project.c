@@ -1,16 +1,17 @@
 /* The projection of a step onto unit quaternions and the constraints phi(t, q) = 0 and J v + j0 =
  * 0. The equations of motion conserve these (their index was reduced by differentiation); a step of
- * order p violates them by O(h^(p+1)), so the correction is as short:
+ * order p violates them by O(h^(p+1)), and the correction is of this size:
  *
  *     q -= M^-1 J^T mu  until  phi = 0         v -= M^-1 J^T nu  with  J v + j0 = 0
  *
- * by Newton's method, in the metric of M: to first order no other state on the constraints is
- * nearer, and the method keeps its order. A quaternion is rotated by the vector of its three
- * entries of M^-1 J^T mu. Rolling has rows of rates alone. Derivatives that a method keeps from its
- * last step stay: their error is like that of the step, and counts h times as much.
+ * by Newton's method, in the metric of M: to first order the result is the nearest state that
+ * satisfies the constraints, and the method keeps its order. A quaternion is rotated by the vector
+ * of its three entries of M^-1 J^T mu. Rolling constrains rates only. Derivatives that a method
+ * reuses from its last step are not recomputed: their error is like that of the step, and its
+ * effect is smaller by h.
  *
- * A long first correction means that the step missed something, such as a steep ramp of phi(t). It
- * is refused above MOST_OFF tolerances if the step can be retried, else above the length of h v.
+ * A large first correction means that the step did not resolve phi(t), such as a steep ramp. It is
+ * refused above MOST_OFF tolerances if the step can be retried, otherwise above |h v|.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
@@ -20,11 +21,11 @@
 #include "../core/attitude.h"
 #include "../core/project.h"
 
-#define ROUND (PK_EPS / 2) /* of its terms: counts as zero; a larger rest would drift */
-#define STALLED (PK_C(1024.0) * PK_EPS) /* of its terms: if it no longer shrinks, it is rounding */
-#define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: more is not rounding */
-#define MOST_OFF PK_C(10.0)             /* tolerances, as for the error of a Gauss step */
-enum { MOST = 20 };                     /* most corrections */
+#define ROUND (PK_EPS / 2) /* of the terms: counts as 0; a larger residual would drift */
+#define STALLED (PK_C(1024.0) * PK_EPS) /* of the terms: rounding, if it stops shrinking */
+#define NOTICED (PK_C(1e5) * PK_EPS)    /* of the terms: a larger residual is not rounding */
+#define MOST_OFF PK_C(10.0)             /* in tolerances, as for errors of Gauss steps */
+enum { MOST = 20 };                     /* limit of corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
 {
@@ -37,7 +38,7 @@ int pk_project_dependent(struct pk_integrator *it)
         return 0;
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c, it->q, it->v))
-        return 0; /* steps report that themselves */
+        return 0; /* steps report this case */
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
         if (w.sines[row] < PK_DEPENDENT) {
@@ -60,13 +61,13 @@ pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t r
         if (!(x > 0) && pk_finite(x))
             continue;
         const pk_real ratio = x / (terms[i] + PK_EPS * largest + PK_TINY);
-        if (!(ratio <= most)) /* also a NaN */
+        if (!(ratio <= most)) /* true for NaN */
             most = ratio, *which = i;
     }
     return most;
 }
 
-/* Returns whether an iteration is done: 1, has failed: -1, or neither: 0. */
+/* Returns 1 if an iteration has converged, -1 if it has failed, otherwise 0. */
 static int judged(pk_real ratio, pk_real before, int count)
 {
     if (ratio <= ROUND || (count && ratio >= before / 2 && ratio <= STALLED))
@@ -110,7 +111,7 @@ static pk_real correction_in_tolerances(const struct pk_integrator *it, const pk
     return most / MOST_OFF;
 }
 
-/* Whether |d| > |h v|, the larger v of the step's two ends, in the metric of M = L D L^T. */
+/* Returns whether |d| > |h v| in the metric of M = L D L^T, with the larger v of both ends. */
 static int longer_than_step(const struct pk_integrator *it, const struct pk_projection *w)
 {
     const pk_real h = it->own->next_t - it->t;
@@ -122,7 +123,7 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
         pk_real way = 0;
         for (size_t j = 0; j < w->m; j++) {
             pk_real x = ends[end][j];
-            if (!w->whole) { /* by the diagonal of M alone */
+            if (!w->whole) { /* only the diagonal of M */
                 way += w->M[j] * (h * x) * (h * x);
                 continue;
             }
@@ -135,7 +136,7 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
     return pk_abs(back) > longest;
 }
 
-/* Whether a first correction is too long for the error of a step. */
+/* Returns whether a first correction is too large to be the error of a step. */
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
                const pk_real *q, const pk_real *y, int of_rates)
 {
@@ -152,8 +153,8 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
            correction_in_tolerances(it, w->d, y, of_rates ? it->n_q : 0, count) > 1;
 }
 
-/* Corrects positions, or then rates with the current J. J does not depend on rates, so one
- * correction of these would suffice without rounding. */
+/* Corrects positions or, after these, rates. J does not depend on rates, so apart from rounding one
+ * correction of rates suffices. */
 static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
                               pk_real *v, pk_real *low_q, pk_real *low_v, int of_rates, int *moved)
 {
@@ -228,7 +229,7 @@ enum pk_status pk_project_step(struct pk_integrator *it)
     int moved = 0;
     if (!it->own->project)
         return PK_DONE;
-    if (!(it->method->traits & PK_HOLONOMIC)) /* such a method projects by itself */
+    if (!(it->method->traits & PK_HOLONOMIC)) /* PK_HOLONOMIC methods project themselves */
         PK_TRY(pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved));
     PK_TRY(pk_project_redundant(it, it->own->next_t, q, v, PK_NO_PROJECTION));
     if (!moved || !it->p)

@@ -1,13 +1,13 @@
-/* Whether a residual is more than rounding, and whether redundant rows hold.
+/* Decides whether a residual is more than rounding, and whether redundant rows hold.
  *
- * A residual is large or small relative to its terms, whose sizes the system computes. A start is
- * given with some digits only; and a number that should be 0 may be the rounding of numbers as
- * large as the largest, in the metric of M, which makes metres and radians comparable.
+ * A residual is measured relative to the sizes of its terms, which the system computes. An initial
+ * state has a limited number of digits; and a number that should be 0 may be the rounding of the
+ * largest number, in the metric of M, which makes metres and radians comparable.
  */
 #include "../core/project.h"
 
-#define SHORT PK_C(1e-6)     /* of the time */
-#define DEBRIS (64 * PK_EPS) /* relative to the largest number */
+#define SHORT PK_C(1e-6)     /* of the time: least step for a rate */
+#define DEBRIS (64 * PK_EPS) /* rounding, relative to the largest number */
 
 static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_rates)
 {
@@ -22,12 +22,12 @@ static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_r
 pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
                         const pk_real *q)
 {
-    const pk_real t = it->own->next_t; /* SHORT: tiny steps must not raise the rate without limit */
+    const pk_real t = it->own->next_t; /* SHORT: a tiny step would give a huge rate */
     const pk_real way = pk_max(pk_abs(t - it->t), SHORT * pk_abs(t));
     return way > 0 ? DEBRIS * largest(w, q, 0) / way : 0;
 }
 
-/* `least`: a bound below which all of x may be rounding. */
+/* Returns the first row that does not hold, or `rows`. All of x may be rounding below `least`. */
 static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
                      const pk_real *slopes, size_t rows, const pk_real *x, int of_rates,
                      pk_real least)

@@ -1,14 +1,14 @@
-/* The passage of a motion through a position where constraint rows depend on each other for an
- * instant, such as a flat parallelogram. Branches of the motion meet there. Only continuity
- * determines the branch, since the equations are singular there; near it the errors of a step's
- * stages, which are off the constraints, are magnified, and steps may turn into another branch.
+/* Crosses a position where constraint rows are linearly dependent for an instant, such as a flat
+ * parallelogram. Branches of the motion meet there and the equations are singular, so that only
+ * continuity determines the branch. Near it the errors of a step's stages, which violate the
+ * constraints, are magnified, and steps may turn into another branch.
  *
  * sigma is the least part of a row that is independent of previous rows, in the metric of M and
  * relative to the largest such part of that row. It falls to 0 linearly in time. Before it does, a
- * Gauss step is made over the position. Its stages keep away from it. Each is projected onto the
- * constraints, from where the smooth motion leads, before its acceleration is computed. Before
- * projection its end and stages must be within SURE of the way to the constraints: crossing
- * branches are farther apart. It needs no history, so it serves all methods.
+ * Gauss step is made across the position, with stages that are not near it. Each stage is predicted
+ * by the smooth motion and projected onto the constraints before its acceleration is computed.
+ * Projection must move stages and end by less than SURE of the distance covered: other branches are
+ * farther away. The step needs no history, so it serves all methods.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2
  * (collocation).
@@ -21,14 +21,14 @@
 #include "singular_crossing.h"
 
 enum { FEWEST = 6, ROUNDS = 60 };
-#define SURE PK_C(1e-3)    /* of the way: largest distance from the constraints before projection */
-#define SETTLED PK_C(1e-9) /* below this a change that no longer shrinks is rounding */
+#define SURE PK_C(1e-3)    /* limit of the shift by projection, relative to the distance covered */
+#define SETTLED PK_C(1e-9) /* a change below this that stops shrinking is rounding */
 #define ROUND (64 * PK_EPS)
-#define LAST PK_C(0.01) /* sigma below which rounding forbids to go nearer */
+#define LAST PK_C(0.01) /* below this sigma, rounding forbids to go nearer */
 #define SHORTER PK_C(0.8)
-#define ACCEPT PK_C(10.0) /* tolerances, as for the adaptive Gauss method */
+#define ACCEPT PK_C(10.0) /* in tolerances, as for the adaptive Gauss method */
 
-/* Computes the weights of the stages for the integral up to x of the step. */
+/* Computes weights of the stages for the integral over the fraction `to` of the step. */
 static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_real *w)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
@@ -44,7 +44,7 @@ static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_r
     }
 }
 
-/* Computes the state that the stages lead to. */
+/* Computes the state at the fraction `to` of the step from the stages. */
 static void along(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                   pk_real to, pk_real *q, pk_real *v)
 {
@@ -74,7 +74,7 @@ static pk_real relative_distance(const struct pk_projection *w, const pk_real *a
     return off / way;
 }
 
-/* Projects q and v onto the constraints; *off: updated by the relative distance. */
+/* Projects q and v onto the constraints; raises *off to the relative shift. */
 static enum pk_status put(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                           pk_real t, pk_real *q, pk_real *v, pk_real *off)
 {
@@ -101,7 +101,7 @@ void pk_singular_crossing_at(struct pk_integrator *it, pk_real t, pk_real *q, pk
     it->own->next_t = next_t;
 }
 
-/* Chooses the number of stages that keeps farthest from the position. */
+/* Chooses the number of stages for which the nearest stage is farthest from the position. */
 static void choose(struct pk_singular_crossing_parts *x)
 {
     const pk_real place = (x->is->at - x->is->t) / x->is->h;
@@ -112,7 +112,7 @@ static void choose(struct pk_singular_crossing_parts *x)
         pk_gauss_nodes(s, x->c, x->b);
         for (int j = 0; j < s; j++)
             next = pk_min(next, pk_abs(x->c[j] - place));
-        if (next * (pk_real)s > best) /* more stages are nearer anyway, and of higher order */
+        if (next * (pk_real)s > best) /* relative to the spacing of stages */
             best = next * (pk_real)s, stages = s;
     }
     x->is->stages = (pk_real)stages;
@@ -154,8 +154,8 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossin
     return PK_NO_CONVERGENCE;
 }
 
-/* Returns the error of the final rates relative to the tolerance, by the last Legendre coefficient
- * of the accelerations. */
+/* Returns the error of the final rates in tolerances, from the last Legendre coefficient of the
+ * accelerations. */
 static pk_real error_of(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
@@ -173,8 +173,8 @@ static pk_real error_of(const struct pk_integrator *it, const struct pk_singular
     return most;
 }
 
-/* Whether an adaptive method should go nearer first, where its step over the position is shorter.
- * An error that does not fall with the length is rounding, which grows on the way. */
+/* Returns whether an adaptive method should go nearer first, for a shorter step across the
+ * position. If the error does not fall with the length, it is rounding, which grows on the way. */
 static int too_long(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                     int sure)
 {
@@ -196,7 +196,7 @@ enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
     memset(it->own->next, 0, pk_state_offset(it->n_q, n, PK_PARTS) * sizeof *q);
     if (!(x.is->passing > 0)) {
-        it->own->next_t = it->t; /* not the end of a step: its projection is not judged as such */
+        it->own->next_t = it->t; /* stages are not judged as ends of steps */
         choose(&x);
         const enum pk_status status = solve(it, &x, &off);
         const int sure = status >= 0 && off < SURE;

@@ -5,13 +5,13 @@
 #include "well.h"
 
 enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
-#define SETTLED (32 * PK_EPSILON)  /* relative changes: rounding, */
-#define NOISE (16384 * PK_EPSILON) /* sums of many roundings, */
-#define PASSABLE PK_C(1e-6)        /* results reported with their error */
-#define LOST PK_C(1e-3)            /* relative rounding of T above which it is a separatrix */
+#define SETTLED (32 * PK_EPSILON)  /* relative change due to rounding */
+#define NOISE (16384 * PK_EPSILON) /* relative change due to sums of many roundings */
+#define PASSABLE PK_C(1e-6)        /* relative change with which results are still reported */
+#define LOST PK_C(1e-3)            /* relative rounding error of T that shows a separatrix */
 
-/* Returns the relative error of T by rounding of the energy, at an end: T depends on the logarithm
- * of the force F there, and rounding moves the end by most epsilon/F. */
+/* Returns the relative error of T due to rounding of the energy at one end: T depends on the
+ * logarithm of the force F there, and rounding shifts the end by most epsilon/F. */
 static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
 {
     const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = pk_well_force(w, q);
@@ -19,8 +19,8 @@ static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
     return PK_EPSILON * w->most * pk_abs(slope) / (F * F);
 }
 
-/* Sums one half of a libration, from its end at q inwards, with `nodes` in all. Returns 0 if h - W
- * is not positive. */
+/* Sums one half of a libration, from its end at q inwards; `nodes` are those of both halves.
+ * Returns 0 if h - W is not positive. */
 static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amplitude,
                 size_t nodes, pk_real *J, pk_real *T)
 {
@@ -68,7 +68,7 @@ static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_rea
         const int whole = turns ? round_once(w, q, U, direction, nodes, &J, &T)
                                 : half(w, q + a->lo, 1, amplitude, nodes, &J, &T) &&
                                       half(w, q + a->hi, -1, amplitude, nodes, &J, &T);
-        if (!whole) /* panels are still too long */
+        if (!whole) /* nodes are too far apart */
             continue;
         J /= (pk_real)nodes;
         T *= PK_TURN / (pk_real)nodes;
@@ -85,13 +85,13 @@ static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_rea
         a->orbit = PK_ORBIT_UNSETTLED;
 }
 
-/* Finds the ends of the orbit, or that it is a rotation. */
+/* Finds the ends of the orbit, or finds that it is a rotation. */
 static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q, pk_real U,
                               pk_real direction)
 {
     const pk_real F = pk_well_force(w, q);
     struct pk_end ahead, behind = {0, 0, 1};
-    if (!(U > 0)) { /* at rest: the start is an end */
+    if (!(U > 0)) { /* at rest: the start is a turning point */
         const pk_real d = 2 * PK_EPSILON * q;
         if (!(pk_abs(F) > 2 * pk_abs(pk_well_force(w, q + d) - pk_well_force(w, q - d))))
             return pk_finite(F) ? PK_ORBIT_EQUILIBRIUM : PK_ORBIT_UNBOUNDED;
@@ -99,7 +99,7 @@ static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q,
     }
     ahead = pk_well_march(w, q, U, direction);
     if (ahead.turns) {
-        a->error = PK_EPSILON * w->most / w->least; /* as doubt() */
+        a->error = PK_EPSILON * w->most / w->least; /* error as in doubt() */
         return U > 0 && a->error <= LOST ? PK_ORBIT_ROTATION : PK_ORBIT_SEPARATRIX;
     }
     if (U > 0 && ahead.found)
@@ -115,8 +115,8 @@ static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q,
     return a->error <= LOST ? PK_ORBIT_LIBRATION : PK_ORBIT_SEPARATRIX;
 }
 
-/* Whether W equals h at the ends and is nowhere above it between them, as its integrated force
- * shows: a hump narrower than a panel is missed by the march. */
+/* Returns whether W equals h at the ends and is at most h between them, by the energy kernel: the
+ * march may miss a hump narrower than a panel. */
 static int is_followed(const struct pk_action *a, const struct pk_well *w, pk_real q, pk_real h)
 {
     const struct pk_system *s = w->system;

@@ -1,7 +1,6 @@
-/* Hamilton's principle along a computed path; see pk/least_action.h. The path is integrated from
- * node to node of a composite Gauss rule, together with n displacements that start as unit rates:
- * where their determinant changes its sign, a point is conjugate to the start.
- */
+/* Hamilton's principle along a computed path; see pk/least_action.h. The path is integrated between
+ * the nodes of a composite Gauss rule, together with n displacements whose initial rates are unit
+ * vectors. A point where their determinant changes sign is conjugate to the start. */
 #include <string.h>
 
 #include <pk/least_action.h>
@@ -42,10 +41,10 @@ size_t pk_least_action_size(const struct pk_problem *problem, const struct pk_me
     return (x.variation + x.integrator + x.path + 2 * x.matrix + x.scratch) * sizeof(pk_real);
 }
 
-/* Results of kernels at one node, and the modes there. */
+/* Values of kernels at one node, and the modes there. */
 struct node {
-    pk_real *p, *g, *M, *p_q, *g_q, *g_v; /* g: dL/dq */
-    pk_real *sine, *rate;                 /* of the modes */
+    pk_real *p, *g, *M, *p_q, *g_q, *g_v; /* g: dL/dq at the node */
+    pk_real *sine, *rate;                 /* of the modes, per mode */
     pk_real *u, *q, *v;
 };
 
@@ -89,8 +88,8 @@ static pk_real lagrangian(const struct pk_problem *of, struct node *x, pk_real t
     return work - h;
 }
 
-/* Adds the part of a node to S, its slope, B and C; `slope` holds the sums, then those of absolute
- * values. */
+/* Adds the contribution of a node to S, its slope, B and C. `slope` holds the sums, then the sums
+ * of absolute values. */
 static void add(struct pk_least_action *found, struct node *x, pk_real weight, pk_real t,
                 const pk_real *q, const pk_real *v, pk_real *slope, pk_real *B, pk_real *C)
 {
@@ -132,7 +131,7 @@ static pk_real determinant(const struct pk_least_action *found, pk_real *J, pk_r
 
 struct search {
     struct pk_least_action *found;
-    pk_real from; /* a time; q and v are the state there */
+    pk_real from; /* a time, at which q and v are the state */
     const pk_real *q, *v;
     pk_real *J, *pivot;
 };
@@ -152,7 +151,7 @@ static enum pk_status determinant_at(void *context, pk_real t, pk_real *y)
     return status;
 }
 
-/* Finds the conjugate point between s->from and now, then returns to the state at now. */
+/* Finds the conjugate point between s->from and now, then restores the state at now. */
 static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
 {
     struct pk_least_action *found = s->found;
@@ -177,7 +176,7 @@ static enum pk_status along(struct pk_least_action *found, pk_real *path, pk_rea
     struct search search = {found, found->t0, q, v, J, pivot};
     const pk_real width = found->time / (pk_real)panels;
     pk_real before = 0;
-    for (size_t k = 0; k <= found->nodes; k++) { /* the last one is the end */
+    for (size_t k = 0; k <= found->nodes; k++) { /* the last node is the end */
         const int end = k == found->nodes;
         const pk_real t = end ? found->t0 + found->time
                               : found->t0 + width * ((pk_real)(k / NODES) + pk_gauss8_c[k % NODES]);

@@ -1,27 +1,26 @@
-/* Limits of the step size on linear equations: the first root of a map's excess over its bound,
- * searched on a grid, with maxima between its points, and bisected. See pk/limits.h.
- */
+/* Limits of the step size on linear equations: the first point where steps grow, searched on a
+ * grid, which is refined at maxima, and bisected. See pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* The method and axis in question; for a tableau of an explicit Runge-Kutta method also the
- * polynomial in y^2 that has the sign of |R(iy)|^2 - 1. */
+/* The method and axis; for the tableau of an explicit Runge-Kutta method also the polynomial in y^2
+ * that has the sign of |R(iy)|^2 - 1. */
 struct question {
     const struct pk_method *method;
     enum pk_axis axis;
-    int degree; /* degree of the polynomial; -1: none */
+    int degree; /* degree of the polynomial, or -1 if there is none */
     pk_real c[PK_MOST_STAGES + 1];
     pk_real blind;        /* growth that counts as rounding */
-    int shears;           /* the determinant of the map is 1 up to rounding */
+    int shears;           /* whether the determinant is 1 up to rounding */
     pk_real spacing, end; /* grid */
-    pk_real near;         /* depth below 0 of grid maxima that are refined */
-    int failed;           /* a step could not be made, so there is no answer */
+    pk_real near;         /* grid maxima above -near are refined */
+    int failed;           /* whether a step failed, so that there is no answer */
 };
 
-/* Sets |R(iy)|^2 - 1 in powers of x = y^2. Terms that cancel below the order leave rounding; the
- * leading power of x is divided out, so that the sign is right for small y. */
+/* Sets |R(iy)|^2 - 1 in powers of x = y^2. Terms below the order cancel but for rounding and are
+ * dropped; the leading power of x is divided out, so that the sign is right for small y. */
 static void imaginary(struct question *ask, const struct pk_tableau *table)
 {
     pk_real r[PK_MOST_STAGES + 1];
@@ -40,7 +39,7 @@ static void imaginary(struct question *ask, const struct pk_tableau *table)
         ask->c[k] = ask->c[k + first];
 }
 
-/* Returns a number that is positive where the step grows. */
+/* Returns a number that is positive if the step grows. */
 static pk_real excess(struct question *ask, pk_real x)
 {
     pk_real map[4], factor, sum = 0;
@@ -62,14 +61,14 @@ static pk_real excess(struct question *ask, pk_real x)
     return pk_map_growth(map) - 1 - ask->blind;
 }
 
-/* Returns the point of the largest excess between a and b by golden sections; the middle one of
- * three grid points is the largest. */
+/* Returns the point of the largest excess between the grid points a and b, by golden sections; the
+ * grid point between them has a larger excess than both. */
 static pk_real crest(struct question *ask, pk_real a, pk_real b)
 {
     const pk_real golden = PK_C(0.618033988749894848204586834365638118);
     pk_real c = b - golden * (b - a), d = a + golden * (b - a);
     pk_real fc = excess(ask, c), fd = excess(ask, d);
-    for (int i = 0; i < 30; i++) { /* to a millionth of the interval: the top is flat */
+    for (int i = 0; i < 30; i++) { /* to 1e-6 of the interval: maxima are flat */
         if (fc > fd) {
             b = d, d = c, fd = fc;
             c = b - golden * (b - a);
@@ -83,7 +82,7 @@ static pk_real crest(struct question *ask, pk_real a, pk_real b)
     return fc > fd ? c : d;
 }
 
-/* Bisects for the point where growth begins (or ends) between `in`, before it, and `out`. */
+/* Bisects for the point between `in` and `out` where growth begins or, if `ends`, ends. */
 static pk_real edge(struct question *ask, pk_real in, pk_real out, int ends)
 {
     for (int i = 0; i < 200 && out - in > 2 * PK_EPS * out; i++) {
@@ -93,7 +92,7 @@ static pk_real edge(struct question *ask, pk_real in, pk_real out, int ends)
     return in + (out - in) / 2;
 }
 
-/* Returns the next grid point: evenly spaced, and in ratios beyond 64. */
+/* Returns the next grid point: spacing is constant up to 64, proportional to x beyond. */
 static pk_real after(struct question *ask, pk_real x)
 {
     return x < 64 ? x + ask->spacing : x * PK_C(1.1);
@@ -110,7 +109,7 @@ static void first_growth(struct question *ask, pk_real from, pk_real growth[2])
          next = after(ask, x)) {
         const pk_real f_next = excess(ask, next);
         if (f > f_last && f > f_next && !(f_next > 0) && f > -ask->near) {
-            /* Narrow growth may hide near x. */
+            /* A short interval of growth may be between grid points. */
             const pk_real top = crest(ask, last, next);
             if (excess(ask, top) > 100 * PK_EPS) {
                 growth[0] = edge(ask, last, top, 0);
@@ -144,14 +143,14 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
     if (table && axis == PK_AXIS_IMAGINARY)
         imaginary(&ask, table);
     ask.shears = shears;
-    /* Explicit: stable nowhere above 2 s, or on the real axis 2 s^2. */
-    const int fine = !(formula->traits & PK_IMPLICIT); /* boris has narrow poles */
+    /* An explicit method of s stages is stable nowhere above 2 s, or 2 s^2 on the real axis. */
+    const int fine = !(formula->traits & PK_IMPLICIT); /* the map of boris has narrow poles */
     ask.spacing = fine ? PK_C(0.015625) : PK_C(0.125);
     ask.near = fine ? 1 : PK_C(0.1);
     ask.end = polynomial ? 1000 : PK_C(1e4);
     ask.blind = polynomial ? 0 : pk_max(PK_C(1e-10), PK_EPS * 10000);
     first_growth(&ask, from, growth);
-    if (ask.failed && growth[0] < PK_INFINITY) { /* a failure beyond the growth may be */
+    if (ask.failed && growth[0] < PK_INFINITY) { /* steps may fail where they grow */
         ask.failed = 0;
         excess(&ask, growth[0] * (1 + PK_C(1e-6)));
     }

@@ -1,6 +1,5 @@
-/* The map of one step on linear equations: from the table, or from the step itself, made on a
- * system of one coordinate from two starts. See pk/limits.h.
- */
+/* The map of one step on linear equations: from the method's table, or by steps from two initial
+ * states of a system of one coordinate. See pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"
@@ -71,7 +70,7 @@ static const struct pk_system linear_system = {.abi = PK_ABI,
                                                .linear = linear,
                                                .fast = fast};
 
-/* Makes one step of h from (q, v) with the integrator; q and v become its end. */
+/* Makes one step of length h from (q, v), and sets q and v to its end. */
 static enum pk_status run(const struct pk_method *method, struct spring params, pk_real h,
                           pk_real *q, pk_real *v)
 {
@@ -84,14 +83,14 @@ static enum pk_status run(const struct pk_method *method, struct spring params, 
         return PK_BLOCK_TOO_SMALL;
     if (params.damping > 0 || params.damping < 0)
         system.facts = DAMPED;
-    options.h = options.h_max = h; /* an adaptive method makes just this one */
+    options.h = options.h_max = h; /* one step, even of an adaptive method */
     options.rtol = options.atol = PK_C(1e10);
     enum pk_status status =
         pk_integrator_init(&it, &problem, method, &options, 0, q, v, block, sizeof block);
     if (status >= 0)
         status = pk_integrator_step(&it, h);
     if (status >= 0 && !(it.t >= h))
-        status = PK_REFUSED; /* its iteration forced a shorter one */
+        status = PK_REFUSED; /* the method has made a shorter step */
     *q = it.q ? it.q[0] : 0;
     *v = it.q ? it.v[0] : 0;
     return status;
@@ -102,7 +101,7 @@ static const struct pk_method *formula(const struct pk_method *method)
     return method->formula ? method->formula : method;
 }
 
-/* Whether the step of f has no single map. */
+/* Returns whether the steps of f have no fixed map. */
 static int varies(const struct pk_method *f)
 {
     return f->release || (f->order == 0 && !(f->traits & PK_EXACT));
@@ -110,7 +109,7 @@ static int varies(const struct pk_method *f)
 
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient)
 {
-    pk_real power[PK_MOST_STAGES], next[PK_MOST_STAGES]; /* A^k applied to ones */
+    pk_real power[PK_MOST_STAGES], next[PK_MOST_STAGES]; /* A^k times the vector of ones */
     const int s = table->stages;
     for (int i = 0; i < s; i++)
         power[i] = 1;
@@ -199,7 +198,7 @@ enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_rea
     }
     if (varies(f) || method->needs & PK_SEPARABLE)
         return PK_REFUSED;
-    if (pk_splitting_table(f)) { /* growth in negative substeps may overflow before the whole */
+    if (pk_splitting_table(f)) { /* substeps of the wrong sign may overflow, unlike their product */
         *factor = PK_F(exp)(-z);
         return PK_DONE;
     }

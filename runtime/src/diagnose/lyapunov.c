@@ -1,6 +1,5 @@
-/* The largest Lyapunov exponent; see pk/lyapunov.h. Rates over equal intervals come from marks of
- * G, at most 64 of them, thinned out as time goes on. Nothing else is stored.
- */
+/* The largest Lyapunov exponent; see pk/lyapunov.h. Its rates over equal intervals come from marks,
+ * at most 64 stored values of the growth G, which are thinned out as time goes on. */
 #include <string.h>
 
 #include <pk/lyapunov.h>
@@ -32,7 +31,7 @@ static pk_real length(const struct pk_lyapunov *l, const pk_real *Q, const pk_re
     return pk_metric_length(&metric, Q + l->variation.n_q, l->variation.v);
 }
 
-/* Normalises the displacement, from it->q and it->v or from the scratch itself, into the scratch.
+/* Normalises the displacement in q and v into the scratch memory, where q and v may be themselves.
  * Returns the logarithm of its length, which may not be finite. */
 static pk_real normalise(struct pk_lyapunov *l, const pk_real *q, const pk_real *v)
 {
@@ -54,7 +53,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
                                 void *memory, size_t size)
 {
     if (l)
-        memset(l, 0, sizeof *l); /* pk_lyapunov_free() may follow any refusal */
+        memset(l, 0, sizeof *l); /* pk_lyapunov_free() may follow any failure */
     const size_t least = pk_lyapunov_size(problem, method);
     if (!l || !least || !options || !q0 || !v0 || !(block > 0) || !pk_finite(block))
         return PK_BAD_ARGUMENT;
@@ -90,7 +89,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
         part -= part >= 1 ? 1 : 0;
         (i < n ? dq : dv)[i % n] = part + PK_C(0.1);
     }
-    pk_metric_dq(&metric, dq); /* of similar lengths in all units */
+    pk_metric_dq(&metric, dq); /* components of similar length in any units */
     pk_metric_dq(&metric, dv);
     for (size_t i = 0; i < n; i++) {
         dq[i] *= PK_F(sqrt)(metric.tau);
@@ -111,7 +110,7 @@ static int large(const struct pk_lyapunov *l)
     return !(size < LARGE) || !(size > 1 / LARGE);
 }
 
-/* Normalises the displacement and adds its growth to G. */
+/* Normalises the displacement and adds the logarithm of its length to G. */
 static enum pk_status renew(struct pk_lyapunov *l)
 {
     const pk_real grown = normalise(l, l->it.q, l->it.v);
@@ -123,7 +122,7 @@ static enum pk_status renew(struct pk_lyapunov *l)
 
 static void mark(struct pk_lyapunov *l)
 {
-    if (l->n_marks == PK_LYAPUNOV_MARKS) { /* marks 1, 3, 5, ... are at whole new strides */
+    if (l->n_marks == PK_LYAPUNOV_MARKS) { /* marks 1, 3, 5, ... fit the new stride */
         for (unsigned long k = 0; k < PK_LYAPUNOV_MARKS / 2; k++)
             l->marks[k] = l->marks[2 * k + 1];
         l->n_marks /= 2;

@@ -7,8 +7,8 @@ size_t pk_metric_reals(size_t n) { return n * n; }
 
 static pk_real root(const struct pk_metric *m, size_t i) { return PK_F(sqrt)(m->L[i * m->n + i]); }
 
-/* x = C^T x and so on, in place: each runs in the order in which it reads what it has not written
- * yet. */
+/* x = C^T x, C x, C^-T x, C^-1 x in place: each loop only reads numbers that it has not
+ * overwritten. */
 static void times_Ct(const struct pk_metric *m, pk_real *x)
 {
     for (size_t i = 0; i < m->n; i++) {
@@ -101,7 +101,7 @@ static pk_real frobenius(const struct pk_metric *m, pk_real *A)
     pk_real sum = 0;
     for (size_t i = 0; i < n; i++)
         divide_C(m, A + i * n);
-    for (size_t i = 0; i < n; i++) /* the transpose, in place */
+    for (size_t i = 0; i < n; i++) /* transposes A in place */
         for (size_t j = 0; j < i; j++) {
             const pk_real x = A[i * n + j];
             A[i * n + j] = A[j * n + i];

@@ -37,7 +37,7 @@ void pk_angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_
     }
 }
 
-/* Computes e, its length, and its rate of change. */
+/* Computes the Laplace-Runge-Lenz vector e, its length, and its rate of change. */
 static void vector(struct pk_lrl *lrl, const pk_real *r, const pk_real *v, const pk_real *a)
 {
     pk_real l[3], torque[3], e[3], b[3], c[3], rate[3];
@@ -74,8 +74,7 @@ enum pk_status pk_lrl_init(struct pk_lrl *lrl, const pk_real r[3], const pk_real
     return PK_DONE;
 }
 
-/* Finds the plane of a motion that started at rest, or straight to or from the centre, once it
- * turns. */
+/* Finds the plane of a motion that began at rest or radially, once it leaves its straight line. */
 static void find_plane(struct pk_lrl *lrl, const pk_real *r, const pk_real *v)
 {
     pk_real l[3], across[3];

@@ -1,6 +1,5 @@
-/* Integration there and back; see pk/reversal.h. Each time is tried from the start, with one
- * integrator both ways, so that the low parts of compensated sums are kept where it turns.
- */
+/* Integration forward and back; see pk/reversal.h. Each trial begins at the initial state and uses
+ * one integrator both ways, which keeps the low parts of compensated sums when it turns round. */
 #include <string.h>
 
 #include <pk/reversal.h>
@@ -16,7 +15,7 @@ struct trial {
     const struct pk_options *options;
     pk_real t0;
     const pk_real *q0, *v0;
-    pk_real *reach; /* 2 n: largest distance of each from its start */
+    pk_real *reach; /* 2 n largest distances from the start */
     void *block;
     size_t size;
 };
@@ -33,7 +32,7 @@ static pk_real off(const struct trial *w, size_t i)
 {
     const size_t n = w->it->n;
     if (i < n && i >= pk_system_coordinates(w->problem->system, w->problem->params))
-        return 0; /* no coordinate belongs to a state */
+        return 0; /* first-order variables have no coordinate */
     return pk_abs(i < n ? w->it->q[i] - w->q0[i] : w->it->v[i - n] - w->v0[i - n]);
 }
 
@@ -44,7 +43,7 @@ static enum pk_status begin(struct trial *w)
                               w->block, w->size);
 }
 
-/* Measures the scale of all errors: the largest distance from the start in the whole motion. */
+/* Measures the scales of errors: the largest distances from the start during the motion. */
 static enum pk_status measure(struct trial *w, pk_real t)
 {
     PK_TRY(begin(w));
@@ -67,7 +66,7 @@ static enum pk_status there_and_back(struct trial *w, struct pk_reversal *revers
     for (size_t i = 0; i < 2 * w->it->n; i++) {
         const pk_real miss = off(w, i);
         reversal->at[at].absolute = pk_max(reversal->at[at].absolute, miss);
-        if (miss > 0) /* any error of a component that never moved counts as 1 */
+        if (miss > 0) /* an error in a constant component counts as 1 */
             reversal->at[at].error =
                 pk_max(reversal->at[at].error, w->reach[i] > 0 ? miss / w->reach[i] : 1);
     }
@@ -80,7 +79,7 @@ static enum pk_status there_and_back(struct trial *w, struct pk_reversal *revers
     return PK_DONE;
 }
 
-/* Rounds t to whole steps, at least one. */
+/* Rounds t to a whole number of steps, at least one. */
 static pk_real rounded(const struct trial *w, pk_real t)
 {
     const pk_real h = w->options->h;
@@ -96,7 +95,7 @@ enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrat
                                 size_t block_size)
 {
     if (it)
-        memset(it, 0, sizeof *it); /* pk_integrator_free() may follow any refusal */
+        memset(it, 0, sizeof *it); /* pk_integrator_free() may follow any failure */
     const size_t size = pk_reversal_size(problem, method);
     if (!reversal || !it || !size || !options || !q0 || !v0 || !(t_end > t0) || !(threshold > 0))
         return PK_BAD_ARGUMENT;

@@ -1,7 +1,6 @@
-/* Lines of a spectrum fitted to samples; see pk/spectrum.h. The fit is Gauss-Newton on mean, rate,
- * and for each line a cos wt + b sin wt and w, with Hann's window as the weight; time runs from -1
- * to 1 over the samples, so that the normal equations are well scaled.
- */
+/* Fits the lines of a spectrum to samples; see pk/spectrum.h. Gauss-Newton iterations determine
+ * mean, rate, and a, b, w of each line a cos wt + b sin wt, weighted by Hann's window; time runs
+ * from -1 to 1 over the samples, so that the normal equations are well scaled. */
 #include <string.h>
 
 #include <pk/spectrum.h>
@@ -47,14 +46,14 @@ pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo,
     pk_real a = lo * half, b = hi * half, rises, falls;
     slope(&of, a, &rises);
     slope(&of, b, &falls);
-    if (!(rises > 0) || !(falls < 0)) /* no maximum between lo and hi: the better end */
+    if (!(rises > 0) || !(falls < 0)) /* no maximum between lo and hi: returns the higher end */
         return rises > 0 ? hi : lo;
     pk_root(slope, &of, &a, rises, &b, falls, 4 * PK_EPSILON * pk_abs(b));
     return (a + b) / 2 / half;
 }
 
-/* Returns the model at one sample, and its derivatives by the m unknowns: mean, rate, and a, b, w
- * of each line. */
+/* Returns the model at one sample, and its derivatives with respect to the m unknowns: mean, rate,
+ * and a, b, w of each line. */
 static pk_real model(size_t lines, const pk_real *z, pk_real s, pk_real *by)
 {
     pk_real sum = z[0] + z[1] * s;
@@ -71,8 +70,8 @@ static pk_real model(size_t lines, const pk_real *z, pk_real s, pk_real *by)
     return sum;
 }
 
-/* Makes one Gauss-Newton iteration: of all unknowns, or with frequencies held. Returns 0 if they
- * are not independent. */
+/* Makes one Gauss-Newton iteration for all unknowns, or with fixed frequencies if `held`. Returns 0
+ * if the unknowns are not independent. */
 static int turn(const pk_real *x, size_t count, size_t lines, pk_real *z, int held,
                 pk_real *largest)
 {
@@ -87,7 +86,7 @@ static int turn(const pk_real *x, size_t count, size_t lines, pk_real *z, int he
                 A[i * m + k] += weight * by[i] * by[k];
         }
     }
-    for (size_t k = 0; held && k < lines; k++) { /* row of no change */
+    for (size_t k = 0; held && k < lines; k++) { /* keeps the frequency */
         const size_t w = 4 + 3 * k;
         for (size_t i = 0; i < m; i++)
             *(i < w ? &A[w * m + i] : &A[i * m + w]) = 0;
@@ -149,7 +148,7 @@ enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, s
         z[4 + 3 * k] = spectrum->lines[k].frequency * half;
     if (!turn(x, count, lines, z, 1, &largest))
         return PK_NO_CONVERGENCE;
-    pk_real before = PK_PI; /* a correction above half a line width is lost */
+    pk_real before = PK_PI; /* a larger correction than half a line width is a failure */
     for (int k = 0; k < TURNS && lines > 0; k++) {
         if (!turn(x, count, lines, z, 0, &largest) || !(largest <= before))
             return PK_NO_CONVERGENCE;
@@ -167,10 +166,11 @@ void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t co
 {
     const size_t half = count / 2;
     for (size_t k = 0; k < spectrum->count; k++)
-        spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* at best */
+        spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* least error */
     for (int part = 0; part < 2; part++) {
         struct pk_spectrum of_half = *spectrum;
-        /* The last lines, found in rounding, may not exist in a half: drop them there. */
+        /* The last lines, found in rounding, may not exist in half of the samples, and are dropped
+         * there. */
         while (pk_spectrum_fit(&of_half, x + (part ? count - half : 0), half, dt, left) < 0 &&
                of_half.count > 0)
             of_half.count--;
@@ -182,7 +182,7 @@ void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t co
             line->error = pk_max(line->error, moved);
         }
     }
-    for (size_t k = 1; k < spectrum->count; k++) /* insertion, the largest first */
+    for (size_t k = 1; k < spectrum->count; k++) /* sorts by insertion, the largest first */
         for (size_t i = k; i > 0; i--)
             if (spectrum->lines[i].amplitude > spectrum->lines[i - 1].amplitude) {
                 const struct pk_line line = spectrum->lines[i];

@@ -1,6 +1,6 @@
-/* The derivative S of a step map and its effect on the symplectic form; see pk/stepmap.h. Each
- * column of S is a unit displacement in (Q, P), taken to (dq, dv), through one step, and back to
- * (Q, P) there.
+/* The derivative S of a step map and its effect on the symplectic form; see pk/stepmap.h. For each
+ * column of S, a unit displacement in (Q, P) is converted to (dq, dv), advanced by one step, and
+ * converted back.
  */
 #include <string.h>
 
@@ -54,7 +54,7 @@ static void momentum_slope(struct parts *w, pk_real t, const pk_real *q, const p
     of->system->jacobian(of->params, t, q, v, inputs(w, t), w->J, w->J + nn, w->J + 2 * nn);
 }
 
-/* Sets unit displacement j of (Q, P), as (dq, dv), behind the start in w->Q, w->V. */
+/* Sets unit displacement j of (Q, P), as (dq, dv), after the initial state in w->Q, w->V. */
 static void displace(struct parts *w, pk_real t, size_t j)
 {
     const size_t n = w->n;
@@ -63,7 +63,7 @@ static void displace(struct parts *w, pk_real t, size_t j)
     memset(dv, 0, n * sizeof *dv);
     (j < n ? dq : dv)[j % n] = 1;
     pk_metric_dq(&w->metric, dq);
-    pk_metric_dp(&w->metric, dv); /* still dp */
+    pk_metric_dp(&w->metric, dv); /* is dp until now */
     momentum_slope(w, t, w->Q, w->V);
     memset(w->dp, 0, n * sizeof *w->dp);
     pk_add_product(w->dp, w->J, dq, n);
@@ -83,7 +83,7 @@ static void take_column(struct parts *w, size_t j)
     pk_add_product(w->dp, w->J, dq, n);
     of->system->mass(of->params, w->it.t, q, v, inputs(w, w->it.t), w->J);
     pk_add_product(w->dp, w->J, dv, n);
-    memcpy(w->Q + n, dq, n * sizeof *dq); /* free again */
+    memcpy(w->Q + n, dq, n * sizeof *dq); /* w->Q is not needed any more */
     pk_metric_Q(&w->metric, w->Q + n);
     pk_metric_P(&w->metric, w->dp);
     for (size_t i = 0; i < n; i++) {
@@ -107,7 +107,7 @@ static void measure(struct parts *w, struct pk_stepmap *map)
                 form += a - b;
                 sum += pk_abs(a) + pk_abs(b);
             }
-            if (!(pk_abs(form) <= map->defect)) /* so that NaN gets through */
+            if (!(pk_abs(form) <= map->defect)) /* true for NaN */
                 map->defect = pk_abs(form);
             size = pk_max(size, sum);
         }
@@ -146,10 +146,10 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
     const size_t size = pk_stepmap_size(problem, method);
     if (map && method && method->traits & PK_ADAPTIVE && method->traits & PK_LINEAR &&
         !(method->traits & PK_IMPLICIT))
-        return PK_REFUSED; /* its step size depends on the state: no derivative of that */
+        return PK_REFUSED; /* its step size depends on the state */
     if (map && problem && problem->system &&
         (problem->system->n_first_order || problem->system->constraints.n))
-        return PK_REFUSED; /* states have no momenta; under constraints q and p are not free */
+        return PK_REFUSED; /* no momenta, or dependent q and p */
     if (!map || !options || !q0 || !v0 || !size || !(h > 0))
         return PK_BAD_ARGUMENT;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))

@@ -38,7 +38,7 @@ void pk_variation_put(const struct pk_variation *w, const pk_real *v, size_t k, 
         V[pk_variation_place(w, k, i)] = v[i];
 }
 
-/* y += A x, where A has a column for each number of v, and x holds coordinates only. */
+/* y += A x, where A has a column for each component of v, and x has coordinates only. */
 static void add_by_q(const struct pk_variation *w, pk_real *y, const pk_real *A, const pk_real *x)
 {
     for (size_t i = 0; i < w->n; i++)
@@ -46,7 +46,7 @@ static void add_by_q(const struct pk_variation *w, pk_real *y, const pk_real *A,
             y[i] += A[i * w->n + j] * x[j];
 }
 
-/* Copies the motion's own rates and states into the work memory. */
+/* Copies the rates and first-order variables of the motion to the work memory. */
 static const pk_real *own(const struct pk_variation *w, const pk_real *V)
 {
     pk_variation_take(w, V, 0, w->v);
@@ -143,7 +143,7 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
         if (k == w->columns)
             return;
         pk_variation_take(w, V, k + 1, w->v);
-        memset(w->a, 0, 2 * n * sizeof *w->a); /* and b, which follows */
+        memset(w->a, 0, 2 * n * sizeof *w->a); /* clears w->b too, which follows */
         pk_add_product(w->a, M, w->v, n);
         add_by_q(w, w->a, p_q, q + (k + 1) * n_q);
         add_by_q(w, w->b, pdot_q, q + (k + 1) * n_q);
@@ -161,7 +161,7 @@ static void singularity(ARGS, pk_real *out)
 
 size_t pk_variation_size(const struct pk_problem *of, size_t columns)
 {
-    (void)columns; /* displacements share what is computed along the motion */
+    (void)columns; /* displacements share all work on the motion */
     if (!of || !of->system || of->system->abi != PK_ABI)
         return 0;
     const size_t n = pk_system_count(of->system, of->params);
@@ -187,7 +187,7 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     if (!variation || !of || !of->system || !block || of->system->abi != PK_ABI)
         return PK_BAD_ARGUMENT;
     const struct pk_system *system = of->system;
-    /* Across a kink displacements jump, and derivatives do not show by how much. */
+    /* Displacements jump at a kink, and derivatives do not show by how much. */
     if (!system->linear || !system->mass || !system->jacobian || !(system->facts & PK_SMOOTH))
         return PK_REFUSED;
     if (block_size < pk_variation_size(of, columns) || (size_t)block % _Alignof(pk_real))
@@ -204,8 +204,8 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     variation->v = variation->work + 4 * variation->n * variation->n;
     variation->a = variation->v + variation->n;
     variation->b = variation->a + variation->n;
-    /* p of a displacement depends on q, and on v too unless M is constant: the mass kernel lacks
-     * these terms of dp/dv, and PK_QUADRATIC is not kept. */
+    /* p of a displacement depends on q, and on v too unless M is constant. The mass kernel lacks
+     * these terms of dp/dv, so that PK_QUADRATIC does not hold then. */
     unsigned kept = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS | PK_SMOOTH | PK_MASS_DIAGONAL |
                     PK_AFFINE | PK_LINEAR_DRAG;
     if (system->facts & PK_MASS_CONSTANT)

@@ -5,7 +5,7 @@
 #include "../core/root.h"
 
 enum { PANELS = 20000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
-#define FOLLOWED (1024 * PK_EPSILON) /* largest error of the work in a panel, found by its parts */
+#define FOLLOWED (1024 * PK_EPSILON) /* largest relative error of the work in a panel */
 
 pk_real pk_well_force(const struct pk_well *w, pk_real q)
 {
@@ -47,7 +47,7 @@ pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b)
     return half * sum;
 }
 
-/* A position on the way: at y, where h - W is U, and the direction. */
+/* A position of the march: at q + y, where h - W is U; and its direction. */
 struct place {
     const struct pk_well *w;
     pk_real q, y, U, direction;
@@ -67,8 +67,8 @@ static enum pk_status slope_at(void *context, pk_real distance, pk_real *slope)
     return PK_DONE;
 }
 
-/* Returns the distance of the root of f, whose sign at `far` is opposite or 0, to the last digit.
- * `far` may be a million times as far, as for first panels where the force is tiny. */
+/* Returns the distance to the root of f, to the last digit. At `far` f has the opposite sign or is
+ * 0; `far` may be a million times too far, as in first panels with a tiny force. */
 static pk_real root_of(struct place *p, pk_function f, pk_real far)
 {
     for (pk_real before = PK_INFINITY; far < before / 2;) {
@@ -81,8 +81,9 @@ static pk_real root_of(struct place *p, pk_function f, pk_real far)
     return far;
 }
 
-/* Whether h - W has a root within the next `far`, and its distance. Behind a low barrier h - W may
- * be positive again: its minimum is searched where the force changes sign. */
+/* Returns whether h - W has a root within the distance `far`, and sets *distance to it. Behind a
+ * low barrier h - W may be positive again, so its minimum is searched where the force changes
+ * sign. */
 static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least, pk_real *distance)
 {
     pk_real before, behind, U, to = far;
@@ -103,8 +104,8 @@ static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least,
     return 1;
 }
 
-/* Whether M, F and b have period 2 pi in q and a full turn takes no work. Returns 0 where nothing
- * depends on q, since that cannot be known. */
+/* Returns whether M, F and b have period 2 pi in q and a full turn takes no work. Returns 0 if
+ * nothing depends on q, since q may then be an angle or not. */
 static int is_angle(const struct pk_well *w, pk_real q)
 {
     pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY, round = 0;
@@ -130,7 +131,7 @@ static int is_angle(const struct pk_well *w, pk_real q)
     return most[0] > 0 || most[1] - M_lo > PK_F(sqrt)(PK_EPSILON) * most[1];
 }
 
-/* Takes panels as long as the quadrature resolves the force. */
+/* Makes each panel as long as the quadrature resolves the force. */
 struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction)
 {
     struct pk_end end = {0, 0, 0};
@@ -146,7 +147,7 @@ struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real dir
             at[k + 1] = at[k] + pk_well_work(w, q, from, to);
             most = PK_F(fmax)(most, at[k + 1]);
         }
-        /* Not resolved; or from rest so far that it has already come back. */
+        /* The force is not resolved; or, from rest, the motion returns within this panel. */
         if (!(pk_abs(at[PARTS] - U - whole) <= FOLLOWED * most) || !(at[0] > 0 || at[1] > 0)) {
             d /= 4;
             if (!(pk_abs(y) + d / PARTS > pk_abs(y)))

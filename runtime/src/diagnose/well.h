@@ -1,4 +1,4 @@
-/* One degree of freedom with t held: L = M v^2/2 + b v - W, and the turning points of its
+/* One degree of freedom with t held constant: L = M v^2/2 + b v - W, and the turning points of its
  * motion. */
 #ifndef PK_WELL_H
 #define PK_WELL_H
@@ -13,21 +13,21 @@ struct pk_well {
     pk_real t;
     const pk_real *u;
     pk_real longest;     /* longest panel of a march */
-    pk_real most, least; /* of h - W on the way: its maximum; its least minimum */
+    pk_real most, least; /* maximum of h - W on the way; its least minimum */
 };
 
-/* A root of h - W, or a full turn. */
+/* A root of h - W, or a full turn, that a march has found. */
 struct pk_end {
     pk_real y; /* distance from the start */
     int turns, found;
 };
 
-pk_real pk_well_force(const struct pk_well *w, pk_real q); /* dL/dq at v = 0, -dW/dq */
+pk_real pk_well_force(const struct pk_well *w, pk_real q); /* dL/dq at v = 0, which is -dW/dq */
 pk_real pk_well_mass(const struct pk_well *w, pk_real q);
 pk_real pk_well_linear(const struct pk_well *w, pk_real q); /* b */
 /* Integrates the force at q + x over x from a to b, by the Gauss-Legendre rule of order 12. */
 pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b);
-/* Marches from q, where h - W is U, in one direction until h - W is 0. */
+/* Marches from q, where h - W is U, in one direction until h - W is 0 or a turn is complete. */
 struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction);
 
 #endif

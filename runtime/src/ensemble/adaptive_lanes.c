@@ -1,7 +1,6 @@
-/* Steps of several integrators made ahead, in lanes; see pk/adaptive_lanes.h. A lane holds its
- * integrator's state as long as that takes the steps made for it; otherwise the lane is loaded
- * again.
- */
+/* Makes steps of several integrators in advance, in SIMD lanes; see pk/adaptive_lanes.h. A lane
+ * keeps its integrator's state as long as the integrator uses the steps made for it; otherwise the
+ * state is loaded again. */
 #include <string.h>
 
 #include "../core/generic.h"
@@ -16,21 +15,21 @@
 #include "lanes.h"
 
 enum {
-    FEW = 8,  /* lanes are not worthwhile for at most 1/8 of them */
-    MANY = 32 /* steps in a call */
+    FEW = 8,  /* if at most 1/8 of the lanes are used, they do not pay */
+    MANY = 32 /* most steps per call */
 };
 
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const struct pk_system *system = problem->system;
-#ifdef PK_ONE_BY_ONE /* to measure the gain of lanes */
+#ifdef PK_ONE_BY_ONE /* measures the gain of lanes */
     const struct pk_block_stepper *s = NULL;
 #else
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
 #endif
     struct pk_block b;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt) ||
-        system->constraints.n) /* projection, made one by one, is most of a step */
+        system->constraints.n) /* projection has no lanes and is most of a step */
         return 0;
     const size_t block = pk_block_lay_out(&b, problem, method, 0, NULL);
     return (block + pk_screen_size(&b)) * sizeof(pk_real);
@@ -94,7 +93,7 @@ static void load(struct pk_lanes *a, const struct pk_lane *lane, size_t l)
     struct pk_integrator *it = lane->it;
     const int switched = lane->events && lane->events->params;
     pk_block_load(b, it, switched ? lane->events->params : it->problem.params, l);
-    if (a->method->traits & PK_ADAPTIVE) { /* the first stage */
+    if (a->method->traits & PK_ADAPTIVE) { /* slope of the first stage */
         const struct pk_tableau *table = pk_explicit_table(a->method);
         const struct pk_embedded_work w = pk_embedded_parts(it, table, b->n_q, b->n);
         const pk_real *slope = it->own->flags & PK_HAVE_STEP ? w.last : w.k;
@@ -117,7 +116,7 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
     }
 }
 
-/* Advances the state of these lanes to the end of their step. */
+/* Advances the state of these lanes to the end of their steps. */
 static void advance(struct pk_lanes *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
@@ -135,8 +134,7 @@ static void advance(struct pk_lanes *a, unsigned long long lanes)
              b->state + low * W);
 }
 
-/* Prepares the next step of each lane, loading its state where needed. Returns the lanes that have
- * one. */
+/* Prepares the next step of each lane; loads its state if needed. Returns the lanes with a step. */
 static unsigned long long enter(struct pk_lanes *a, const struct pk_lane *lanes)
 {
     struct pk_block *b = &a->b;
@@ -194,7 +192,7 @@ static unsigned long long accelerations(struct pk_lanes *a, const pk_real *t, co
     return a->stepper->members(b, state, state + b->n_q * b->lanes, to);
 }
 
-/* Returns those lanes of `of`, whose steps are made, that cross no event. */
+/* Returns the lanes of `of`, whose steps are made, that cross no event. */
 static unsigned long long clear(struct pk_lanes *a, const struct pk_lane *lanes,
                                 unsigned long long of, unsigned long long known)
 {
@@ -216,7 +214,7 @@ static unsigned long long clear(struct pk_lanes *a, const struct pk_lane *lanes,
     return pk_screen(&a->screen, b, lanes, of, known, 1);
 }
 
-/* Whether the next steps need nothing but the method: no checks between them. */
+/* Returns whether the next steps need no checks between them. */
 static int is_free(const struct pk_lanes *a, const struct pk_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
@@ -234,7 +232,7 @@ static size_t bits(unsigned long long x)
     return count;
 }
 
-/* Returns how many steps of the lane may be made at once. */
+/* Returns how many steps of the lane may be made in one call. */
 static unsigned long most_of(const struct pk_lanes *a, const struct pk_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
@@ -245,7 +243,7 @@ static unsigned long most_of(const struct pk_lanes *a, const struct pk_lane *lan
     return pk_step_count(it, lane->free, left < MANY ? left : MANY);
 }
 
-/* Makes steps of the lanes `live` together, as long as at least half of them go on. */
+/* Makes steps of the lanes `live` together while at least half of them continue. */
 static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned long long live,
                       const unsigned long *most)
 {
@@ -280,7 +278,7 @@ static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned 
             if (ahead->many == most[l])
                 going &= ~(1ull << l);
         }
-        if (known && !splitting) { /* the first stage of their next step */
+        if (known && !splitting) { /* first stage of the next step */
             memcpy(b->work, b->state + n_q * W, n_q * W * sizeof *b->work);
             memcpy(b->work + m, a->screen.a1, m * sizeof *b->work);
         }
@@ -298,7 +296,7 @@ void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes)
     advance(a, made);
     a->single = a->idle = 0;
     const unsigned long long live = enter(a, lanes);
-    if (bits(live) * FEW <= a->lanes) /* one by one is faster */
+    if (bits(live) * FEW <= a->lanes) /* steps without lanes are faster */
         return;
     rest(a, live);
     for (size_t l = 0; l < a->lanes; l++)

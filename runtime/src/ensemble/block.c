@@ -1,11 +1,10 @@
-/* A block of members that share the time and length of each step: fixed steps, from row to row. */
+/* A block of members with the same fixed steps at the same times, from row to row. */
 #include <string.h>
 
 #include "../core/attitude.h"
 #include "ensemble.h"
 
-/* Ends the members in the lanes `bits` with `status`; their lanes follow another lane from now
- * on. */
+/* Ends the members in lanes `bits` with `status`; from then on their lanes repeat another lane. */
 static void retire(struct pk_block *b, const struct pk_ensemble *e, size_t first,
                    unsigned long long bits, enum pk_status status, unsigned long long *live)
 {
@@ -36,7 +35,7 @@ static void store_row(const struct pk_block *b, const struct pk_ensemble *e, siz
     }
 }
 
-/* Ends the members of `bits` with `status`, or with the singularity that caused it. */
+/* Ends the members in lanes `bits` with `status`, or with the singularity that caused it. */
 static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_integrator *clock,
                  size_t first, char *memory, unsigned long long bits, enum pk_status status,
                  unsigned long long *live)
@@ -68,27 +67,27 @@ static unsigned long long normalise(struct pk_block *b)
     return lost;
 }
 
-/* Sets the same step in all lanes. */
+/* Sets the same step for all lanes. */
 static void together(struct pk_block *b, pk_real from, pk_real end, pk_real h)
 {
     for (size_t l = 0; l < b->lanes; l++)
         b->from[l] = from, b->end[l] = end, b->h[l] = h;
 }
 
-/* Makes the last step again to t, as pk_integrator_aside(), into b->spare. Returns the lanes that
- * failed. */
+/* Repeats the last step, but only to t, into b->spare, like pk_integrator_aside(). Returns the
+ * lanes that failed. */
 static unsigned long long aside(const struct pk_block *of, const struct pk_block_stepper *s,
                                 const struct pk_integrator *clock, pk_real t)
 {
     struct pk_block b = *of;
-    b.state = of->next; /* where the step began */
+    b.state = of->next; /* start of that step */
     b.next = of->spare;
     b.have_a = 0;
     together(&b, clock->last_t, t, t - clock->last_t);
     return s->step(&b) | normalise(&b);
 }
 
-/* Advances all live lanes to t, or past it by the fixed step that contains t. */
+/* Advances all live lanes to t, or to the end of the fixed step that contains t. */
 static unsigned long long advance(struct pk_block *b, const struct pk_block_stepper *s,
                                   const struct pk_ensemble *e, struct pk_integrator *clock,
                                   size_t first, char *memory, pk_real t, unsigned long long live)
@@ -106,7 +105,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
         together(b, clock->t, clock->own->next_t, clock->own->h);
         b->failed = b->not_finite = 0;
         const unsigned long long bad = s->step(b) & live;
-        if (bad) { /* a kernel that fails at finite numbers fails on M; all else is not finite */
+        if (bad) { /* at finite numbers, a kernel only fails if M is singular */
             const unsigned long long mass = bad & b->failed & ~b->not_finite;
             live &= ~bad;
             fail(b, e, clock, first, memory, mass, PK_SINGULAR_MASS, &live);

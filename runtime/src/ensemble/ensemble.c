@@ -1,6 +1,5 @@
-/* Ensembles: the route that a member takes, and the motion of one member from row to row. One
- * member: member.c; blocks of members in lanes: block.c.
- */
+/* Ensembles: chooses how to integrate members, and moves one member from row to row. See also
+ * member.c for one member, and block.c for members in lanes. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,7 +7,7 @@
 
 #include "ensemble.h"
 
-/* Returns the stepper of blocks; NULL: one member after the other. */
+/* Returns the stepper of blocks, or NULL if members run one after the other. */
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     return e->options.h > 0 && !e->system->constraints.n ? pk_block_stepper_of(e->system, e->method)
@@ -20,7 +19,7 @@ int pk_ensemble_fixed(const struct pk_ensemble *e)
     return !(e->method->traits & PK_ADAPTIVE) || stepper(e) != NULL;
 }
 
-/* Returns the bytes for steps made ahead in lanes, each member with its own step; 0: none. */
+/* Returns the bytes for lanes in which each member has its own steps; 0 if there are none. */
 static size_t lanes_size(const struct pk_ensemble *e)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
@@ -34,8 +33,8 @@ static size_t lanes(const struct pk_ensemble *e)
     return s ? s->lanes : pk_lanes_count(&problem, e->method);
 }
 
-/* Returns the number of integrators: one a lane, and one more to reach rows within steps; or those
- * of lanes that share their steps. */
+/* Returns the number of integrators: one per lane, and one to reach rows within steps; if lanes
+ * share their steps, pk_member_count(). */
 static size_t integrators(const struct pk_ensemble *e)
 {
     return stepper(e) ? pk_member_count(e, lanes(e)) : lanes(e) + 1;
@@ -48,7 +47,7 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
     return integrators(e) * pk_member_size(e) + (stepper(e) ? pk_block_size(e) : lanes_size(e));
 }
 
-/* A member in motion from row to row; `kept`: whether rows are stored. */
+/* A member that is integrated from row to row; `kept`: whether rows are stored. */
 struct way {
     const struct pk_ensemble *e;
     struct pk_member *m, *aside;
@@ -74,7 +73,7 @@ static int is_ahead(const struct way *w)
            (e->method->traits & PK_ADAPTIVE || !pk_integrator_is_at(it, t));
 }
 
-/* Outputs the rows reached or passed by a fixed step. Returns whether the member goes on. */
+/* Stores the rows that a fixed step has reached or passed. Returns whether the member continues. */
 static int rows(struct way *w)
 {
     const struct pk_ensemble *e = w->e;
@@ -104,7 +103,7 @@ static int begin(struct way *w, size_t member)
     return w->m->it.status == PK_DONE && rows(w);
 }
 
-/* Returns the latest end of the next step. */
+/* Returns the time at which the next step must end at the latest. */
 static pk_real limit(const struct way *w)
 {
     const struct pk_ensemble *e = w->e;
@@ -113,7 +112,7 @@ static pk_real limit(const struct way *w)
                                            : pk_integrator_limit(&w->m->it, t, e->t[e->rows - 1]);
 }
 
-/* Makes a step, or many in one call. Returns whether the member goes on. */
+/* Makes a step, or many in one call. Returns whether the member continues. */
 static int step(struct way *w)
 {
     const struct pk_ensemble *e = w->e;

@@ -1,6 +1,5 @@
-/* Shared by the two routes of an ensemble: one member after the other (ensemble.c), and blocks of
- * members in lanes (block.c).
- */
+/* Shared by the two ways to run an ensemble: one member after the other (ensemble.c), and blocks of
+ * members in lanes (block.c). */
 #ifndef PK_SRC_ENSEMBLE_H
 #define PK_SRC_ENSEMBLE_H
 
@@ -12,8 +11,8 @@ struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member
 int pk_ensemble_stopped(const struct pk_ensemble *e);
 static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-/* A member in the memory block, followed by its integrator's memory. Members in lanes share one,
- * unless the system has singularities, which each integrator then watches for its lane. */
+/* A member in the memory block, followed by its integrator's memory. Members in lanes share one
+ * integrator, unless there are singularities: each lane then has one that watches for these. */
 struct pk_member {
     struct pk_integrator it;
     struct pk_constant_input input;
@@ -23,18 +22,19 @@ static inline struct pk_member *pk_member_at(const struct pk_ensemble *e, void *
 {
     return (struct pk_member *)(void *)((char *)memory + k * pk_member_size(e));
 }
-/* Returns the number of pk_members in memory when W lanes share their steps. */
+/* Returns the number of struct pk_member in memory if W lanes share their steps. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
-/* Initialises the integrator of a member; begin() also resets its rows done and its last time. */
+/* Initialises the integrator of a member; pk_member_begin() also resets its count of rows and its
+ * last time. */
 enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member,
                                     struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
-/* Gives the member the step that its lane has made, at next[i * W], or that failed with `status`.
- * Returns PK_DONE, or the failure: a singularity where that is its cause. */
+/* Passes the step made in a lane, next[i * W], to the member's integrator; `status` if it failed.
+ * Returns PK_DONE or the failure, which is a singularity if that is the cause. */
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
                               const pk_real *next, size_t W, enum pk_status status);
 
-/* Returns the bytes of a block, without those of its members. */
+/* Returns the bytes of a block without its members. */
 size_t pk_block_size(const struct pk_ensemble *e);
 void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s, size_t first,
                   size_t count, char *memory);

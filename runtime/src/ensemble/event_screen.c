@@ -1,17 +1,17 @@
-/* Finds steps in lanes that certainly cross no event and no switch; see event_screen.h. By the first
- * test of events_look.c: on the quintic Hermite interpolant, the polynomial through samples of a
- * function.
- */
+/* Finds steps in lanes that certainly cross no event and no switch; see event_screen.h. It uses the
+ * first test of events_look.c: the polynomial through samples of a function on the quintic Hermite
+ * interpolant. */
 #include <string.h>
 
 #include "../events/events.h"
 #include "event_screen.h"
 
 enum { N = 8, STRIDE = PK_MOST_SAMPLES / N, TAIL = 4, LANES = PK_LANES };
-#define SAFE PK_C(1.001) /* margin over events_look.c: sums are rounded differently here */
+#define SAFE PK_C(1.001) /* sums are rounded differently from events_look.c */
 
-/* Computes the difference of h^2 q'' between motion and cubic at both ends; `bad` is not 0 where it
- * is so large that the interpolant is useless. Inner loops are over one or two vectors of lanes. */
+/* Computes the difference of h^2 q'' between motion and cubic at both ends. `bad` is nonzero in
+ * lanes where it is so large that the interpolant is useless. Inner loops are over vectors of
+ * lanes. */
 static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b, pk_bits *bad)
 {
     const size_t m = b->n_q * b->lanes;
@@ -34,7 +34,7 @@ static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b
     }
 }
 
-/* Evaluates the quintic and its derivative at x of 0 .. 1; for states the quartic. */
+/* Evaluates the quintic and its derivative at x in 0 .. 1; for states in v the quartic. */
 static void between(const struct pk_screen *s, const struct pk_block *b, pk_real x)
 {
     const size_t m = b->n_q * b->lanes, all = b->n * b->lanes;
@@ -64,8 +64,8 @@ static void between(const struct pk_screen *s, const struct pk_block *b, pk_real
     }
 }
 
-/* Computes the quartic terms of states, from their rates at a quarter of the step; see
- * events_look.c. */
+/* Computes the quartic terms of first-order variables, from their rates at a quarter of the step;
+ * see events_look.c. */
 static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
 {
     const size_t W = b->lanes, first = b->n_q * W, end = (b->n_q + b->n) * W;
@@ -80,7 +80,7 @@ static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *
     const unsigned long long failed = s->members(b, s->trial, s->trial + first, s->a_between);
     for (size_t l = 0; l < W; l++)
         bad[l] |= failed >> l & 1 ? ~(pk_bits)0 : 0;
-    for (size_t k = first; k < end - first; k += LANES) { /* states in v */
+    for (size_t k = first; k < end - first; k += LANES) { /* first-order variables */
         const pk_real *v0 = b->state + first + k, *v1 = b->next + first + k;
         const pk_real *a0 = s->a0 + k, *a1 = s->a1 + k, *a = s->a_between + k;
         const pk_real *length = b->h + k % W;
@@ -102,8 +102,8 @@ static void bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
     states_bend(s, b, bad);
 }
 
-/* Sets `bad` where the function with these samples, `stride` apart, may be zero: where |c_0| of the
- * polynomial sum c_i cos(i angle) is no larger than the other terms. Even and odd terms are summed
+/* Sets `bad` if the function with these samples, `stride` apart, may be zero: if |c_0| of the
+ * polynomial sum c_i cos(i angle) does not exceed the other terms. Even and odd terms are summed
  * separately. */
 static void judge(const pk_real *g, size_t stride, pk_real far, pk_bits *PK_RESTRICT bad)
 {
@@ -191,7 +191,7 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
         const pk_real x = (1 - pk_events_cosines[j * STRIDE]) / 2;
         if (j > 0 && j < N)
             between(s, b, x);
-        if (j == 0 && !(of & ~known)) /* kept from the end of the last step */
+        if (j == 0 && !(of & ~known)) /* known from the end of the last step */
             continue;
         const pk_real *state = j == 0 ? b->state : j < N ? s->trial : b->next;
         for (size_t l = 0; l < W; l++)
@@ -207,7 +207,7 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
     for (size_t l = 0; l < W; l++)
         if (of >> l & 1 && !bad[l])
             clear |= 1ull << l;
-    /* The last sample is the first one of the next steps. */
+    /* The last sample is the first sample of the next steps. */
     memcpy(s->g, s->g + (size_t)N * s->functions * W, s->functions * W * sizeof *s->g);
     return clear;
 }

@@ -1,17 +1,16 @@
-/* Screens steps made ahead in lanes: finds those that certainly cross no event and no switch. All
- * others are examined one by one as pk/events.h describes.
- */
+/* Screens steps made in advance in lanes: finds those that certainly cross no event and no switch.
+ * All other steps are examined one by one as pk/events.h describes. */
 #ifndef PK_SRC_EVENT_SCREEN_H
 #define PK_SRC_EVENT_SCREEN_H
 
 #include <pk/adaptive_lanes.h>
 
-/* The pk_real of its memory. */
+/* Returns the size of its memory, in pk_real. */
 size_t pk_screen_size(const struct pk_block *b);
 void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
                     const struct pk_block_stepper *stepper, pk_real *base);
-/* Returns those lanes of `of`, whose steps are made, that cross nothing; s->a0 and s->a1 hold the
- * accelerations at both ends. `known`: lanes screened in the step before this one. */
+/* Returns the lanes of `of` whose steps cross nothing; s->a0 and s->a1 hold the accelerations at
+ * both ends of the steps. `known`: lanes screened in the previous step. */
 unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const struct pk_lane *lanes,
                              unsigned long long of, unsigned long long known, pk_real far);
 

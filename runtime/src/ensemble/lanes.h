@@ -1,7 +1,6 @@
-/* Members in SIMD lanes: the memory of a block, and the steps that it makes. Two engines use it.
- * In block.c all lanes share the time and length of each step, and rows are copied from them. In
- * adaptive_lanes.c each lane has its own, and an integrator takes the step made for it.
- */
+/* Members in SIMD lanes: the memory of a block, and the steps that it makes. It has two uses. In
+ * block.c all lanes share the time and length of each step, and rows are copied from them. In
+ * adaptive_lanes.c each lane has its own time and step, which its integrator takes over. */
 #ifndef PK_SRC_LANES_H
 #define PK_SRC_LANES_H
 
@@ -9,22 +8,22 @@
 
 #include "../core/internal.h"
 
-/* Returns the stepper of blocks, the system's own or a generic one; NULL: there is none. */
+/* Returns the stepper of blocks: the system's own, a generic one, or NULL if there is none. */
 const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
                                                    const struct pk_method *method);
-/* Returns the number of stages that a block keeps. */
+/* Returns the number of stages whose slopes a block keeps. */
 int pk_block_stages(const struct pk_method *method);
-/* Describes a block of this system and method, and lays out its memory, with room for `spare` if
- * `spares`. Returns the number of pk_real; base NULL: only that. */
+/* Describes a block of this system and method, and lays out its memory, with b->spare if `spares`.
+ * Returns the number of pk_real; with base NULL it does no more. */
 size_t pk_block_lay_out(struct pk_block *b, const struct pk_problem *problem,
                         const struct pk_method *method, int spares, pk_real *base);
 /* Copies an integrator's state, params and inputs to lane l. */
 void pk_block_load(struct pk_block *b, const struct pk_integrator *it, const void *params,
                    size_t l);
-/* Copies all numbers of a lane to another, whose own would be undefined or fail again. */
+/* Copies all numbers of a lane to another lane, which would have none or fail again. */
 void pk_block_copy_lane(struct pk_block *b, size_t from, size_t to);
 
-/* Returns the number of the lowest bit; `bits` is not 0. */
+/* Returns the index of the lowest bit that is set; `bits` is not 0. */
 static inline size_t pk_lowest(unsigned long long bits)
 {
     size_t l = 0;

@@ -1,7 +1,6 @@
-/* One member of an ensemble: its start, and its singularities when its steps are made in a lane.
- * Its integrator then makes no steps: it gets those of the lane and watches singularities in them
- * (singularity.c), by the kernels for one state.
- */
+/* One member of an ensemble: its initial state, and its singularities if its steps are made in a
+ * lane. Its integrator then makes no steps: it takes over those of the lane and watches for
+ * singularities in them (singularity.c), by the kernels for one state. */
 #include <string.h>
 
 #include "ensemble.h"

@@ -1,15 +1,15 @@
-/* The impulse where the motion meets a switch across which L or a constraint jumps: the corner
- * condition of Weierstrass and Erdmann. Momenta and energy are p-, h- before it; behind it, with
- * alpha along the gradient of the switch s(q, t), Lambda along the rows J v + j0 = 0 of that side,
+/* The impulse at a switch s(q, t) = 0 across which L or a constraint jumps: the corner condition of
+ * Weierstrass and Erdmann. Momenta and energy are p-, h- before it. After it, with an impulse alpha
+ * along the gradient s_q, and Lambda along the constraint rows J v + j0 = 0 of the new side,
  *
  *     p(v+) = p- + alpha s_q + J^T Lambda,   J v+ + j0 = 0,
  *     E = h(v+) - h- + alpha s_t + Lambda.j0 = 0.
  *
- * Along v(alpha) dE/dalpha = s', the rate of s, and s' grows with alpha, since M is definite: E is
- * convex, and of its two roots one goes on and one goes back. Without roots the surface is a
- * barrier: the same equations on the side before have another root, which goes back. A surface s(t)
- * has alpha = 0 and does not conserve energy; nor does one across which j0 of a rolling row jumps,
- * for its force acts along its row alone.
+ * For v(alpha), dE/dalpha is s', the rate of s, which grows with alpha, since M is definite. So E
+ * is convex: at one of its two roots the motion goes on, at the other it goes back. Without roots
+ * the switch is a barrier: the same equations on the old side have another root, at which the
+ * motion goes back. A switch s(t) has alpha = 0 and does not conserve energy. Nor does one across
+ * which j0 of a rolling row jumps, since its force acts along its row alone.
  *
  * References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
  * Nonsmooth Mechanics, 3rd ed., chapters 1 and 3.
@@ -26,7 +26,7 @@ static size_t lay_out(struct corner *x, const struct pk_system *system, size_t n
                       pk_real *base)
 {
     const size_t c = system->constraints.n, k = system->switches.n;
-    const struct pk_problem problem = {.system = system}; /* loops have no impulses */
+    const struct pk_problem problem = {.system = system}; /* kept loops have no impulses */
     /* clang-format off */
     const struct pk_slot slots[] = {
         {w, pk_project_room(&problem, n)}, {&x->p0, n}, {&x->p, 2 * n}, {&x->v, n}, {&x->along, n},
@@ -69,8 +69,8 @@ void pk_corner_rows(struct corner *x, const pk_real *v)
         pk_project_rows(&x->w, x->q, v);
 }
 
-/* Replaces the force d by M^-1 (d + J^T mu) with J d = -rate, M and J at v. Returns -1 if
- * singular. */
+/* Replaces the force d by M^-1 (d + J^T mu), where mu makes J d = -rate; M and J are at v. Returns
+ * -1 if singular. */
 static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *rate, pk_real *mu)
 {
     struct pk_projection *w = &x->w;
@@ -86,7 +86,7 @@ static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *
     return 0;
 }
 
-/* Solves for v(alpha) on the current side by Newton's method, from v and lambda, and for its
+/* Solves for v(alpha) on the current side by Newton's method, from x->v and x->lambda, and for its
  * derivative. */
 static int rates(struct corner *x, pk_real alpha)
 {
@@ -95,7 +95,7 @@ static int rates(struct corner *x, pk_real alpha)
     for (int count = 0; count < MOST; count++) {
         pk_real change = 0, size = 0;
         pk_corner_momenta(x, x->v);
-        if (count && !pk_all_finite(x->p, w->m)) { /* outside the domain of L: go back */
+        if (count && !pk_all_finite(x->p, w->m)) { /* outside the domain of L: undo part of d */
             part /= 2;
             for (size_t i = 0; i < w->m; i++)
                 x->v[i] -= part * d[i];
@@ -159,7 +159,7 @@ int pk_corner_leave(struct corner *x, pk_real direction, int free)
         const pk_real s = pk_corner_speed(x), bend = pk_corner_dot(x->slope, x->along, w->m);
         if (!free)
             return 1;
-        if (count == 0) { /* the part of s_q outside the span of the rows */
+        if (count == 0) { /* tests the part of s_q outside the span of the rows */
             memcpy(w->d, x->slope, w->m * sizeof *w->d);
             pk_ldl_solve(w->M, w->m, w->d);
             first = pk_abs(s);

@@ -1,4 +1,4 @@
-/* The corner condition at a switch, solved for the rates behind it: corner.c. */
+/* The corner condition at a switch, solved for the rates after it; see corner.c. */
 #ifndef PK_CORNER_H
 #define PK_CORNER_H
 
@@ -6,7 +6,7 @@
 #include "../core/project.h"
 
 #define PK_CORNER_ALONG \
-    (PK_C(1024.0) * PK_EPS) /* of s_q: a smaller part outside the span of the rows counts as none */
+    (PK_C(1024.0) * PK_EPS) /* of s_q: a smaller part outside the span of the rows counts as 0 */
 #define PK_CORNER_WHOLE \
     PK_F(sqrt)(PK_EPS) /* relative change above which a position or a row has jumped */
 
@@ -16,7 +16,7 @@ struct corner {
     struct pk_projection w;
     const pk_real *q, *slope; /* s_q */
     pk_real slope_t, h0;
-    pk_real *p0, *p, *v, *start;  /* behind p: pdot */
+    pk_real *p0, *p, *v, *start;  /* p has 2 n numbers: p and pdot */
     pk_real *along, *lambda, *by; /* along = dv/dalpha, by = dLambda/dalpha */
     pk_real *slopes, *J, *phi, *before, *sides, *first;
 };
@@ -27,8 +27,8 @@ pk_real pk_corner_energy(const struct corner *x, const pk_real *v);
 void pk_corner_rows(struct corner *x, const pk_real *v);
 pk_real pk_corner_speed(const struct corner *x);
 
-/* Finds the rates at the root of E where s' has the sign of `direction`. Returns 1, 0 if there is
- * no root, or -1 if no rates are found. */
+/* Finds the rates at the root of E where s' has the sign of `direction`. Returns 1; 0 if there is
+ * no root; -1 on failure. */
 int pk_corner_leave(struct corner *x, pk_real direction, int free);
 
 static inline pk_real pk_corner_dot(const pk_real *a, const pk_real *b, size_t count)

@@ -1,8 +1,8 @@
 /* Locates the roots of an event function within a window of a step. The polynomial through samples
- * of the interpolant only proposes times; nodes are times with exact values, from the method
- * itself, and a root is found between two of opposite signs (root.c). Where the polynomial dips
- * towards zero, exact values follow it down, so that two close roots are found too.
- */
+ * of the interpolant only proposes times. Nodes are times at which the method itself gives exact
+ * values, and a root is found between two nodes of opposite signs (root.c). Where the polynomial
+ * has a minimum of |g| near zero, more nodes are computed towards it, so that two close roots are
+ * found too. */
 #include <string.h>
 
 #include "events.h"
@@ -10,9 +10,9 @@
 
 enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, PIECES = 3 };
 #define MARGIN PK_C(0.03125) /* of the range of g: possible error of an interpolant */
-#define TURNED PK_C(1e-7)    /* of an angle: closer values are no more exact, as near a kink */
+#define TURNED PK_C(1e-7)    /* accuracy of the angle of an extremum, which may be a kink */
 
-/* Returns the margin within which g may be zero: that error, and the polynomial's at a kink. */
+/* Returns the value below which g may be 0: errors of interpolant and, at a kink, polynomial. */
 static pk_real near_zero(const struct pk_shape *shape)
 {
     return MARGIN * shape->range + (pk_real)shape->order / 2 * shape->tail;
@@ -24,12 +24,12 @@ struct along {
     struct pk_integrator *it;
     const struct pk_shape *shape;
     size_t k;
-    pk_real x[MOST_NODES], g[MOST_NODES]; /* nodes with exact values, in order */
+    pk_real x[MOST_NODES], g[MOST_NODES]; /* nodes and exact values, in order */
     int count;
 };
 
-/* The polynomial at an angle, 0 at the start of the window and pi at its end; its slope up to a
- * factor. */
+/* A point of the polynomial at an angle, from 0 at the start of the window to pi at its end; its
+ * slope is up to a factor. */
 struct point {
     pk_real x, g, slope;
 };
@@ -60,8 +60,8 @@ static void append(struct along *a, pk_real x, pk_real g)
     a->g[a->count++] = g;
 }
 
-/* Gets the exact value at x. Values of all functions are kept for the other functions: at the last
- * such x, and behind the first switch in the list. */
+/* Gets the exact value at x. The values of all functions are cached at two times: the last x, and
+ * just after the first switch in the list. */
 static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
 {
     struct pk_events *e = a->e;
@@ -79,8 +79,8 @@ static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
     return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
 }
 
-/* Adds the exact value at x as a node, unless it is there already. The motion behind the first
- * switch is not made: the last node lies there. */
+/* Adds a node at x, unless x is before the last node. After the first switch in the list there is
+ * no motion, so that the last node is just after it. */
 static enum pk_status settle(struct along *a, pk_real x)
 {
     const int behind = x > a->e->near;
@@ -97,7 +97,7 @@ static struct point at_angle(const struct along *a, pk_real angle)
 {
     const pk_real c = PK_F(cos)(angle);
     struct point found = {a->e->at + a->e->width * (1 - c) / 2, a->shape->c[0], 0};
-    pk_real T = c, T_before = 1, U = 1, U_before = 0; /* of Chebyshev's first and second kind */
+    pk_real T = c, T_before = 1, U = 1, U_before = 0; /* Chebyshev, first and second kind */
     for (int i = 1; i <= a->shape->order; i++) {
         const pk_real next_T = 2 * c * T - T_before, next_U = 2 * c * U - U_before;
         found.g += a->shape->c[i] * T;
@@ -116,8 +116,8 @@ static pk_real vertex(const pk_real *x, const pk_real *g)
     return (x[0] + x[1]) / 2 - below / (2 * bend);
 }
 
-/* Whether a convex function through three points, with its least in the middle, may reach zero: not
- * if the extended chords stay clear of zero. */
+/* Returns whether a convex function through three points, with its least value in the middle, may
+ * reach zero: not if the extended chords do not, which bound it. */
 static int may_cross(const pk_real *x, const pk_real *g)
 {
     const pk_real l = x[1] - x[0], r = x[2] - x[1], sign = g[1] > 0 ? PK_C(1.0) : PK_C(-1.0);
@@ -125,8 +125,8 @@ static int may_cross(const pk_real *x, const pk_real *g)
            sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
 }
 
-/* Evaluates g down a dip whose minimum is near `at` until a value has crossed: by parabolas and, as
- * the dip may be a kink, by golden sections of the longer side. */
+/* Searches the minimum of |g| near `at` until a value has crossed zero: by parabolas and, since it
+ * may be a kink, by golden sections of the longer interval. */
 static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real right)
 {
     pk_real x[3] = {left, at, right}, g[3];
@@ -145,7 +145,7 @@ static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real
         if (!(next > x[0] && next < x[2]) || !(next < x[1] || next > x[1]))
             break;
         PK_TRY(truth(a, next, &y));
-        const int outer = next < x[1] ? 2 : 0; /* the end that the new point replaces */
+        const int outer = next < x[1] ? 2 : 0; /* the end that it replaces */
         if (opposite(y, g[1]) || pk_abs(y) < pk_abs(g[1])) {
             x[outer] = x[1];
             g[outer] = g[1];
@@ -176,7 +176,7 @@ static struct point turn(struct along *a, pk_real from, pk_real to)
     return at_angle(a, to);
 }
 
-/* Adds nodes that show the crossings in a piece between two points of the polynomial. */
+/* Adds nodes that separate the crossings between two points of the polynomial. */
 static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct point l,
                             struct point r, pk_real bow)
 {
@@ -188,14 +188,14 @@ static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct po
     const struct point least = turn(a, from, to);
     if (!(sign * least.g < margin))
         return PK_DONE;
-    /* A kink lies near the extremum of the polynomial, not at it. */
+    /* A kink is near the extremum of the polynomial, not exactly there. */
     const struct point before = at_angle(a, pk_max(2 * from - to, 0));
     const struct point behind = at_angle(a, pk_min(2 * to - from, PK_PI));
     return descend(a, sign * before.g > sign * l.g ? before.x : l.x, least.x,
                    sign * behind.g > sign * r.g ? behind.x : r.x);
 }
 
-/* Adds nodes between samples j and j + 1 of the polynomial. */
+/* Adds nodes that separate the crossings between samples j and j + 1. */
 static enum pk_status interval(struct along *a, int j)
 {
     const int N = a->shape->order, stride = PK_MOST_SAMPLES / N;
@@ -203,7 +203,7 @@ static enum pk_status interval(struct along *a, int j)
     const pk_real left = pk_events_sample(a->e, j * stride)[a->k];
     const pk_real right = pk_events_sample(a->e, (j + 1) * stride)[a->k];
     const pk_real near = pk_min(pk_abs(left), pk_abs(right));
-    pk_real bow = 0; /* largest distance from the chord, by the second derivative */
+    pk_real bow = 0; /* largest distance of the polynomial from its chord */
     for (int i = 1; i <= N; i++)
         bow += (pk_real)(i * i) * pk_abs(a->shape->c[i]);
     bow *= step * step / 8;
@@ -226,7 +226,7 @@ static enum pk_status interval(struct along *a, int j)
     return PK_DONE;
 }
 
-/* Computes nodes such that each crossing lies between two of them. */
+/* Computes nodes such that each crossing is between two of them. */
 static enum pk_status nodes(struct along *a)
 {
     const struct pk_events *e = a->e;
@@ -242,7 +242,7 @@ static enum pk_status nodes(struct along *a)
         const pk_real left = pk_events_sample(e, j * stride)[a->k];
         const pk_real right = pk_events_sample(e, (j + 1) * stride)[a->k];
         if (!pk_finite(left) || !pk_finite(right))
-            continue; /* the interpolant is where g has no value */
+            continue; /* g is not finite on the interpolant */
         if (shape->clear) {
             PK_TRY(interval(a, j));
         } else if (opposite(left, right)) {
@@ -254,16 +254,16 @@ static enum pk_status nodes(struct along *a)
                                            pk_abs(last) <= MARGIN * shape->range))) {
         PK_TRY(settle(a, end));
         if (end < h && a->count > 1 && !(a->g[a->count - 1] > 0 || a->g[a->count - 1] < 0))
-            a->count--; /* the next window shows the rest */
+            a->count--; /* the next window continues from zero */
     }
     return PK_DONE;
 }
 
-/* Inserts a crossing into the list, in the order of the motion. */
+/* Inserts a crossing into the list, in the order of the motion, up to the first switch. */
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
     const struct pk_event *events = a->it->problem.system->events.table;
-    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* also backwards in t */
+    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* direction along the motion */
     const int asked = (a->k < e->n_events ? events[a->k].direction : 0) *
                       (limit ? a->it->own->direction : 1);
     if ((asked && asked != direction) || x > e->near)
@@ -292,9 +292,9 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
         pk_real lo = a.x[j - 1], hi = a.x[j];
         const pk_real before = a.g[j - 1], after = a.g[j];
         if (!(before > 0 || before < 0) || !opposite(before, after))
-            continue; /* a motion from zero is no crossing */
+            continue; /* leaving zero is no crossing */
         if (!(after > 0 || after < 0) && j + 1 < a.count && !opposite(before, a.g[j + 1]))
-            continue; /* a touch */
+            continue; /* touches zero without crossing */
         if (after > 0 || after < 0)
             PK_TRY(pk_root(truth, &a, &lo, before, &hi, after, pk_events_width(e, it, lo)));
         enlist(e, &a, hi, before < 0 ? it->own->direction : -it->own->direction);

@@ -2,8 +2,8 @@
  *
  * Event functions are sampled on an interpolant of the step, which costs no step, or, where the
  * step is too long for it, at states from shorter steps (events_look.c). Samples only propose
- * times: g counts at states that a second integrator, the scout, reaches from the start of the
- * step. A crossing lies between two such times with opposite signs.
+ * times. Exact values of g are those at states that a second integrator, the scout, reaches from
+ * the start of the step. A crossing lies between two such states with opposite signs of g.
  *
  * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
  * Comput. Math. Appl. 39 (2000) 43.
@@ -14,10 +14,10 @@
 
 #include "events.h"
 
-enum { HALVINGS = 20 }; /* of the time to a singularity: to a millionth of a step */
-enum { SHORTER = 17 };  /* retries of a step, each with an eighth of the last length */
+enum { HALVINGS = 20 }; /* of the time to a singularity, down to 2^-20 of it */
+enum { SHORTER = 17 };  /* retries of a step, each 8 times shorter */
 #define GROWTH PK_C(64.0)
-enum { ROUNDINGS = 16 }; /* units in the last place within which a number is zero */
+enum { ROUNDINGS = 16 }; /* units in the last place that count as 0 */
 
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
@@ -79,7 +79,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
     const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
-    events->proposes = dense && !exact; /* each state of an exact flow costs a series */
+    events->proposes = dense && !exact; /* exact flows need a series per state */
     events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
@@ -95,7 +95,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               block, scout);
 }
 
-/* Keeps all memory but the parameters, which lie last: they are the caller's but for the sides. */
+/* Saves or restores all but the parameters, which are last: but for the sides, the caller's. */
 enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
 {
     struct pk_events shape;
@@ -143,7 +143,7 @@ static pk_real largest(const pk_real *x, size_t n)
     return most;
 }
 
-/* Returns the change of limit k, which is linear in q, from q0 - d to q0 + d; 0 if it is
+/* Returns the change of limit k, which is linear in q, from q0 - d to q0 + d, or 0 if it is
  * rounding. */
 static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t k, const pk_real *d)
 {
@@ -158,7 +158,7 @@ static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t 
     return pk_abs(ends[1] - ends[0]) > rounding ? ends[1] - ends[0] : 0;
 }
 
-/* Whether the motion leaves by limit k, on which it starts: by its rate, at rest by its
+/* Returns whether a motion that starts on limit k leaves by it: by its rate or, at rest, by its
  * acceleration. */
 static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, size_t k,
                           int backwards)
@@ -169,9 +169,9 @@ static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, s
     return rise * (pk_real)it->problem.system->events.table[k].direction > 0;
 }
 
-/* Handles a start beyond a limit, or on it within rounding and moving out, which crosses nothing:
- * the run stops there, as at the limit. If it goes on, that rounding is subtracted and the start
- * counts as inside (pk_events_functions()): a later way out crosses the limit. */
+/* Stops a run that starts beyond a limit, or on it up to rounding and moving out, since it would
+ * cross nothing. If the run goes on, this rounding is subtracted, so that the start counts as
+ * inside (pk_events_functions()) and a later way out crosses the limit. */
 static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int backwards)
 {
     const struct pk_event *table = it->problem.system->events.table;
@@ -206,11 +206,11 @@ static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int 
     return 1;
 }
 
-/* Returns the rounding of function k at the start of the step: its change when all numbers are off
- * by some units in the last place. */
+/* Returns the rounding error of function k at the start of the step: its change if all numbers are
+ * off by some units in the last place. */
 static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, size_t k)
 {
-    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* mixes sums and differences */
+    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* of mixed signs */
     enum { OFF = sizeof off / sizeof *off };
     const pk_real small = PK_C(1e-6);
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -222,9 +222,9 @@ static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, siz
     return ROUNDINGS * PK_EPS / small * pk_abs(g[k] - pk_events_end(e, 0)[k]);
 }
 
-/* Whether an adaptive step is so much longer than all time before it, and a function has grown so
- * much in it, that the step does not show how the function began. A first step can be so long: for
- * a motion from zero the run gives the only scale. */
+/* Returns whether an adaptive step is so much longer than all time before it, and a function has
+ * grown so much in it, that the step does not resolve how the function began. This may be so in a
+ * first step from zero, where only the run gives a scale. */
 static int outgrown(struct pk_events *e, const struct pk_integrator *it)
 {
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
@@ -232,7 +232,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     int found = 0, at_rest = -1;
     if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->progress.passed - h))
         return 0;
-    /* After a switch its function begins with rounding of 0. */
+    /* After a switch, its function begins with rounding errors of 0. */
     if (e->at_switch || h <= PK_C(64.0) * PK_EPS * pk_abs(e->from))
         return 0;
     for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
@@ -244,7 +244,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     return found;
 }
 
-/* Undoes the last step, and the scale that it has set. */
+/* Undoes the last step, and the error scale that it has set. */
 static enum pk_status take_back(struct pk_events *e, struct pk_integrator *it)
 {
     it->own->progress.passed -= pk_abs(it->t - e->from);
@@ -267,13 +267,13 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    const int clear = pk_events_ahead(e, it); /* then nothing is at its start either */
+    const int clear = pk_events_ahead(e, it); /* then no event is at its start */
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || stop_beyond_limit(e, it, limit < it->t)))
         return it->status;
     for (int count = 0;; count++) {
         if (pk_integrator_step(it, limit) != PK_DONE)
             return it->status;
-        if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
+        if (!(it->t < e->from || it->t > e->from)) /* `limit` is reached */
             return it->status;
         if (clear && it->own->ahead->taken) {
             e->at_switch = 0;
@@ -289,7 +289,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     }
 }
 
-/* Makes one step; repeats it with other sides where a guessed side was wrong. */
+/* Makes one step. If the side of a switch was guessed wrong, repeats it on the other side. */
 static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     enum pk_status status = pk_switches_settle(e, it);
@@ -301,8 +301,8 @@ static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk
     return status;
 }
 
-/* Follows the motion up to a singularity, since events may come before it and the failed step has
- * no end: each step takes half of the time left. */
+/* Follows the motion up to a singularity, each step by half of the time left, since events may come
+ * before it and the failed step has no end. */
 static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 {
     const enum pk_status ended = it->status;

@@ -1,7 +1,7 @@
-/* Samples the event functions over a step, window by window, at the 9 or 17 Chebyshev-Lobatto
- * points, on an interpolant, which costs no step, or, where that is too inaccurate, at states from
- * shorter steps. The last coefficients of the polynomials through the samples show whether they
- * resolve the functions: if one does not, the window is halved. See events.c.
+/* Samples the event functions over a step at the 9 or 17 Chebyshev-Lobatto points of a window,
+ * first of the whole step: on an interpolant, which costs no step, or, if that is too inaccurate,
+ * at states from shorter steps. The last coefficients of the polynomials through the samples show
+ * whether they resolve the functions; if one does not, the window is halved. See events.c.
  *
  * Reference: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters
  * 3 and 8.
@@ -12,12 +12,12 @@
 #include "events.h"
 
 enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
-enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* most windows; where g is NaN */
-enum { NOISE = 8 }; /* so many narrowest windows in a row do not resolve g: none will */
+enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* most windows; most if g is NaN */
+enum { NOISE = 8 }; /* g is noise after so many unresolved narrowest windows */
 
 /* Evaluates the quintic Hermite interpolant through q, v and accelerations at the ends, and its
- * derivative; for states the quartic through states and rates at the ends and the rate at a quarter
- * of the step. */
+ * derivative; for first-order variables the quartic through values and rates at the ends and the
+ * rate at a quarter of the step. */
 static PK_INLINE void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
 {
     const struct pk_knot from = {e->q0, e->v0, e->a0}, to = {it->q, it->v, e->a1};
@@ -35,8 +35,8 @@ static PK_INLINE void hermite(const struct pk_events *e, const struct pk_integra
         v[i] += x * x * y * y * bend1[i];
 }
 
-/* Sets the quartic terms of states from their rates at a quarter of the step. Returns whether a
- * cubic may be off by 1/32 of the rise half-way. */
+/* Sets the quartic terms of first-order variables from their rates at a quarter of the step.
+ * Returns whether a cubic may be off by 1/32 of their change half-way. */
 static int states_bend(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from, x = PK_C(0.25), y = 1 - x;
@@ -58,7 +58,7 @@ static int states_bend(struct pk_events *e, struct pk_integrator *it)
 }
 
 /* Sets e->bend, the difference of h^2 q'' between motion and cubic at both ends. Returns whether
- * the cubic may be off by 1/32 of the rise half-way. */
+ * the cubic may be off by 1/32 of the change half-way. */
 static int is_worthless(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from;
@@ -88,7 +88,7 @@ static int is_worthless(struct pk_events *e, struct pk_integrator *it)
     return worthless | states_bend(e, it);
 }
 
-/* Computes a sample by the method itself. Returns 0 if that step fails. */
+/* Computes the state at a sample by the method itself. Returns 0 if that step fails. */
 static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
     const struct pk_reason reason = it->reason;
@@ -99,7 +99,7 @@ static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t
     return 0;
 }
 
-/* Evaluates all g at node j; at the ends of the step takes the exact values. */
+/* Evaluates all g at sample j; at the ends of the step it copies the exact values. */
 static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int j)
 {
     const pk_real h = it->t - e->from, length = pk_abs(h), x = pk_events_node(e, j);
@@ -131,14 +131,14 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         most = pk_max(most, g);
         finite &= pk_finite(g);
     }
-    const int far = pk_max(least, -most) > 4 * (most - least); /* on one side: the usual case */
+    const int far = pk_max(least, -most) > 4 * (most - least); /* g stays far from zero */
     shape->order = N;
     shape->range = most - least;
     shape->clear = far;
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* any value */
+    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* only being nonzero matters */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
@@ -158,7 +158,7 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->tail = tail;
     shape->others = others + tail;
     shape->lost = shape->crosses && tail > shape->range / 16;
-    /* A jump stays unresolved in the narrowest window, with monotone samples. */
+    /* A jump is unresolved even in the narrowest window, and its samples are monotone. */
     for (int j = 0; j < SAMPLES; j += stride) {
         const pk_real step = pk_events_sample(e, j + stride)[k] - pk_events_sample(e, j)[k];
         back += pk_abs(step);
@@ -167,8 +167,8 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         shape->jumps = 1;
 }
 
-/* Whether all g on the quintic, which costs an adaptive Runge-Kutta method nothing, are farther
- * from zero than they vary: then its dense output, which takes more stages, is not needed. */
+/* Returns whether all g on the quintic interpolant are farther from zero than they vary. It is free
+ * in an adaptive Runge-Kutta method; then dense output, with more stages, is not needed. */
 static int is_far(struct pk_events *e, struct pk_integrator *it)
 {
     int far = 1;
@@ -225,7 +225,7 @@ static void doubt(struct pk_events *e, const struct pk_integrator *it)
     }
 }
 
-/* Returns the switch that seems to cross first in the window: crossings behind it are not searched
+/* Returns the switch that seems to cross first in the window; later crossings are not searched
  * for. */
 static size_t foremost(const struct pk_events *e)
 {

@@ -1,14 +1,13 @@
-/* Reports the crossings found in a step in order: calls the caller, stops the motion or puts it on
- * the other side of a switch.
- */
+/* Reports the crossings of a step in order: calls the caller's functions, stops the run, or moves a
+ * switch to its other side. */
 #include <string.h>
 
 #include <pk/constraint.h>
 
 #include "events.h"
 
-/* Computes the state just behind a crossing. The core's methods reproduce the state that was found
- * to be behind it; GSL's bsimp differs in the last digits, and is taken a little further. */
+/* Computes the state just after a crossing. Methods of the runtime reproduce the state by which it
+ * was located; GSL's bsimp may differ in the last digits, and then takes a slightly later time. */
 static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];
@@ -47,8 +46,8 @@ static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *en
     return wanted || it->problem.system->events.table[k].stop;
 }
 
-/* Each event keeps its side from the end of this step to the start of the next: projection onto the
- * constraints moves the state by rounding, and the same zero could be crossed twice. */
+/* Keeps the side of each event from the end of this step to the start of the next: projection onto
+ * the constraints moves the state by rounding, and the same zero could be crossed twice. */
 static void hold(struct pk_events *e)
 {
     const pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -60,8 +59,7 @@ static void hold(struct pk_events *e)
     }
 }
 
-/* Stops where constraint rows depend on each other: no start is possible there, and no step
- * follows. */
+/* Stops where constraint rows are linearly dependent: no integrator can start there. */
 static void stay(const struct pk_events *e, struct pk_integrator *it)
 {
     memcpy(pk_state(it, PK_Q), e->q, it->n_q * sizeof *e->q);
@@ -80,7 +78,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
         const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
         const int stop = tell(e, it, entry);
-        if (it->status < 0) /* a step failed, or dense output called by found() */
+        if (it->status < 0) /* a step or dense output in found() failed */
             return it->status;
         const int is_switch = entry[1] >= (pk_real)e->n_events;
         if ((stop || is_switch) && !stopped && !passed)

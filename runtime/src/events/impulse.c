@@ -9,13 +9,12 @@
 #include "corner.h"
 
 #define SAME (PK_C(64.0) * PK_EPS) /* relative change below which nothing has jumped */
-#define AGREE PK_C(1e-8)           /* relative difference of rates below which two orders agree */
+#define AGREE PK_C(1e-8) /* relative difference of rates below which two orders of switches agree */
 
-/* Kinds of reasons of PK_NO_IMPULSE; the index is that of the switch, the other one of a row or of a
- * second switch. */
+/* Kinds of reasons of PK_NO_IMPULSE. `index` is the switch; `other` is a row or a second switch. */
 enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
-/* Puts switch k on the other side, and the switches whose arguments contain it. */
+/* Moves switch k to its other side, and the switches whose arguments contain it. */
 static void turn(struct corner *x, size_t k, pk_real side)
 {
     struct pk_events *e = x->e;
@@ -35,7 +34,7 @@ static enum pk_status refuse(struct corner *x, size_t k, int why, size_t other)
     return pk_fail_with(x->it, PK_NO_IMPULSE, PK_WHY(.kind = why, .index = k, .other = other));
 }
 
-/* Sets *found to the bits of enum pk_impulse that have jumped, at the state before the impulse. */
+/* Sets *found to the bits of enum pk_impulse for what jumps, at the state before the impulse. */
 static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
 {
     struct pk_projection *w = &x->w;
@@ -89,7 +88,7 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
         of_place |= pk_abs(x->slope[i]) > 0;
     memcpy(x->v, x->start, w->n * sizeof *x->v);
     if (of_place && !(pk_corner_speed(x) * direction > 0))
-        return PK_DONE; /* another impulse has turned it back */
+        return PK_DONE; /* an earlier impulse has turned the motion back */
     pk_corner_momenta(x, x->start);
     memcpy(x->p0, x->p, w->m * sizeof *x->p0);
     x->h0 = pk_corner_energy(x, x->start);
@@ -131,7 +130,7 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
     memcpy(x.sides, e->sides, e->n_switches * sizeof *x.sides);
     for (size_t i = 0; i < count && count > 1 && status >= 0; i++)
         status = one(&x, which[count - 1 - i], side[count - 1 - i]);
-    if (count > 1) { /* once more in the other order */
+    if (count > 1) { /* repeats in the other order */
         memcpy(x.first + e->n, x.start, bytes);
         memcpy(x.start, x.first, bytes);
         memcpy(e->sides, x.sides, e->n_switches * sizeof *x.sides);

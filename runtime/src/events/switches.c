@@ -1,7 +1,7 @@
-/* Switches: the side of its zero on which each is held, and its change; see pk/events.h.
+/* The side of zero on which each switch is held during a step, and its change; see pk/events.h.
  *
- * A step uses the equations of one side throughout, even where its stages or its end lie beyond the
- * zero; events_report.c then cuts the step back to the zero. This keeps the order of the method.
+ * A step uses the equations of one side throughout, even if its stages or its end lie on the other
+ * side; events_report.c then cuts the step back to the zero. This keeps the order of the method.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
  * ed., Springer 1993, section II.6; for motions that stay on a zero (PK_SLIDING): A. F. Filippov,
@@ -11,8 +11,8 @@
 
 #include "events.h"
 
-/* So many successive switchings, each after less than SHORT of the attempted step or after some
- * units in the last place of t, are PK_SLIDING. */
+/* PK_SLIDING follows MOST_BRIEF successive switchings, each within the fraction SHORT of the
+ * attempted step or within some units in the last place of t. */
 enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
 #define SHORT PK_F(sqrt)(PK_EPS)
 
@@ -31,9 +31,9 @@ void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
     it->problem.params = e->params;
 }
 
-/* Whether the step starts where the last one ended, not at a state set by the caller. If so,
- * switches with an impulse keep their sides: at the zero the impulse is still to come, and a motion
- * turned back by a barrier is just past the zero. */
+/* Returns whether the step starts where the last one ended, not at a state set by the caller. If
+ * so, switches with an impulse keep their sides: at the zero the impulse is not applied yet, and a
+ * motion that a barrier has turned back is just past the zero. */
 static int goes_on(const struct pk_events *e, const struct pk_integrator *it)
 {
     return e->kept && !(it->t < e->left) && !(it->t > e->left) &&
@@ -49,7 +49,7 @@ void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
     memcpy(e->trial_v, it->v, e->n * sizeof *e->trial);
 }
 
-/* Repeats until no side changes, since arguments may contain other switches. */
+/* Sets sides until none changes, since arguments may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
     pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -64,7 +64,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         changed = 0;
         pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
-            /* Exactly 0, as where another switch in it has changed sides, is above: step(0) = 1. */
+            /* An argument of exactly 0 counts as positive, since step(0) = 1. */
             const pk_real was = e->sides[k];
             e->fresh[k] = 0;
             if (e->kept && pk_switches_impulse(it, k))

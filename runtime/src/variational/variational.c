@@ -11,13 +11,13 @@
  *     ends     (p_0 + p_1)/2 = p0 + h/2 f_0         s (Pi_0 + Pi_1)/2 = C^T (P0 + h/2 G_0)
  *              p1 = p0 + h/2 (f_0 + f_1)            P1 = C^T C^T (P0 + h/2 G_0) + h/2 G_1
  *
- * Constraints: p0 and P0 are first kicked by J(q0)^T mu so that phi(q1) = 0, and p1 and P1 at the
- * end so that J v + j0 = 0. The steps are then symplectic, symmetric, and keep the momenta of
- * symmetries, R P of a free body as a vector, however well the equations are solved. Without
- * rotations and constraints lie_midpoint is the implicit midpoint rule in (q, p), rattle is Verlet
- * for any L, and with constraints RATTLE. First-order variables follow the midpoint or the
- * trapezoidal rule. p and P are carried from step to step, with compensated sums; v comes from
- * them. Order 4 and 6: compositions.
+ * Constraints: at the start, a kick J(q0)^T mu of p0 and P0 makes phi(q1) = 0; at the end, a kick
+ * of p1 and P1 makes J v + j0 = 0. The steps are symplectic and symmetric, and conserve the momenta
+ * of symmetries, such as the vector R P of a free body, however well the equations are solved.
+ * Without rotations and constraints lie_midpoint is the implicit midpoint rule in (q, p), rattle
+ * extends Verlet to any L; with constraints it is RATTLE. First-order variables follow the midpoint
+ * or the trapezoidal rule. The state of the method is p and P, with compensated sums; v is computed
+ * from them. Methods of order 4 and 6 are compositions.
  *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, VI.6, VII.1.3-4,
  * VII.5; H. C. Andersen, J. Comput. Phys. 52 (1983) 24; J. E. Marsden, S. Pekarsky, S. Shkoller,
@@ -79,13 +79,13 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
     }
 }
 
-/* Guesses V, on a line through the rates at the middle and end of the last part, and the kick. */
+/* Guesses V, on a line through the rates at middle and end of the last part, and the kick. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
-    const int before = it->own->flags & PK_HAVE_STEP; /* else last_V and last_h are not set */
+    const int before = it->own->flags & PK_HAVE_STEP; /* else last_V is not set */
     const pk_real ratio = before && pk_abs(w->h / *w->last_h) <= 64 ? w->h / *w->last_h : 0;
     for (size_t k = 0; k < w->n; k++) {
-        const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
+        const int turns = k >= w->m && k < w->states; /* no unknowns */
         w->V[k] = k < w->m ? v[k] : turns || !before ? 0 : w->last_V[k];
         if (before && k < w->m)
             w->V[k] += ratio * (v[k] - w->last_V[k]);
@@ -100,10 +100,10 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     pk_real *q = pk_variational_to(w, PK_Q), *v = pk_variational_to(w, PK_V);
     pk_real *p = pk_variational_to(w, PK_P), *low_p = pk_variational_to(w, PK_LOW_X);
     guess(it, w, v);
-    const int known = it->own->flags & PK_HAVE_A; /* here: M and the forces are of this state */
+    const int known = it->own->flags & PK_HAVE_A; /* M and the forces are those of this state */
     if (!known)
         pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
-    if (!known || !w->whole) /* [M J^T; J 0] lies in the system's memory: others write there */
+    if (!known || !w->whole) /* the factors of [M J^T; J 0] may be overwritten */
         PK_TRY(pk_variational_mass(it, w, w->t, q, v));
     it->own->flags &= ~PK_HAVE_A;
     PK_TRY(pk_variational_solve(it, w));

@@ -1,15 +1,14 @@
-/* The end of a variational step, see variational.c: solves p(t, q, v) = p for v by Newton's method
- * on M, one linear solve where L is of second degree in v. With constraints, p leaves their tangent
- * space by the forces of the step's end: p -= J^T nu restores J v + j0 = 0.
- */
+/* The end of a variational step; see variational.c. Solves p(t, q, v) = p for v by Newton's method
+ * on M, one linear solve if L is quadratic in v. With constraints, forces at the end move p off the
+ * allowed momenta: p -= J^T nu restores J v + j0 = 0. */
 #include "variational.h"
 
 /* Relative correction whose square is far below round-off. */
 #define SMALL (PK_F(sqrt)(PK_EPS) / 64)
 enum { MOST = 50 };
 
-/* Returns the scale of rounding of rates times the roots of their masses: the fastest rate in the
- * metric of M, or M^-1 of a momentum, which is large for a charge at rest in a magnetic field. */
+/* Returns the scale of rounding of rates times the roots of their masses: the largest rate in the
+ * metric of M, or M^-1 p if that is larger, as for a charge at rest in a magnetic field. */
 static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, const pk_real *p)
 {
     pk_real most = PK_TINY;
@@ -18,8 +17,8 @@ static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, co
     return most;
 }
 
-/* Returns the largest |J v + j0| relative to its terms. Where the rates of a row are rounding
- * alone, as across the axle of a spinning body, the fastest rate gives their scale. */
+/* Returns the largest |J v + j0| relative to its terms. If the rates in a row are only rounding, as
+ * across the axle of a spinning body, the largest rate gives their scale. */
 static pk_real left_of_rows(struct pk_variational_work *w, const pk_real *q, pk_real most,
                             const pk_real *v)
 {
@@ -33,7 +32,7 @@ static pk_real left_of_rows(struct pk_variational_work *w, const pk_real *q, pk_
     return worst;
 }
 
-/* Adds sign d to v and the force sign J^T mu of the rows to p. */
+/* Adds sign * d to v, and the force sign * J^T mu of the rows to p. */
 static void correct(struct pk_variational_work *w, const pk_real *q, const pk_real *d, pk_real sign,
                     pk_real *v, pk_real *p, pk_real *low_p)
 {
@@ -44,7 +43,7 @@ static void correct(struct pk_variational_work *w, const pk_real *q, const pk_re
     }
 }
 
-/* Factors M at the end, and J M^-1 J^T there. */
+/* Factors M and J M^-1 J^T at the end. */
 static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_work *w,
                                const pk_real *q, const pk_real *v)
 {
@@ -57,7 +56,7 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
     return PK_DONE;
 }
 
-/* For families under constraints: solves M d - J^T mu = p - p(v), J d = -(J v + j0) at once.
+/* For families under constraints: solves M d - J^T mu = p - p(v) and J d = -(J v + j0) together.
  * Returns the size of the correction. */
 static pk_real settled(struct pk_variational_work *w, const pk_real *q, pk_real *v, pk_real *p,
                        pk_real *low_p)

@@ -1,11 +1,10 @@
 /* The equations of a variational step as residuals r(V) of the rates V at its middle; variational.c
- * states them.
- */
+ * states the equations. */
 #include <string.h>
 
 #include "variational.h"
 
-/* Computes the end of the step from V, and its middle. */
+/* Computes the end and the middle of the step from V. */
 void pk_variational_reach(struct pk_variational_work *w)
 {
     const size_t n = w->n;
@@ -42,7 +41,7 @@ void pk_variational_reach(struct pk_variational_work *w)
     }
 }
 
-/* Evaluates momenta and forces at the middle; or at the start, with rates V, and at the end. */
+/* Evaluates momenta and forces at the middle, or at the start with rates V and at the end. */
 int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t n = w->n;
@@ -58,7 +57,7 @@ int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work
            pk_all_finite(w->f_end, n);
 }
 
-/* Returns p0 with the kick. */
+/* Returns component k of p0 plus the kick. */
 static pk_real start(const struct pk_variational_work *w, size_t k)
 {
     return pk_variational_to(w, PK_P)[k] + w->pull[k];

@@ -1,6 +1,5 @@
 /* One correction of V and of the kick in a variational step: with the matrix M, or with Newton's
- * matrix by differences, bordered by the exact derivatives of phi; see variational_solve.c.
- */
+ * matrix from differences and the exact derivatives of phi; see variational_solve.c. */
 #include <string.h>
 
 #include "variational.h"
@@ -19,7 +18,7 @@ static size_t place(const struct pk_variational_work *w, size_t i)
     return i < w->m ? i : i - w->m + w->states;
 }
 
-/* Solves with the matrix of the iteration, x in place. */
+/* Solves the linear system of the iteration for x, in place. */
 static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
 {
     if (!newton) {
@@ -36,8 +35,8 @@ static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
     }
 }
 
-/* Computes and factors dr/dV by differences, then restores the end of V. Returns the sign of its
- * determinant, 0 if singular. */
+/* Computes dr/dV by differences and factors it, then restores the end of V. Returns the sign of its
+ * determinant, or 0 if it is singular. */
 static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t count = unknowns(w);
@@ -83,7 +82,7 @@ static void end_by_rates(const struct pk_variational_work *w, const pk_real *J, 
     }
 }
 
-/* Computes the change of V by a kick of a row of J(q0), turned into the frame of the middle. */
+/* Computes the change of V by a kick along a row of J(q0), turned into the frame of the middle. */
 static void rates_by_kick(const struct pk_variational_work *w, int newton, const pk_real *J,
                           pk_real *by)
 {
@@ -96,8 +95,8 @@ static void rates_by_kick(const struct pk_variational_work *w, int newton, const
     solve(w, newton, by);
 }
 
-/* Corrects dV so that phi vanishes at the end of V + dV, and the kick with it. Returns the sign of
- * this factor of the whole determinant, 1 at h = 0; 0: singular. */
+/* Corrects dV, and the kick, so that phi vanishes at the end of V + dV. Returns the sign of the
+ * determinant of phi's matrix (1 at h = 0), a factor of the whole determinant; 0 if singular. */
 static int constrain(struct pk_variational_work *w, int newton)
 {
     const size_t n = w->n, c = w->c;
@@ -128,8 +127,8 @@ static int constrain(struct pk_variational_work *w, int newton)
     return w->h < 0 && c % 2 ? -sign : sign;
 }
 
-/* For families: by [M J^T; J 0] at the start. J at the end equals it up to the change within a
- * step. */
+/* For families: solves with [M J^T; J 0] of the start. J at the end only differs by its change in
+ * one step. */
 static void constrain_by_mass(const struct pk_variational_work *w)
 {
     pk_real *mu = w->at.mu;

@@ -1,12 +1,12 @@
-/* Solves the equations of a variational step, r(V) = 0 for the rates V of its middle and
- * phi(q1) = 0 for the kick J(q0)^T mu of its start; see variational.c. The first iteration uses M
- * at the start as its matrix: it contracts while h omega is below 2 and is quick where that is
- * small. Where it does not contract all the way, there may be several solutions. Then Newton's
- * method with differences of r follows the branch of short steps; its matrix, M at h = 0, must keep
- * the sign of its determinant. phi has exact derivatives in either case.
+/* Solves the equations of a variational step, r(V) = 0 for the rates V of its middle and phi(q1) =
+ * 0 for the kick J(q0)^T mu of its start; see variational.c. The first iteration uses M at the
+ * start as its matrix: it contracts for h omega below 2, and fast if h omega is small. If it does
+ * not contract well, there may be several solutions. Newton's method with differences of r then
+ * follows the branch that begins at short steps. Its matrix is M at h = 0, and its determinant must
+ * not change sign. Derivatives of phi are always exact.
  *
- * An iteration ends as that of newton.c does, far below round-off, with phi within the rounding of
- * its terms. For this, the scale of a coordinate includes its terms in phi divided by J.
+ * An iteration ends as in newton.c, far below round-off, with phi within the rounding of its terms.
+ * For this, the scale of a coordinate includes its terms in phi divided by J.
  */
 #include <string.h>
 
@@ -14,9 +14,9 @@
 
 enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 
-/* FAST, SURE: largest rates of corrections above FAR that show that the solution is the one nearest
- * the guess, by M and by Newton's method. GENTLE: limit of the change of r - M V within the step,
- * relative to the rates. FIRST, SHORTEST: fractions of the step by which it is followed. */
+/* FAST, SURE: largest ratio of successive corrections above FAR for which the solution counts as
+ * the one nearest the guess, with M and by Newton's method. GENTLE: limit of the change of r - M V
+ * in the step, relative to the rates. FIRST, SHORTEST: fractions of the step, for follow(). */
 #define FAR PK_C(0.1)
 #define FAST PK_C(0.7)
 #define SURE PK_C(0.5)
@@ -27,8 +27,8 @@ enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 #define ROUND PK_C(4.0)
 #define STALLED (PK_C(1024.0) * PK_EPS)
 
-/* Computes how far coordinates move in a step; for a body rate how far the attitude turns, all
- * components together, since they mix. */
+/* Computes the distance by which coordinates move in a step; for a body rate the angle by which the
+ * body turns, from all three rates, since they mix. */
 static void set_moved(const struct pk_variational_work *w, pk_real *moved)
 {
     for (size_t k = 0; k < w->rotation; k++)
@@ -44,7 +44,7 @@ static void set_moved(const struct pk_variational_work *w, pk_real *moved)
 }
 
 /* Returns the largest phi at the end, in units of the rounding of its terms and of q1 = q0 + h V;
- * leaves J there. */
+ * sets w->at.J to J there. */
 static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
 {
     struct pk_projection *at = &w->at;
@@ -57,14 +57,14 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     pk_project_spread(at, w->q_end, w->v_end, at->J, w->c, w->spare, size);
     for (size_t i = 0; i < w->c; i++) {
         const pk_real ratio = pk_abs(at->phi[i]) / (PK_EPS * (at->phi_size[i] + PK_TINY + size[i]));
-        worst = ratio <= worst ? worst : ratio; /* NaN gets through */
+        worst = ratio <= worst ? worst : ratio; /* true for NaN */
     }
     return worst;
 }
 
-/* Sets the scale on which V is rounded: V itself, momenta and forces, and coordinates over h. Where
- * phi adds numbers of its own to coordinates, as in (a + x)^2, these count as the motion that
- * changes phi by as much as its terms. */
+/* Sets the scale of rounding of V: V itself, momenta and forces, and coordinates divided by h. If
+ * phi adds constants to coordinates, as in (a + x)^2, these count as the motion that changes phi by
+ * as much as its terms. */
 static void set_scale(struct pk_variational_work *w)
 {
     const pk_real *q = pk_variational_to(w, PK_Q), *v = pk_variational_to(w, PK_V);
@@ -78,7 +78,7 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
         w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
     }
-    if (w->c && !w->whole) { /* by the shortest motion in the metric of M */
+    if (w->c && !w->whole) { /* the shortest motion in the metric of M */
         w->at.system->constraints.solve(w->at.params, NULL, w->at.phi_size, w->spare, w->at.mu);
         for (size_t k = 0; k < w->m; k++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->spare[k] / w->h));
@@ -96,8 +96,8 @@ static void set_scale(struct pk_variational_work *w)
 }
 
 /* Raises the scale after the first correction to at least the change of rates in the step, in the
- * metric of M, so that rates set in motion by others have a scale too. Sets w->jump, without states
- * set in motion from 0, which have no scale before. */
+ * metric of M, so that rates that begin at 0 have a scale too. Sets w->jump, without first-order
+ * variables that begin at 0, which had no scale. */
 static void raise_scale(struct pk_variational_work *w)
 {
     const pk_real *v = pk_variational_to(w, PK_V);
@@ -114,20 +114,20 @@ static void raise_scale(struct pk_variational_work *w)
     }
 }
 
-/* Returns the largest dV relative to its scale plus `share` of the largest scale. */
+/* Returns the largest |dV| relative to its scale plus the fraction `share` of the largest scale. */
 static pk_real corrected(const struct pk_variational_work *w, pk_real share)
 {
     const pk_real more = share * pk_variational_most(w);
     pk_real size = 0;
     for (size_t k = 0; k < w->n; k++) {
         const pk_real x = pk_abs(w->dV[k]) / (w->scale[k] + more);
-        if (!(x <= size)) /* NaN gets through */
+        if (!(x <= size)) /* true for NaN */
             size = x;
     }
     return size;
 }
 
-/* Computes J^T mu at the start, of the kick. */
+/* Computes the kick J^T mu at the start. */
 static void pull(struct pk_integrator *it, struct pk_variational_work *w)
 {
     w->at.t = w->t;
@@ -136,7 +136,7 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
                     w->kick, w->pull);
 }
 
-/* Returns 1 if it converges. *sign: of the determinant of Newton's last matrix. */
+/* Returns 1 if it converges. Sets *sign to the sign of the last determinant. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
@@ -151,7 +151,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
             return 0;
         pk_variational_residual(w, w->dV);
         const pk_real off = w->c ? broken(it, w) : 0;
-        if (small && off <= ROUND) /* all results now belong to the V kept */
+        if (small && off <= ROUND) /* all results are those of the current V */
             return 1;
         if (count == 0)
             set_scale(w);
@@ -181,8 +181,8 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
     return 0;
 }
 
-/* Follows the solution by Newton's method from step size 0, in parts of the step. Each part begins
- * on a straight line through the last points; it counts only if its solution is near that line. */
+/* Follows the solution by Newton's method from step size 0, in parts of the step. Each part starts
+ * from a line through the last points; its solution is accepted if it is near this line. */
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const pk_real h = w->h, end = w->end, *v = pk_variational_to(w, PK_V);
@@ -223,8 +223,8 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
     return PK_DONE;
 }
 
-/* Whether forces at the middle are close to those at the start, or momenta at the end to those at
- * the start: then the iteration contracts for all shorter steps too. */
+/* Returns whether forces at the middle are close to those at the start, or momenta at the end to
+ * those at the start, so that the iteration contracts for all shorter steps too. */
 static int is_gentle(struct pk_variational_work *w)
 {
     for (size_t k = 0; k < w->n; k++) {

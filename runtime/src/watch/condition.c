@@ -5,7 +5,7 @@
 
 #include "../core/project.h"
 
-#define CLOSE PK_C(1.03) /* a radius is known to this factor */
+#define CLOSE PK_C(1.03) /* accuracy of a spectral radius, as a factor */
 enum { TURNS = 40 };
 
 struct parts {
@@ -13,7 +13,7 @@ struct parts {
     pk_real *project, *u, *a, *lost, *lambda, *x, *y, *pivot, *A, *inverse, *X;
 };
 
-/* Returns the unknowns of the method's own equations; 0: there are none, or too many. */
+/* Returns the number of unknowns of the equations that a step solves; 0 if none, or too many. */
 static size_t unknowns(const struct pk_system *system, const struct pk_method *method, size_t n)
 {
     const size_t m = method && method->equations ? (size_t)method->stages * (n - system->n_unread)
@@ -30,7 +30,7 @@ static size_t lay_out(struct parts *w, const struct pk_problem *problem,
     w->most = unknowns(system, method, n);
     w->most = w->most > n ? w->most : n;
     w->most = w->most > c ? w->most : c;
-    w->most = system->constraints.factor ? 0 : w->most; /* families kept as loops: any number */
+    w->most = system->constraints.factor ? 0 : w->most; /* families kept as loops: no matrices */
     const size_t m = w->most;
     const struct pk_slot slots[] = {{&w->project, pk_project_room(problem, n)},
                                     {&w->u, system->n_inputs},
@@ -58,12 +58,12 @@ size_t pk_condition_size(const struct pk_problem *problem, const struct pk_metho
 
 static void most(struct pk_condition_most *most, pk_real x, pk_real t)
 {
-    if (!(x <= most->x)) /* so that NaN gets through */
+    if (!(x <= most->x)) /* true for NaN */
         *most = (struct pk_condition_most){pk_finite(x) ? x : PK_INFINITY, t};
 }
 
-/* Returns a bound of the spectral radius of X >= 0: the least of max_i (X x)_i/x_i over vectors x >
- * 0 of a damped power iteration (R. S. Varga, Matrix Iterative Analysis, 2.1). */
+/* Returns an upper bound of the spectral radius of X >= 0: the least of max_i (X x)_i/x_i over
+ * vectors x > 0 of a damped power iteration (R. S. Varga, Matrix Iterative Analysis, 2.1). */
 static pk_real radius(struct parts *w, size_t m)
 {
     pk_real least = PK_INFINITY;
@@ -110,7 +110,7 @@ static pk_real of_ldl(struct parts *w, const pk_real *factors, size_t m)
         w->A[i * m + i] = pk_ldl_diagonal(factors, m, i);
         for (size_t j = i + 1; j < m; j++)
             w->A[i * m + j] = w->A[j * m + i] = factors[i * m + j];
-        pk_real *row = w->inverse + i * m; /* also a column: A is symmetric */
+        pk_real *row = w->inverse + i * m; /* also column i, since A is symmetric */
         memset(row, 0, m * sizeof *row);
         row[i] = 1;
         pk_ldl_solve(factors, m, row);
@@ -118,7 +118,7 @@ static pk_real of_ldl(struct parts *w, const pk_real *factors, size_t m)
     return scaled(w, m);
 }
 
-/* Returns the condition number of A = L U, of rows exchanged, which does not change it. */
+/* Returns the condition number of A = L U, whose permuted rows do not change it. */
 static pk_real of_lu(struct parts *w, const pk_real *factors, size_t m)
 {
     memset(w->A, 0, m * m * sizeof *w->A);
@@ -138,8 +138,8 @@ static pk_real of_lu(struct parts *w, const pk_real *factors, size_t m)
     return scaled(w, m);
 }
 
-/* Returns the condition number of J M^-1 J^T; adds to w->lost the errors that rounding of lambda
- * makes in accelerations, and to `terms` its part of these. */
+/* Returns the condition number of J M^-1 J^T. Adds to w->lost the errors of accelerations by
+ * rounding of lambda, and to `terms` the accelerations due to lambda. */
 static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real *q,
                        const pk_real *v, pk_real *terms)
 {
@@ -148,7 +148,7 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
     if (pk_project_factor(at, c, q, v))
         return PK_INFINITY;
     const pk_real found = of_ldl(w, at->A, c);
-    if (!at->system->constraints.multipliers) { /* without lambda: the loss may be as much */
+    if (!at->system->constraints.multipliers) { /* without lambda: assumes the worst */
         for (size_t k = 0; k < m; k++)
             w->lost[k] += found * terms[k];
         return found;
@@ -166,12 +166,12 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
     return found;
 }
 
-/* Returns a lower bound of the condition number for families kept as loops, which have no matrices
- * but solve for S = J M^-1 J^T. S_kk (S^-1)_kk is 1/sin^2 of the angle of row k to all others in
- * the metric of M^-1. Column r of S^-1, of the row with the smallest pivot, gives the bound S_kk
- * (S^-1)_kr^2/(S^-1)_rr. Where it is large, S z is nearly 0, and z^T |S| z >= 3 S_kk z_k^2: the
- * condition number is larger by that factor. `where`: the rate that the row's multiplier changes
- * most, in the metric of M. */
+/* Returns a lower bound of the condition number for families kept as loops: there are no matrices,
+ * but systems with S = J M^-1 J^T can be solved. S_kk (S^-1)_kk is 1/sin^2 of the angle between row
+ * k and the span of the others in the metric of M^-1. Column r of S^-1, for the row r with the
+ * smallest pivot, gives the bound S_kk (S^-1)_kr^2/(S^-1)_rr. If it is large, S z is nearly 0, and
+ * z^T |S| z >= 3 S_kk z_k^2, so that the condition number is larger by a factor 3. Sets *where to
+ * the rate that the multiplier of row r changes most, in the metric of M. */
 static pk_real of_solves(struct pk_projection *at, const pk_real *q, const pk_real *v,
                          size_t *where)
 {
@@ -223,7 +223,7 @@ void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
         most(&c->lost, PK_INFINITY, t);
         return;
     }
-    pk_real *const terms = w.pivot; /* still unused */
+    pk_real *const terms = w.pivot; /* not in use yet */
     most(&c->mass, of_ldl(&w, at.M, m), t);
     for (size_t i = 0; i < m; i++) {
         w.lost[i] = terms[i] = 0;

@@ -11,13 +11,13 @@
 
 #define PK_SQRT2 PK_C(1.41421356237309504880168872420969808)
 
-/* Error of evaluating X, in units of PK_EPSILON S, and the random walk of X by one rounding per
- * sample, in the same units. */
+/* For a constant X of scale S, in units of PK_EPSILON S: the error of evaluating X, and its random
+ * walk by one rounding per sample. */
 #define EVALUATION PK_C(16.0)
 #define WALK PK_C(2.0)
 
 /* For the size of the terms of a constant: the number of random sign vectors, the relative change
- * of each number along them, and the share of that size below which a constant counts as 0. */
+ * of each number along them, and the fraction of that size below which a constant counts as 0. */
 enum { DIRECTIONS = 8 };
 #define STEP PK_C(1e-4)
 #define SHARE PK_C(0.1)
@@ -36,8 +36,8 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
     for (; elapsed > drift->edge && drift->edge > 0; drift->edge *= PK_SQRT2)
         drift->marks[drift->n_marks++ % PK_DRIFT_MARKS] = drift->max;
     drift->samples++;
-    /* A NaN must show, and stay: the first comparison lets it through, the second (false for a NaN
-     * that is held) keeps it. */
+    /* A NaN must show, and stay: the first comparison lets it through, the second one, which is
+     * false for a stored NaN, keeps it. */
     if (!(pk_abs(scale) <= drift->scale) && drift->scale >= 0)
         drift->scale = pk_abs(scale);
     if (!(pk_abs(d) <= drift->max) && drift->max >= 0)
@@ -59,7 +59,7 @@ void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x)
 static pk_real scaled(const struct pk_drift *drift, pk_real x)
 {
     if (!(x > 0) && !(x < 0) && pk_finite(x))
-        return drift->scale - drift->scale; /* 0 if X is always 0; NaN without a scale */
+        return drift->scale - drift->scale; /* 0 if X is always 0; NaN if the scale is not finite */
     return x / drift->scale + (drift->scale - drift->scale);
 }
 
@@ -71,8 +71,7 @@ pk_real pk_drift_slope(const struct pk_drift *drift)
     return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
 }
 
-/* Returns the slope of ln max over ln t by least squares, of marks first .. last; n - 1 is the last
- * one closed. */
+/* Returns the slope of ln max over ln t by least squares, from marks first .. last. */
 static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
 {
     const pk_real count = (pk_real)(last - first + 1), middle = (pk_real)(last - first) / 2;
@@ -107,8 +106,8 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
     enum pk_growth growth;
     const unsigned long n = drift->n_marks;
     unsigned long first = n > PK_DRIFT_MARKS ? n - PK_DRIFT_MARKS : 0;
-    /* Round-off shows no law: marks at its level are left out, and zeros, which have no
-     * logarithm. */
+    /* Marks at the level of round-off are left out, since they follow no law, and zeros, which have
+     * no logarithm. */
     const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
     const pk_real least = max > level + walk ? level * (drift->scale - drift->max) : 0;
     while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > least))
@@ -141,7 +140,7 @@ const char *pk_growth_text(enum pk_growth growth)
     return (unsigned)growth < PK_GROWTH_COUNT ? text[growth] : "?";
 }
 
-/* Returns the number of momenta; 0 where the system has no flags that say which are constant. */
+/* Returns the number of momenta; 0 if the system does not say which are constant. */
 static size_t momenta_of(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
@@ -187,7 +186,7 @@ static void raise_scale(struct pk_drift *drift, pk_real size)
         drift->scale = size;
 }
 
-/* Evaluates all constants at a state: momenta, then `conserve`. */
+/* Evaluates all constants at a state: momenta, then those of `conserve`. */
 static void constants(const struct pk_problem *of, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *pdot, pk_real *x)
 {
@@ -198,7 +197,7 @@ static void constants(const struct pk_problem *of, pk_real t, const pk_real *q, 
         of->system->conserve(of->params, t, q, v, u, x + momenta);
 }
 
-/* Whether a and b are components of one vector: names that differ in a last x, y or z. */
+/* Returns whether a and b are components of one vector: names that differ in a final x, y or z. */
 static int same_vector(const char *a, const char *b)
 {
     const size_t last = strlen(a) - 1;
@@ -206,10 +205,10 @@ static int same_vector(const char *a, const char *b)
            strchr("xyz", a[last]) && strchr("xyz", b[last]);
 }
 
-/* Widens the scales S. A constant may be 0, as a component of a vector or a sum that cancels. So S
- * is at least a share of the size of its terms |y_i dX/dy_i|, and components of a vector share the
- * largest S. The root mean square over random signs of y_i takes two evaluations a direction,
- * however many y_i are. */
+/* Raises the scales S. A constant may be 0, as a component of a vector or a sum that cancels. So S
+ * is at least SHARE of the size of its terms |y_i dX/dy_i|, and components of a vector share the
+ * largest S. The size is a root mean square over random signs of y_i, which takes two evaluations
+ * per direction for any number of y_i. */
 static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, pk_real *work)
 {
@@ -272,11 +271,11 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
     unsigned long samples = 0;
     for (size_t i = 0; i < momenta_of(problem) + system->n_conserved; i++)
         samples |= monitor->momenta[i].samples;
-    if (samples && (samples & (samples - 1)) == 0) /* the first, the second, the fourth, ... */
+    if (samples && (samples & (samples - 1)) == 0) /* samples 1, 2, 4, 8, ... */
         widen(monitor, t, q, v, u, c + system->n_conserved);
 }
 
-/* Checks restored data: no more half octaves than numbers have, and their ends grow. */
+/* Saves or restores a drift; checks the number of restored marks, and that `edge` can grow. */
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k)
 {
     enum { MOST = 1 << 16 };
