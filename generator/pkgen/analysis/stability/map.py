@@ -41,7 +41,7 @@ class StabilityMap:
     compilation: Compilation
     asked: MapOptions
     until: float
-    motion: Motion  # not integrated: only its start
+    motion: Motion  # the start only: the motion is not integrated
     rest: Rest  # at the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
@@ -294,7 +294,7 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 def _quaternions(compilation: Compilation) -> range:
     """Returns the indices of quaternion components among the rates v."""
     count = len(single_rotations(compilation.model))
-    # Body rates precede them, and are not first-order variables here.
+    # Body rates precede quaternions, and are not first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
 
