@@ -135,7 +135,7 @@ def make(
         # The Floquet multipliers of a cycle replace the eigenvalues along it.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # If the equilibrium is stable, the range of steps ignores the "local" scale.
+    # If the equilibrium is stable, the "local" estimate does not extend the range of steps.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
     steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}
