@@ -182,7 +182,7 @@ class Force(Given):
 
 @record
 class Start:
-    """An initial value of a coordinate (`order` 0) or its rate (1). A later one overrides it."""
+    """An initial value of a coordinate (`order` 0) or its rate (1). The last one is valid."""
 
     name: str
     index: Expr | None

@@ -48,7 +48,7 @@ class Joint:
     axis: Vector | None
     says: str = ""
     damping: float = 0.0
-    armature: float = 0.0  # rotor inertia, which adds to the kinetic energy of the rate
+    armature: float = 0.0  # inertia of a rotor: armature/2 rate^2 is a term of the kinetic energy
     stiffness: float = 0.0
     rest: float = 0.0  # coordinate at which the spring is relaxed
     limits: tuple[float, float] | None = None  # limits of the coordinate, [rad] or [m]

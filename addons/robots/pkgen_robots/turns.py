@@ -10,7 +10,7 @@ Matrix = tuple[Vector, Vector, Vector]
 Turns = tuple[tuple[Vector, float], ...]  # pairs (axis of any length, angle)
 
 UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-# An angle this near a multiple of pi/2 counts as the multiple, which is no double.
+# An angle this near a multiple of pi/2 counts as the multiple, which no double equals.
 NEAR = 1e-15
 
 
@@ -75,7 +75,7 @@ def of_roll_pitch_yaw(angles: Sequence[float]) -> Turns:
 
 
 def of_angles(axes: Sequence[Vector], angles: Sequence[float]) -> Turns:
-    """Returns the rotations about `axes` by `angles`, without those by 0."""
+    """Returns the rotations about `axes` by `angles`, without angles of 0."""
     return tuple(
         (n, angle) for n, angle in zip(axes, angles, strict=True) if right_angles(angle) != 0
     )

@@ -101,7 +101,7 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
 
 
 def name_places(report: dict, compilation: Compilation) -> None:
-    """Adds the positions of particles to results on particles, and the part of L that has none."""
+    """Adds to results on particles their positions, and in words the other terms of L."""
     for name, found in report.get("diagnostics", {}).items():
         if name in OF_PARTICLES and found["status"] == "PK_DONE":
             particles = compilation.equations.particles

@@ -8,7 +8,7 @@ UNIFORM = 1e-9  # a smaller relative deviation from uniform motion, or from rest
 NO_TORQUE = 1e-12  # a torque below this part of the terms of its sum is round-off
 CONJUGATE_SHOWN = 64  # most conjugate points in a report
 OFF, SHOWN = 1e-3, 5  # least drift reported as an error; most constants named
-LOST, MAGNIFIED = 1e-6, 1e3  # least drift over the value, and its least ratio to drift["max"]
+LOST, MAGNIFIED = 1e-6, 1e3  # least drift relative to the value; its least ratio to drift["max"]
 EPSILON = 1e-13  # a value below this part of the scale is 0 up to rounding
 BROAD = 0.03  # largest residual of a motion that spectral lines explain
 

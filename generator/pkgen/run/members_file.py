@@ -159,8 +159,7 @@ class _Reader:
             )
 
     def _lines(self, file: TextIO) -> Iterator[str]:
-        """Yields lines; raises UsageError at a line that is too long (/dev/zero has an endless
-        one)."""
+        """Yields lines; raises UsageError at one that is too long, or endless as in /dev/zero."""
         number = 0
         while text := file.readline(limits.ENSEMBLE_LINE):
             number += 1

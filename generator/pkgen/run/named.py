@@ -43,7 +43,7 @@ class Declared:
 
 
 class Named:
-    """Maps a name to (flat index, quantity). Iteration yields only first members of families."""
+    """Maps a name to (flat index, quantity). Iterates over only a few members of each family."""
 
     def __init__(self, declared: list[Declared]):
         self.declared = declared

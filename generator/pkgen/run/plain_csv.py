@@ -44,7 +44,7 @@ def numbers(block: bytes, columns: int) -> numpy.ndarray | None:
     if (ends[:, :-1] != COMMA).any() or (ends[:, -1] != END).any():
         return None
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # numpy gives it for text
+        warnings.simplefilter("error", DeprecationWarning)  # numpy warns of text
         try:
             found = numpy.fromstring(block[:-1].replace(b"\n", b","), sep=",")
         except (DeprecationWarning, ValueError):

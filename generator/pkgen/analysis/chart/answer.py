@@ -30,7 +30,7 @@ class Answer:
 
 @record
 class Beside:
-    """The fastest answers of another package for each accuracy; `why` is the reason if none."""
+    """The fastest answers of another package for each accuracy, or `why` there are none."""
 
     name: str
     version: str

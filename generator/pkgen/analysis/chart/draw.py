@@ -124,7 +124,7 @@ def _answers(axes, chart: Chart, axis: str) -> None:
 
 
 def _legend(figure, strong: int) -> None:
-    """Draws the legend for curves without names, given the number of `strong` ones; 0: none."""
+    """Draws a legend for curves without names; `strong` counts the others, 0: no legend."""
     from matplotlib.lines import Line2D
 
     if strong:

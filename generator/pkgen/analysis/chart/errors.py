@@ -22,8 +22,8 @@ State = tuple[float, Exact]
 
 @record
 class ErrorKind:
-    """A kind of error: `axis` is its name in pictures, `said` its definition, `beside` the unit to
-    which it is relative. With `path` it needs states at equal intervals, not only the final one."""
+    """A kind of error: `axis` is its name in pictures, `said` its definition; `beside` says to what
+    it is relative. With `path` it needs states at equal intervals, not only the final one."""
 
     name: str
     axis: str

@@ -7,7 +7,7 @@ from .points import AXES, FAMILIES, PEER, Track
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:
-    """Returns the methods that are cheapest at some error, sorted by how often they are."""
+    """Returns the methods that are cheapest at some error, the most often cheapest first."""
     wins: dict[str, int] = {}
     for k in range(4, 57):
         error = 10 ** (-k / 4)

@@ -75,7 +75,7 @@ class Curve:
         return found[::-1]
 
     def failures(self) -> list[float]:
-        """Returns the costs of failed points; if unknown, in proportion to the number of steps."""
+        """Returns the costs of failed points; an unknown cost is estimated from the step size."""
         good, found = self.good(), []
         for point in (p for p in self.track.points if p.failed):
             cost = point.cost(self.axis)

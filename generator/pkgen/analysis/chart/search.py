@@ -45,8 +45,7 @@ class Search:
         return [p for points in self.points.values() for p in points if p.good]
 
     def tracks(self, accuracies: list[float]) -> list[Track]:
-        """Returns the tracks; marks points as lucky that are cheaper than the answer to their
-        accuracy."""
+        """Returns the tracks; a point that is cheaper than the answer for its accuracy is lucky."""
         best = {(a, x): self.cheapest(a, x) for a in accuracies for x in AXES}
 
         def lucky(p: Point) -> bool:
@@ -78,7 +77,7 @@ class Search:
                 return False
         if any(self._within(method, bounds[-1], point.setting)):
             return True
-        tighter = self._within(method, 0.0, point.setting)  # decides if no time to measure is left
+        tighter = self._within(method, 0.0, point.setting)  # used if no time is left to measure
         return not tighter or _met(tighter[0], accuracy)
 
     def refine(self, accuracy: float) -> None:

@@ -28,7 +28,7 @@ DAMPED = 1e-6  # an eigenvalue with a relative imaginary part below this counts 
 
 @record
 class Spectrum:
-    """The fastest oscillation and decay of the motion up to `until`, per unit of time; or 0."""
+    """The fastest oscillation and decay of the motion up to `until`, per unit of time; 0: none."""
 
     omega: float
     rho: float

@@ -33,7 +33,7 @@ LONGEST = 3.0  # first step in radians of the fastest oscillation, or the order 
 ANSWER = 1e-3  # largest error of a first step that may already be an answer
 LONGER = 3  # factor to longer steps than the first, if it may be an answer
 ROUND_OFF = 3e-16
-EASED = 1e-8  # errors below this that stop to fall are round-off
+EASED = 1e-8  # errors below this that no longer fall are round-off
 
 
 def processor() -> float:

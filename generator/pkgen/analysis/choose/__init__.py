@@ -4,7 +4,7 @@ trials      runs of the scene, made and measured in C
 reference   the motion by the tightest runs, and its error
 candidates  the table of methods that are tried
 search      the loosest setting of a method that keeps the accuracy
-race        runs the candidates at these settings; the cheapest one
+race        the cheapest candidate at these settings
 whole       checks a choice, made on the first part of a scene, over the whole scene
 choose      the whole procedure, from a `Task` to a `Choice`
 prepared    the program that runs the trials

@@ -34,7 +34,7 @@ class Choice:
     found: tuple[Found, ...]
     seconds: float  # CPU seconds of all trials
     run_seconds: float  # CPU seconds that the run is expected to take
-    without: bool  # its event does not happen: only start and end are compared
+    without: bool  # no event occurs: only start and end are compared
     max_step: float | None = None
     given_up: GivenUp | None = None  # set if only the first part of the scene was tried
     compiled_for: tuple[str, ...] = ()

@@ -12,8 +12,8 @@ from .reference import Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-MARGIN = 0.98  # of the accuracy: most error of a run, which is reproducible, plus 2 * floor
-LEAST_CAP = 0.004  # trials shorter than this are not stopped, in seconds
+MARGIN = 0.98  # largest (error + 2 floor)/accuracy of a trial; the run reproduces its trial
+LEAST_CAP = 0.004  # seconds; shorter trials are never stopped
 SLOWER = 1.3  # the search of a candidate stops at this many times the least cost
 NEAR = (3.0, 1.3, 1.3)  # rounds of timing: candidates within these times the least cost
 TIE = 1.05
@@ -34,7 +34,7 @@ class Race:
         aim, every = MARGIN * asked.accuracy - 2 * check.floor, check.every or asked.every
         found, first = [], FIRST if check.method == "gauss" else FIRST_OF_MANY
         stride = first * check.span / max(check.exact.steps, 1)
-        # The reference's method is first: its time limits that of the others.
+        # The reference's method runs first: its time limits the time of the others.
         for candidate in sorted(self._able(), key=lambda c: c.name != check.method):
             accuracy = aim / growth(asked, check, "symplectic" in candidate.method.flags)
             start = min(every, stride) if candidate.method.fixed else accuracy

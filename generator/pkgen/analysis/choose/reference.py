@@ -19,16 +19,16 @@ from .trials import DENSE, LAND, Trial, Trials
 EXACT = "exponential"
 TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5, so tighter tolerances take too long
 USUAL = (1e-15, 1e-14)
-NOISE = 0.1  # least relative difference of two references in a column of errors only
+NOISE = 0.1  # least relative difference of two references in a column of mere errors
 TINY = 1e-10  # largest scale of such a column, relative to the largest column
 FINER = 1e-3  # tolerance in a wider type, relative to that in double
 DIGITS = " in more digits"
 SLOWEST = 5.0  # most seconds of a run in a wider type
-NEARLY = 0.2  # the first method that gets this part of the farthest time is taken
+NEARLY = 0.2  # the first method that gets as far as this part of the farthest is used
 FLOOR = 0.3  # of the accuracy: largest error of a reference; two runs that differ less keep it
 ROUNDED = 2.0**-49  # error of an exact flow by round-off of its coefficients, equal in all runs
 OTHER = 0.7  # longest step of a run for comparison, relative to the exact run
-WRONG = 1e3  # another method may differ by this times two runs of a method, or its own tolerance
+WRONG = 1e3  # largest error of another method, relative to loose - tight or its tolerance
 
 
 STEPS = 1000  # least number of steps of an exact run, if the equations depend on time
@@ -133,8 +133,9 @@ class _Finder:
         return self.attempt(name, setting, cap, other_steps(self.asked))
 
     def farthest(self, cap: float) -> Trial:
-        """Returns the run of the first method that reaches the end. If none does, the span ends at
-        a time reached by nearly the fastest method, since stiffness stops some methods early."""
+        """Returns the run of the first method that reaches the end. If none does, cuts the span to
+        the part reached by the first method that gets nearly farthest: stiffness stops some methods
+        early."""
         made = []
         for name in self.asked.exact:
             made.append(self.tight(name, cap))
@@ -156,9 +157,9 @@ class _Finder:
         return trial
 
     def in_more_digits(self, check: Check) -> Check:
-        """Returns a check against two runs in a wider type: the error of double-precision runs is
-        their round- off, which may be smaller for another method. Returns the same check if there
-        is no wider type, or if these runs agree no better."""
+        """Returns a check against two runs in a wider type: the error of runs in double is their
+        round-off, which may be smaller for another method. Returns the same check if there is no
+        wider type, or if these runs agree no better."""
         name, asked = "gauss" if check.method == EXACT else check.method, self.asked
         how = {"cap": SLOWEST, "every": self.interval}
         precise = precise_rows(asked, name, self.span, max_step=asked.max_step, **how)

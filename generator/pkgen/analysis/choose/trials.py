@@ -117,7 +117,7 @@ class Trials(Program):
         self.exact: Rows | None = None
         self.ignored: set[int] = set()  # indices of columns
         self.last: Rows | None = None
-        self.between: numpy.ndarray | None = None  # for Rows.between of exact rows
+        self.between: numpy.ndarray | None = None  # becomes Rows.between of exact rows
 
     @property
     def without(self) -> bool:

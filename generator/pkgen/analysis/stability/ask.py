@@ -51,8 +51,7 @@ class Motion:
 
 @record
 class Point:
-    """A method's run at step size h. Units of `rise` and `away` (points.py): the scale of the
-    motion."""
+    """A method's run at step size h; `rise` and `away` are relative to the motion's scale."""
 
     method: str
     h: float

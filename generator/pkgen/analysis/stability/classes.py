@@ -47,7 +47,7 @@ SAID_OF = {  # legend texts that differ from the name of the class
     "constant lost": "another constant is lost",
 }
 SIZE = 2.6  # size of a glyph, in points
-APART, CLEAR = 17.0, 8.0  # least distances between two glyphs of a class, of any class, in points
+APART, CLEAR = 17.0, 8.0  # least distance of two glyphs of a class, of any class, in points
 MARGIN = 0.25  # margin of an isolated cell's square, relative to the cell
 UNCONFIRMED = "unconfirmed"
 DEEP = 2  # radius in cells of the neighbourhood that measures the depth inside a region

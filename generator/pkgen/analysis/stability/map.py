@@ -41,7 +41,7 @@ class StabilityMap:
     compilation: Compilation
     asked: MapOptions
     until: float
-    motion: Motion  # not integrated: only its start
+    motion: Motion  # the start only: the motion is not integrated
     rest: Rest  # at the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
@@ -135,7 +135,7 @@ def make(
         # The Floquet multipliers of a cycle replace the eigenvalues along it.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # If the equilibrium is stable, the range of steps ignores the "local" scale.
+    # If the equilibrium is stable, the "local" estimate does not extend the range of steps.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
     steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}
@@ -294,7 +294,7 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 def _quaternions(compilation: Compilation) -> range:
     """Returns the indices of quaternion components among the rates v."""
     count = len(single_rotations(compilation.model))
-    # Body rates precede them, and are not first-order variables here.
+    # Body rates precede quaternions, and are not first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
 

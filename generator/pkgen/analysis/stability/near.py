@@ -39,7 +39,7 @@ def _settled(system: System, state: numpy.ndarray) -> numpy.ndarray:
 
 
 def _largest(system: System, states: numpy.ndarray) -> numpy.ndarray:
-    """Returns the largest displacement in each state, without idle coordinates."""
+    """Returns the largest displacement in each state, without unknowns on which nothing depends."""
     return abs(system.apart(states)[:, ~system.idle]).max(1, initial=0.0)
 
 

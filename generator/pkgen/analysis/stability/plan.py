@@ -94,7 +94,8 @@ class Axis:
         return none + x * (part - none)
 
     def place(self, state: Sequence[float], at: Equilibrium | None, motion: Motion) -> float:
-        """Returns the x at which a state lies; a factor is that of the largest displacement."""
+        """Returns the x of a state; a factor is the ratio of its largest displacement to the
+        start's."""
         half = len(motion.q)
         if self.kind == "parameter":
             return motion.parameters[self.index]

@@ -63,7 +63,7 @@ class _Energies:
         self.most = self.early_most = -math.inf
         self.low, self.high = math.inf, -math.inf  # range of energy in the last quarter
         self.rise = self.early = self.away = 0.0
-        self.steps, self.lost = 0, math.inf  # `lost`: time at which it leaves the motion
+        self.steps, self.lost = 0, math.inf  # `lost`: time of departure from the motion
         self.watch, self.status = Watch(self.system), it.status
 
     def follow(self, steps: int, h: float) -> Summary | None:

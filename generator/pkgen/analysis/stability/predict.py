@@ -59,7 +59,7 @@ def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
-    """Returns RESONANCES of modes and PAIRS of two modes, below the equilibrium's limit."""
+    """Returns RESONANCES of modes and PAIRS of modes at steps below the stability limit."""
     found, name = [], step.traits.name
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
@@ -148,10 +148,10 @@ def predictions(
     step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
 ) -> list[Prediction]:
     """Returns limits at stable equilibria, branches at unstable ones, and resonances at the primary
-    one. Linear models have no resonances, since nothing couples modes or shifts frequencies; modes
-    of first- order variables and of bound models are no planar oscillators. Keeps one of several
-    equilibria with equal modes (mirror images), and of the non-primary ones the MOST with the
-    shortest steps. An estimate from `rates` along the motion comes first."""
+    one. Linear models have no resonances, since nothing couples modes or shifts frequencies, nor
+    have modes of first-order variables and of bound models, which are no planar oscillators. Keeps
+    one of several equilibria with equal modes (mirror images), and of the non-primary ones the MOST
+    with the shortest steps. An estimate from `rates` along the motion comes first."""
     split = "fast" in step.traits.requires
     found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()

@@ -76,7 +76,7 @@ class Rest:
     box: tuple[float, ...] = ()
 
     def beside(self, q: float, place: float, i: int) -> float:
-        """Returns coordinate i, q; an angle is shifted by multiples of 2 pi to lie nearest to
+        """Returns q, coordinate i; an angle is shifted by multiples of 2 pi to be nearest to
         `place`."""
         turns = bool(self.turns) and self.turns[i]
         return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q

@@ -76,8 +76,8 @@ class System:
     ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """Returns the quantities by which states are judged: the energy; v.p, whose range is the
         scale; |v.p| + |L|, to which round-off is relative; |v_i p_i| of each coordinate. With
-        by_norm the first three are half the squared displacement in units of `reach`, 0 before
-        cover()."""
+        by_norm the first three are half the squared displacement in units of `reach`; before
+        cover() they are 0."""
         if self.by_norm:
             norm = numpy.zeros(len(states))
             if self.reach is not None:
