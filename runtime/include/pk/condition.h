@@ -26,7 +26,7 @@
 
 PK_BEGIN
 
-/* The largest condition number so far, and its time. 0: no such matrix; infinite: singular. */
+/* The largest condition number so far, and its time; 0: no matrix, infinite: singular. */
 struct pk_condition_most {
     pk_real x, t;
 };
@@ -34,7 +34,7 @@ struct pk_condition_most {
 struct pk_condition {
     struct pk_condition_most mass, constraints, step;
     struct pk_condition_most lost; /* largest d_i/e_i */
-    size_t where;                  /* the index i of the largest d_i/e_i */
+    size_t where;                  /* the index i of `lost` */
     unsigned long looks;
 };
 

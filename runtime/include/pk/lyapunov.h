@@ -32,8 +32,8 @@ struct pk_lyapunov {
     struct pk_variation variation;
     struct pk_integrator it; /* the motion (first n_q coordinates) and the displacement */
     pk_real t0, block;       /* start time; time between normalisations */
-    unsigned long blocks;    /* completed */
-    pk_real growth;          /* current G */
+    unsigned long blocks;    /* number of completed blocks */
+    pk_real growth;          /* current value of G */
     pk_real sum_G, sum_Y;    /* integrals over t of G and of 2 (G - mean G), trapezoidal */
     pk_real Y;               /* the current value of 2 (G - mean G) */
     /* G after every `stride` blocks; when full, every second value is dropped. */
@@ -59,7 +59,7 @@ enum pk_status pk_lyapunov_step(struct pk_lyapunov *l);
 pk_real pk_lyapunov_exponent(const struct pk_lyapunov *l, pk_real *error);
 pk_real pk_lyapunov_megno(const struct pk_lyapunov *l);
 enum pk_motion pk_lyapunov_motion(const struct pk_lyapunov *l);
-void pk_lyapunov_free(struct pk_lyapunov *l); /* as pk_integrator_free() */
+void pk_lyapunov_free(struct pk_lyapunov *l); /* frees memory like pk_integrator_free() */
 
 PK_END
 

@@ -26,7 +26,7 @@
 
 PK_BEGIN
 
-enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* most lines; fewest samples */
+enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* most lines; least `count` */
 
 struct pk_line {
     pk_real frequency, amplitude, phase, error;

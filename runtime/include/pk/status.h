@@ -34,13 +34,12 @@ PK_BEGIN
     X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined")
 
 #define PK_STATUS_ENUM(name, value, text) name = value,
-/* Extract from a list of X(NAME, "text") the names, as for an enum, and the texts. */
+/* Extract the names (as for an enum) and the texts from a list of X(NAME, "text"). */
 #define PK_EACH_NAME(name, text) name,
 #define PK_EACH_TEXT(name, text) text,
 
 enum pk_status {
-    PK_STATUSES(PK_STATUS_ENUM)
-        PK_STATUS_LAST = -20 /* less than every status; no trailing comma, for C++98 */
+    PK_STATUSES(PK_STATUS_ENUM) PK_STATUS_LAST = -20 /* less than every status */
 };
 
 /* Return the name of a status, such as "PK_NOT_FINITE", and its text. Never NULL. */

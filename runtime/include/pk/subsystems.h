@@ -34,12 +34,12 @@ struct pk_choice {
 /* A part during integration; read-only for callers. */
 struct pk_subsystem {
     struct pk_part of;
-    struct pk_integrator it, aside;    /* see pk_integrator_aside() */
-    const struct pk_integrator *there; /* `it` or `aside`, whichever is at the current time */
+    struct pk_integrator it, aside;    /* `aside` serves pk_integrator_aside() */
+    const struct pk_integrator *there; /* `it` or `aside`, whichever is at the common time */
     void *params;
     const struct pk_subsystems *apart;
     size_t *inputs; /* indices of the part's inputs in the whole system */
-    pk_real *u;     /* inputs of the whole system */
+    pk_real *u;     /* inputs of the whole system at the current time */
 };
 
 struct pk_subsystems {

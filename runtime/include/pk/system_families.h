@@ -35,7 +35,7 @@ struct pk_turning {
  * row; rows * border, the border's rows column by column; border * border. */
 struct pk_pattern {
     size_t rows, width, border;
-    int dense; /* index i of the pattern is coordinate i, and all are in the border */
+    int dense; /* 1: no band; the border has all coordinates, in order */
 };
 
 /* If a system has variable size, pk_system.n is n at the default sizes; coordinates, rates, momenta
@@ -50,9 +50,9 @@ struct pk_part_families {
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* declared names; the last n_states are body rates and states */
+    size_t n_coordinates; /* number of declared names; the last n_states are body rates, states */
     size_t n_states;
-    size_t (*first_order)(const void *params); /* NULL: pk_system.n_first_order */
+    size_t (*first_order)(const void *params); /* NULL: use pk_system.n_first_order */
     /* The number of rotations, and the indices of rotation r in v. NULL: there are no rotations. */
     size_t (*rotations)(const void *params);
     struct pk_turning (*turning)(const void *params, size_t r);

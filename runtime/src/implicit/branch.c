@@ -31,9 +31,9 @@
 
 #define REGULAR PK_C(0.95) /* bound of the norms in tests 2 and 3; regularity needs < 1 */
 #define STRAIGHT PK_C(0.5) /* bound for the average over the straight path from v0 */
-#define LASTING PK_C(0.3)  /* a smaller change in the step certifies later steps too */
+#define LASTING PK_C(0.3)  /* a smaller change of derivatives certifies later steps too */
 #define LEAST_LEAP PK_C(1e-4)
-#define NEWTON_RATE PK_C(0.25) /* Newton's first rate after a good prediction */
+#define NEWTON_RATE PK_C(0.25) /* usual first convergence rate of Newton's method */
 enum { MOST_POINTS = 400 };
 
 /* Returns |J1^-1 J2 - I|, where J1 is factored in w->lu. */
@@ -121,7 +121,7 @@ static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * w->nn;
     pk_real at = 0, step = 1;
-    if (pk_finite(w->kept->contraction)) /* otherwise it is not known */
+    if (pk_finite(w->kept->contraction)) /* if the contraction bound is known */
         step /= PK_F(sqrt)(pk_max(w->kept->contraction, PK_C(1.0)));
     if (!w->pattern.dense && bounded(w, w->start_J, it->own->h))
         return factor(it, w, w->jacobian, stride, 1);
@@ -300,7 +300,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
     for (size_t i = 0; i < w->s; i++)
         memcpy(w->V + i * n, it->v, n * sizeof *w->V);
     if (!pk_gauss_residual(it, w))
-        return PK_NOT_FINITE; /* even with V = v0, the safest guess */
+        return PK_NOT_FINITE; /* V = v0 is the safest guess */
     const int converged = pk_gauss_iterate(it, w, PK_FULL);
     it->own->flags &= ~PK_HAVE_LU;
     return converged ? pk_gauss_certify(it, w) : follow_from_start(it, w);

@@ -27,9 +27,9 @@ enum { KEPT = 2 }; /* stored matrices: for the step, and for the shorter last st
 struct work {
     size_t n_q, n, m; /* m = n_q + n + 1 */
     struct pk_pairs L, E[KEPT], x, y;
-    struct pk_pairs series;           /* Taylor series of the piece of the last dense output */
-    pk_real *piece, *at;              /* length and number of that piece */
-    pk_real *scale, *norm, *h, *last; /* balancing; norm of L; h of each E; last E (index) */
+    struct pk_pairs series;           /* Taylor series for dense output in a piece of the step */
+    pk_real *piece, *at;              /* length and number of this piece */
+    pk_real *scale, *norm, *h, *last; /* balancing; norm of L; h of each E; index of the last E */
     pk_real *room;
 };
 
@@ -157,7 +157,7 @@ static pk_real balance(const struct work *w)
                     f /= 2;
                 if (!((column + row) / f < PK_C(0.95) * before))
                     continue;
-            } else if (first) { /* row or column is zero: any scale is valid */
+            } else if (first) { /* a zero row or column: any scale is valid */
                 f = row > 0 ? ALONE : 1 / ALONE;
             } else {
                 continue;

@@ -100,7 +100,7 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
         if (once || size <= PK_EPS * scale)
             return PK_DONE;
         if (count && size >= before / 2 && size <= PK_GAUSS_ROUND * scale)
-            return PK_DONE; /* corrections that no longer decrease are round-off */
+            return PK_DONE; /* corrections at round-off no longer decrease */
         before = size;
     }
     return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.kind = PK_OF_RATES, .value = before));
@@ -118,7 +118,7 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
         if (status != PK_NO_CONVERGENCE)
             return status;
         w.kept->slow_h = it->own->h;                        /* too long for fixed-point iteration */
-        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* was the low part of v, not of p */
+        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* it held the low part of v */
         it->own->flags = 0;
     }
     pk_gauss_predict(it, &w);

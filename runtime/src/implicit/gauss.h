@@ -52,7 +52,7 @@ struct pk_gauss_work {
      * per stage (dense: the first ones of n, without quadratures; otherwise may exceed n). nn: of
      * entries that a kernel writes for a matrix. across: distance between rows of its border. */
     size_t n_q, n, places, nn, across;
-    pk_real *place;             /* not dense: coordinate at each index, or < 0 */
+    pk_real *place;             /* not dense: coordinate of each unknown, or < 0 */
     pk_real *V, *Q, *P, *F, *G; /* at stages: rates, coordinates, momenta, h b pdot, residual; n
                                    numbers each, Q n_q */
     pk_real *last_V;            /* V of the last step, for the predictor */
@@ -61,7 +61,7 @@ struct pk_gauss_work {
     pk_real *mass, *mean_q, *mean_v, *scale;
     pk_real *c, *b, *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* tableau; names with _p: for p */
     pk_real *hh, *norms;        /* h^2 a^_ir a_rj; maximum norms of hA, hA_p, hh */
-    pk_real *mu_columns, *rest; /* mu by columns, for the lanes of gauss8; work of other files */
+    pk_real *mu_columns, *rest; /* mu by columns, for gauss8; work memory of other files */
     /* For branch.c: derivatives at the start and at the last point of a continuation, V at the last
      * two points; M of each stage; vectors in the order of the pattern. before_J, for newton.c:
      * derivatives of the last iteration. */
@@ -77,7 +77,7 @@ enum pk_gauss_mode { PK_SIMPLIFIED, PK_FULL, PK_BY_MASS };
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);
 enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *w);
 
-/* Returns whether pk_gauss_nystrom_step() makes, or made, a step of size h. */
+/* Returns whether steps of size h are made by pk_gauss_nystrom_step(). */
 static inline int pk_gauss_by_lanes(const struct pk_integrator *it, const struct pk_gauss_work *w,
                                     pk_real h)
 {
@@ -97,14 +97,14 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w);
 /* Computes V -= (matrix)^-1 G, and replaces G by that correction. */
 void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
-/* Corrects V and P of quadratures by their residual, when V solves the other equations. */
+/* Corrects V and P of quadratures by their residual, after V solves the other equations. */
 void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work *w);
 /* Sets w->scale, the scale of the rate of each coordinate, from V and q/h. */
 void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w);
 /* Iterates from V. Returns 0 if the iteration does not converge. */
 int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
 
-/* Evaluate M; M, p_q, pdot_q, pdot_v into J, w->nn numbers each. */
+/* pk_gauss_mass() evaluates M, the other M, p_q, pdot_q, pdot_v into J, w->nn numbers each. */
 void pk_gauss_mass(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                    pk_real *M);
 void pk_gauss_derivatives(struct pk_integrator *it, const struct pk_gauss_work *w, pk_real t,

@@ -32,8 +32,8 @@ enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
 /* Work arrays after those of the step. */
 struct parts {
     pk_real *node, *weight;
-    pk_real *P, *to_alpha;  /* P_k at the nodes, row k; matrix from a at the nodes to alpha */
-    pk_real *q, *v, *a, *b; /* at nodes: 2 halves of n (q: n_q) by 8 numbers; b: the last a */
+    pk_real *P, *to_alpha;  /* P_k at the nodes, row k; matrix that maps a at the nodes to alpha */
+    pk_real *q, *v, *a, *b; /* at the nodes: 2 halves of n by 8 (q: n_q by 8); b: previous a */
     pk_real *series;        /* n by 3 TERMS coefficients, for a, v and q */
     pk_real *from;          /* q and v at the start of the piece */
     pk_real *at, *width;    /* start and length of the piece relative to the step */
@@ -115,7 +115,7 @@ static enum pk_status evaluate(struct pk_integrator *it, const struct pk_gauss_l
     return generic_gauss_evaluate(it, t, d->q + of_q, d->v + first, w->u, d->a + first);
 }
 
-/* Sets a at the nodes from the polynomial through the stages (in powers from the end). */
+/* Sets a at the nodes from the Taylor polynomial through the stages. */
 static void begin(struct pk_integrator *it, const struct pk_gauss_lanes *w, const struct parts *d)
 {
     for (size_t i = 0; i < it->n; i++)
@@ -240,7 +240,7 @@ enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, p
     const struct pk_gauss_lanes w = pk_gauss_lanes(it, n_q, n, it->own->work);
     const struct parts d = parts_of(it);
     const pk_real x = (t - it->last_t) / *w.h;
-    /* At the start of the step, returns its state exactly. */
+    /* Returns exactly the state at the start of the step. */
     if (!(t > it->last_t) && !(t < it->last_t)) {
         memcpy(q, w.start, n_q * sizeof *q);
         memcpy(v, w.start + n_q, n * sizeof *v);

@@ -11,10 +11,10 @@
 
 #include "gauss.h"
 
-#define SMALL (PK_GAUSS_SURE / 4) /* a norm below this needs no sharper bound */
-#define LITTLE PK_C(0.8)          /* ends if the bound decreases less */
+#define SMALL (PK_GAUSS_SURE / 4) /* a bound below this is good enough */
+#define LITTLE PK_C(0.8)          /* iteration ends if a bound is not reduced by this factor */
 #define TINY PK_F(sqrt)(PK_EPS)
-#define SURELY_BELOW PK_C(0.2) /* three such growth factors decide "< .5" */
+#define SURELY_BELOW PK_C(0.2) /* three smaller growth factors prove a radius < .5 */
 #define SURELY_ABOVE PK_C(1.5)
 enum { MOST_TURNS = 16, TURNS = 16 };
 

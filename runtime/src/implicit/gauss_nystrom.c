@@ -84,7 +84,7 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         PK_TRY(generic_gauss_evaluate(it, y.t, w.q, w.v, w.u, w.next_a));
         const pk_real change = take_over(&w, n);
         if (!pk_finite(change))
-            return PK_NO_CONVERGENCE; /* Newton's iteration finds whether the cause is a NaN */
+            return PK_NO_CONVERGENCE; /* Newton's iteration will report a NaN */
         if (change > PK_GAUSS_FAR && count && change > PK_GAUSS_FAST * before) {
             /* The iteration does not contract: Newton's iteration certifies the branch. */
             return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.value = change));

@@ -80,7 +80,7 @@ static void make_tables(struct pk_integrator *it, const struct pk_gauss_work *w)
             if (!w->table->conjugate)
                 w->mu_p[i * s + j] = *mu;
             else if (*mu >= PK_C(0.5))
-                *conjugate = PK_C(1.0) - *mu; /* exact, like the following 1 - x */
+                *conjugate = PK_C(1.0) - *mu; /* 1 - x is exact for .5 <= x <= 1 */
             else
                 *conjugate = PK_C(1.0) - *mu, *mu = PK_C(1.0) - *conjugate;
             w->mu_columns[j * s + i] = *mu;

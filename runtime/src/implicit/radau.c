@@ -15,7 +15,7 @@
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
-#define KEEP PK_C(1.2) /* step sizes grow at least by this factor, or Newton's matrix is reused */
+#define KEEP PK_C(1.2) /* smaller growth of the step size is not used, to keep the matrix */
 /* Fraction of the tolerance; corrections below it that do not decrease as expected are rounding. */
 #define LITTLE PK_C(1e-3)
 enum { MOST_ITERATIONS = 10 };
@@ -96,7 +96,7 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
     return size / scale;
 }
 
-/* Iterates by simplified Newton to a fraction of the tolerance, in *count iterations. */
+/* Iterates by simplified Newton to a fraction of the tolerance. *count: number of iterations. */
 static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int *count)
 {
@@ -131,7 +131,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             if (!(rate < 1) && !little)
                 return PK_NO_CONVERGENCE;
             left = rate < 1 ? rate / (1 - rate) : 0;
-            if (rate > PK_C(1e-3)) /* a new matrix is worth its cost */
+            if (rate > PK_C(1e-3)) /* a new matrix is worthwhile */
                 it->own->flags |= PK_REFRESH;
             if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough) {
                 if (!little)
@@ -153,19 +153,19 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     enum pk_status status;
     if (it->own->h > w->kept->h || it->own->h < w->kept->h)
         pk_gauss_set_step(it, w, it->own->h);
-    for (size_t k = 0; k < it->n_q; k++) /* at q = 0 the distance moved is the scale */
+    for (size_t k = 0; k < it->n_q; k++) /* scale for q = 0: the distance moved in the step */
         r->dq[k] = it->q[k] + it->own->h * it->v[k];
     pk_radau_tolerances(it, r, r->dq, it->v);
     do {
         w->kept->fresh = w->kept->noisy = 0;
         pk_gauss_predict(it, w);
         status = iterate(it, w, r, count);
-        it->own->flags |= status < 0 ? PK_REFRESH : 0; /* perhaps because of a reused matrix */
+        it->own->flags |= status < 0 ? PK_REFRESH : 0; /* a reused matrix may be the cause */
     } while (status == PK_NO_CONVERGENCE && !(w->kept->fresh > 0));
     if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
-    if (status >= 0 && !pk_finite(w->kept->contraction)) /* continued: V may differ */
+    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may have been replaced */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }
@@ -207,7 +207,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status, it->own->next_t); /* others: step too long */
+            pk_trouble(it, status, it->own->next_t); /* else the step was too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
         pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
     }

@@ -12,7 +12,7 @@ struct pk_radau_parts {
 };
 
 struct pk_radau_kept {
-    pk_real left;     /* in the last step: sum of future corrections / last correction */
+    pk_real left;     /* last step: sum of all later corrections / last correction */
     pk_real enough;   /* fraction of the tolerance at which the iteration ends */
     pk_real h, error; /* size and error of the last accepted step */
 };

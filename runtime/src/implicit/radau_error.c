@@ -59,14 +59,14 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                 of_q += E_OF_STAGE[i] * (w->Q[i * n_q + k] - it->q[k]);
             of_p += E_OF_STAGE[i] * (w->P[i * n + k] - p0[k]);
         }
-        r->dq[k] = of_q; /* 0 for first-order variables: not among the columns */
+        r->dq[k] = of_q; /* 0 for first-order variables */
         r->x[k] = of_p;
     }
     memcpy(r->dv, r->x, n * sizeof *r->dv);
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
     pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
-    for (size_t k = pk_gauss_read(w); k < n; k++) /* errors of quadratures from all others */
+    for (size_t k = pk_gauss_read(w); k < n; k++) /* errors of quadratures */
         for (size_t i = 0; i < w->places; i++)
             r->dv[k] += hg * (J[3 * nn + k * n + i] + hg * J[2 * nn + k * n + i]) * r->dv[i];
     for (size_t k = 0; k < n; k++) {
@@ -82,7 +82,7 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
 {
     const size_t n = it->n;
     pk_real hg = it->own->h * GAMMA, hh = hg * hg;
-    struct pk_gauss_work one = *w; /* uses a tableau of one stage */
+    struct pk_gauss_work one = *w; /* equations of a method with one stage */
     one.s = 1;
     one.hA = one.hA_p = &hg;
     one.hh = &hh;
@@ -99,7 +99,7 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
             r->dv[k] += it->v[k];
         }
         pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);
-        memcpy(w->x, r->dv, n * sizeof *w->x); /* estimate() writes to dv */
+        memcpy(w->x, r->dv, n * sizeof *w->x); /* since estimate() overwrites dv */
         it->own->error = estimate(it, w, r, w->x, w->y);
     }
     return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;
