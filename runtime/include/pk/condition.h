@@ -33,8 +33,8 @@ struct pk_condition_most {
 
 struct pk_condition {
     struct pk_condition_most mass, constraints, step;
-    struct pk_condition_most lost; /* largest d_i/e_i */
-    size_t where;                  /* the index i of `lost` */
+    struct pk_condition_most lost; /* largest digit-loss ratio d_i/e_i */
+    size_t where;                  /* the index i of the largest d_i/e_i */
     unsigned long looks;
 };
 

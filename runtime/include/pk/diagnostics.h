@@ -71,7 +71,7 @@ struct pk_monitor {
     int has_energy; /* 1: the energy of the system is conserved */
     struct pk_drift energy;
     struct pk_drift *momenta;   /* n drifts, of cyclic coordinates only; NULL: none is cyclic */
-    struct pk_drift *conserved; /* n_conserved */
+    struct pk_drift *conserved; /* one drift for each conserved quantity */
     pk_real *work;
 };
 

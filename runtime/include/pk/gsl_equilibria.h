@@ -24,9 +24,8 @@ struct pk_equilibria {
                              spherical coordinates */
     int more;             /* 1: there are more equilibria than `most`, perhaps a continuum */
     unsigned char *turns; /* output, n flags, or NULL: q_i + 2 pi is the same position as q_i */
-    double *doubt;        /* output, like q, or NULL: Newton's last correction of q_i, or of v_i if
-                             cyclic. If the linear terms vanish, it is comparable to the distance
-                             the root. */
+    double *doubt;        /* output, like q, or NULL: Newton's last correction of q_i, or of v_i
+                             if cyclic. If the linear terms vanish, it is as large as the error. */
     size_t *slack; /* output, `most` numbers, or NULL: with rotations or constraints, the number
                       of dimensions of a continuum of equilibria, of which one is returned for
                       each energy */

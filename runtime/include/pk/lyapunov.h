@@ -33,7 +33,7 @@ struct pk_lyapunov {
     struct pk_integrator it; /* the motion (first n_q coordinates) and the displacement */
     pk_real t0, block;       /* start time; time between normalisations */
     unsigned long blocks;    /* number of completed blocks */
-    pk_real growth;          /* current value of G */
+    pk_real growth;          /* current value of G, the log of the growth */
     pk_real sum_G, sum_Y;    /* integrals over t of G and of 2 (G - mean G), trapezoidal */
     pk_real Y;               /* the current value of 2 (G - mean G) */
     /* G after every `stride` blocks; when full, every second value is dropped. */

@@ -26,7 +26,7 @@ enum pk_trait {
     PK_SYMMETRIC = 1u << 1,
     PK_ADAPTIVE = 1u << 2,
     PK_IMPLICIT = 1u << 3,
-    PK_DENSE = 1u << 4,     /* pk_integrator_dense() works */
+    PK_DENSE = 1u << 4,     /* the method has dense output */
     PK_JACOBIANS = 1u << 5, /* calls the kernels mass and jacobian */
     PK_LINEAR = 1u << 6,    /* calls the kernels mass and linear */
     PK_NO_INPUTS = 1u << 7, /* needs time derivatives of all terms, so refuses inputs */
@@ -44,7 +44,7 @@ struct pk_keep;
 struct pk_method {
     const char *name;
     const char *doc; /* description in one line, and citation */
-    int order;       /* 0: variable order */
+    int order;       /* order of the method; 0: variable */
     int stages;      /* evaluations per step, not counting one reused in the next; 0: variable */
     int dense_order; /* order of the dense output; 0: no dense output */
     unsigned traits; /* bits of enum pk_trait */

@@ -36,8 +36,8 @@ struct pk_run_model {
     size_t n_parts;
     const struct pk_method *const *methods; /* all methods, the model's own (n_own) first */
     size_t n_own, n_methods;
-    const struct pk_run_diagnose *diagnose; /* &pk_run_diagnose, or NULL */
-    const struct pk_run_ensemble *ensemble; /* &pk_run_ensemble, or NULL */
+    const struct pk_run_diagnose *diagnose; /* &pk_run_diagnose, or NULL: no diagnostics */
+    const struct pk_run_ensemble *ensemble; /* &pk_run_ensemble, or NULL: no ensembles */
 };
 
 /* The result of a run, also used as the exit code of a program. */
@@ -57,15 +57,16 @@ struct pk_run_value {
 
 /* A column of the rows, or of the table of an ensemble's members. */
 struct pk_run_column {
-    char kind;            /* rows: q, v, o output, e energy; members: p parameter, i input, q, v */
+    char kind;            /* in rows: q, v, o for an output, e for the energy; of members: p for
+                             a parameter, i for an input, q, v */
     size_t index, member; /* member: index from 0 in a family of parameters */
 };
 
 /* A relation between columns to check: |a - b| <= within, a < b, or a > b. */
 struct pk_run_expected {
-    char relation;                     /* one of = < > */
+    char relation;                     /* the relation: '=', '<' or '>' */
     char when;                         /* r: in all rows, t: at time `at`, e: at an event */
-    struct pk_run_column a, b, within; /* within.kind = 0: no tolerance */
+    struct pk_run_column a, b, within; /* `within` is the tolerance of =; kind 0: none */
     double at;
     size_t event;
 };
@@ -87,12 +88,12 @@ struct pk_run_reduced {
 
 struct pk_run_settings {
     const char *method;
-    double until; /* end time, > 0 */
+    double until; /* end time of the run, > 0 */
     double every; /* interval of rows; 0: each step; < 0: until/1000, or events only if `at` */
     double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */
     int fixed_point;         /* fixed-point instead of Newton iteration in implicit methods */
-    unsigned long max_steps; /* 0: no limit */
+    unsigned long max_steps; /* limit of steps; 0: no limit */
     int land; /* steps end at the times of rows: 1 yes, 0 no (dense output), -1 automatic */
     size_t n_sizes, n_parameters, n_inputs, n_q, n_v;
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
@@ -194,7 +195,7 @@ double pk_run_laps(struct pk_run *run, double seconds);
  * results are NaN. */
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, const double *u, double *out);
-size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown kernel */
+size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown kernel name */
 /* Returns parameters and start values in JSON. */
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);

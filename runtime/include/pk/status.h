@@ -1,7 +1,7 @@
 /* Statuses of the runtime's calls. Zero is success; positive: the integration stopped as requested;
  * negative: it failed, and the state is the last valid state.
  *
- * The list is one X-macro, so that every status has its name and its text. */
+ * The list is one X-macro, which defines name and text of each status. */
 #ifndef PK_STATUS_H
 #define PK_STATUS_H
 
@@ -39,7 +39,7 @@ PK_BEGIN
 #define PK_EACH_TEXT(name, text) text,
 
 enum pk_status {
-    PK_STATUSES(PK_STATUS_ENUM) PK_STATUS_LAST = -20 /* less than every status */
+    PK_STATUSES(PK_STATUS_ENUM) PK_STATUS_LAST = -20 /* a number below all statuses */
 };
 
 /* Return the name of a status, such as "PK_NOT_FINITE", and its text. Never NULL. */

@@ -34,7 +34,8 @@ struct pk_choice {
 /* A part during integration; read-only for callers. */
 struct pk_subsystem {
     struct pk_part of;
-    struct pk_integrator it, aside;    /* `aside` serves pk_integrator_aside() */
+    struct pk_integrator it, aside;    /* the part's integrator, and one for times within its
+                                          steps */
     const struct pk_integrator *there; /* `it` or `aside`, whichever is at the common time */
     void *params;
     const struct pk_subsystems *apart;

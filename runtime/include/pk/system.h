@@ -77,7 +77,7 @@ enum pk_fact {
 /* A parameter: its byte offset in struct NAME_params, and the kind of its bounds. */
 struct pk_parameter {
     struct pk_quantity what;
-    size_t offset; /* in bytes */
+    size_t offset; /* byte offset */
     int follows;   /* 1: the default depends on other parameters */
     int lo_open, hi_open;
 };
@@ -115,7 +115,7 @@ struct pk_part_particles {
 };
 
 struct pk_system {
-    unsigned abi;       /* PK_ABI of the model */
+    unsigned abi;       /* PK_ABI when the model was compiled */
     unsigned size;      /* sizeof (struct pk_system) when the model was compiled */
     const char *scalar; /* the symbol PK_SCALAR, missing in a library of another type; or NULL */
     const char *name;
@@ -161,7 +161,7 @@ struct pk_system {
                         const pk_real *u, pk_real *a);
     pk_kernel *mass, *force;
     pk_kernel_2 *canonical; /* p, then pdot: the stages of a Gauss method need both */
-    pk_kernel *gradient;    /* dL/dq without other forces */
+    pk_kernel *gradient;    /* writes dL/dq */
     /* Jacobians for Newton's method on (p, pdot): dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
     void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);

@@ -32,11 +32,11 @@ struct pk_part_constraints {
      * and count() returns the number of rows. Rows must be independent. */
     size_t (*count)(const void *params, int holonomic); /* number of rows; NULL: n, n_holonomic */
     size_t n_declared;
-    pk_kernel *rates; /* J v + j0 */
+    pk_kernel *rates; /* writes J v + j0 */
     void (*spread)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *x, pk_real *out); /* computes |J| x */
     void (*pull)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                 const pk_real *u, const pk_real *x, pk_real *out); /* computes out += J^T x */
+                 const pk_real *u, const pk_real *x, pk_real *out); /* adds J^T x to out */
     /* factor() factors [M J^T; J 0] in the memory of params, with all rows or only holonomic rows.
      * It has the failures of acceleration(). It writes each row's pivot, and in `norms` the pivot
      * that the row would have without other rows. solve() then solves M d - J^T mu = f, J d = r; f

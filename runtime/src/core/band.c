@@ -168,7 +168,8 @@ int pk_band_factor(const struct pk_band *b)
                 b->corner[c * width + e] -= l * right[e];
         }
     }
-    for (size_t c = 0; c < used && width > used; c++) /* removes unused columns */
+    for (size_t c = 0; c < used && width > used; c++) /* moves rows together, without spare
+                                                         columns */
         memmove(b->corner + c * used, b->corner + c * width, used * sizeof *b->corner);
     return pk_lu_factor(b->corner, b->pivot + n, used);
 }

@@ -18,7 +18,7 @@ struct pk_band {
      * pivoting. right: columns of the border, row by row. bottom: rows of the border, column by
      * column. corner: row-major. */
     pk_real *entries, *right, *bottom, *corner;
-    pk_real *pivot, *column, *rest; /* only with pivoting */
+    pk_real *pivot, *column, *rest; /* memory for pivoting only */
     pk_real *used; /* only with pivoting: number of border columns, plus spare columns in use */
 };
 

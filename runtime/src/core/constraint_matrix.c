@@ -80,7 +80,7 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
     const struct pk_system *system = w->system; /* M comes from `inertia`, or else `mass` */
     if (!w->whole) {
         system->families.diagonal(w->params, w->t, q, v, w->u, w->M);
-        for (size_t k = 0; k < w->m; k++) /* the diagonal only scales rows */
+        for (size_t k = 0; k < w->m; k++) /* checks that the diagonal is positive */
             if (!(w->M[k] > 0))
                 return PK_FAILED(PK_FAILURE_MASS, k);
         return 0;

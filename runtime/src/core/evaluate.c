@@ -5,7 +5,8 @@
 int pk_all_finite(const pk_real *x, size_t count)
 {
     size_t i = 0;
-    for (int bad = 0; i + 8 <= count; i += 8) { /* the inner loop is vectorised */
+    for (int bad = 0; i + 8 <= count; i += 8) { /* in blocks of 8, so that the inner loop is
+                                                   vectorised */
         for (size_t k = 0; k < 8; k++)
             bad |= !pk_finite(x[i + k]);
         if (bad)

@@ -5,7 +5,7 @@
 
 #include <pk/system.h>
 
-const char PK_SCALAR[] = "pk_real"; /* only the symbol's name matters */
+const char PK_SCALAR[] = "pk_real"; /* an address for the linker; the value is never read */
 
 /* Writes name number i of all members of `count` declared names; count = 0: table[i]. */
 static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,

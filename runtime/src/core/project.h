@@ -106,7 +106,7 @@ int pk_project_dependent(struct pk_integrator *it);
 enum pk_status pk_project_start(struct pk_integrator *it);
 /* Returns the first row whose residual is more than rounding, or `rows`. x is positions, where
  * attitudes count as 1, or rates; M is factored. */
-#define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* relative to the terms */
+#define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* residual relative to the sizes of its terms */
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
                          const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
                          int of_rates);

@@ -12,8 +12,8 @@
 
 #include "internal.h"
 
-#define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 */
-#define MOST PK_C(12.0)  /* largest change of u in a step */
+#define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 is round-off */
+#define MOST PK_C(12.0)  /* largest change of u in a step without a check within */
 #define WARP PK_C(0.11)  /* sample times are shifted, to find a u periodic in the step */
 #define GROW PK_C(4.0)
 #define SLOW (MOST / 128) /* after a fixed step with less change, SKIPPED steps are not checked */

@@ -100,7 +100,8 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
         pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
-    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* the step cannot be shorter */
+    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* a step of this length cannot
+                                                                   be shortened */
     if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
     return pk_fail_with(it, PK_STEP_TOO_LONG, PK_WHY(.index = k, .time = it->own->next_t));
@@ -173,7 +174,8 @@ enum pk_status pk_singularity_step(struct pk_integrator *it)
             pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
         if (s.found == PK_SINGULARITY_VANISHES)
             return ended(it, s.which, s.when, s.bounded);
-        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* the search overwrote these */
+        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* since the search overwrote the
+                                                                   values */
         slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
     }
     return go_on(it, KNOWN | quiet);

@@ -11,7 +11,7 @@
 #define FALL PK_C(0.7)    /* least ratio of values of a singularity after and before a short step */
 #define SEARCH_STEPS 2000 /* largest number of steps of a search */
 
-enum { Y, TRIAL, SUM, STAGE, K }; /* parts of the work memory */
+enum { Y, TRIAL, SUM, STAGE, K }; /* indices of parts of the work memory */
 
 static pk_real *search_part(const struct pk_integrator *it, int which)
 {

@@ -44,7 +44,7 @@ static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
     /* clang-format off */
     const struct pk_slot slots[] = {
         {&kept, PK_REALS_OF(struct kept)}, {&w->base, 2 * (n_q + n)}, {&w->a, n}, {&w->a_q, n * n},
-        {&w->a_v, n * n}, {&w->a_t, n}, {&w->linear, n * n + n}}; /* no inputs */
+        {&w->a_v, n * n}, {&w->a_t, n}, {&w->linear, n * n + n}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     w->kept = (struct kept *)(void *)kept;

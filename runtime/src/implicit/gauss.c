@@ -117,7 +117,8 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = it->own->h;                        /* too long for fixed-point iteration */
+        w.kept->slow_h = it->own->h;                        /* the step is too long for
+                                                               fixed-point iteration */
         memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* it held the low part of v */
         it->own->flags = 0;
     }

@@ -75,11 +75,11 @@ int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
 {
     const struct pk_band band = pk_gauss_band(w, M);
     for (size_t i = 1; i < w->places && w->pattern.dense && w->places < w->n; i++)
-        memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* shorter rows */
+        memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* drops columns */
     size_t at = pk_band_ldl_factor(&band, w->pattern.dense ? NULL : w->place);
     if (!at--)
         return 0;
-    while (!w->pattern.dense && at && w->place[at] < 0) /* finds the preceding coordinate */
+    while (!w->pattern.dense && at && w->place[at] < 0) /* goes back to a coordinate */
         at--;
     return PK_FAILED(PK_FAILURE_MASS, w->pattern.dense   ? at
                                       : w->place[at] < 0 ? 0

@@ -88,7 +88,7 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
  * pdot_q and pdot_v. */
 static pk_real changed(const struct pk_gauss_work *w)
 {
-    const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn; /* entries used */
+    const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn;
     pk_real worst = 0;
     for (size_t kind = 0; kind < 4; kind++) {
         pk_real most = 0, change = 0;
@@ -148,12 +148,12 @@ static int rising(pk_real size, int count, pk_real *window)
 static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh, int count)
 {
     if (!(it->own->flags & PK_HAVE_STEP)) {
-        it->own->flags |= PK_REFRESH; /* without prediction: more iterations */
+        it->own->flags |= PK_REFRESH; /* the prediction was missing, so the count is no measure */
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
     } else if (count - !pk_gauss_small(w) > w->kept->best) {
-        const int patience = w->kept->patience; /* may be invalid if restored */
+        const int patience = w->kept->patience; /* any number, if restored */
         w->kept->patience = patience >= 0 && patience < 31 ? 2 * patience + 1 : 63;
         w->kept->wait = w->kept->patience;
     } else {

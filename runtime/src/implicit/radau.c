@@ -131,7 +131,8 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             if (!(rate < 1) && !little)
                 return PK_NO_CONVERGENCE;
             left = rate < 1 ? rate / (1 - rate) : 0;
-            if (rate > PK_C(1e-3)) /* a new matrix is worthwhile */
+            if (rate > PK_C(1e-3)) /* convergence is slow enough for a new matrix to be worth its
+                                      cost */
                 it->own->flags |= PK_REFRESH;
             if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough) {
                 if (!little)
@@ -165,7 +166,8 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
-    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may have been replaced */
+    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may have been replaced by another
+                                                            solution */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }

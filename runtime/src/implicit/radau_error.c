@@ -59,14 +59,15 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                 of_q += E_OF_STAGE[i] * (w->Q[i * n_q + k] - it->q[k]);
             of_p += E_OF_STAGE[i] * (w->P[i * n + k] - p0[k]);
         }
-        r->dq[k] = of_q; /* 0 for first-order variables */
+        r->dq[k] = of_q; /* of_q is 0 for first-order variables */
         r->x[k] = of_p;
     }
     memcpy(r->dv, r->x, n * sizeof *r->dv);
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
     pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
-    for (size_t k = pk_gauss_read(w); k < n; k++) /* errors of quadratures */
+    for (size_t k = pk_gauss_read(w); k < n; k++) /* quadratures: their errors follow from those
+                                                     of other variables */
         for (size_t i = 0; i < w->places; i++)
             r->dv[k] += hg * (J[3 * nn + k * n + i] + hg * J[2 * nn + k * n + i]) * r->dv[i];
     for (size_t k = 0; k < n; k++) {

@@ -79,7 +79,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
-    it->own->trouble.status = PK_DONE; /* only trial steps set it */
+    it->own->trouble.status = PK_DONE; /* only trial steps set it again */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h)
         return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = it->options.h));

@@ -252,7 +252,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     if (!(left > 0) && !(left < 0))
         return it->status = PK_DONE;
     if (it->options.stop && it->options.stop(it->options.context)) {
-        it->own->ready = 0; /* the next call ends too */
+        it->own->ready = 0; /* no step is possible before a reset */
         return it->status = PK_STOPPED_USER;
     }
 

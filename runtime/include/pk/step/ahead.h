@@ -20,7 +20,7 @@ struct pk_ahead {
     int ready;          /* 1: a step from the integrator's current state is available */
     int clear;          /* 1: the step crosses no event and no switch */
     unsigned long many; /* number of steps made at once, if none needs a check for events; or 0 */
-    unsigned long cost; /* accelerations per step */
+    unsigned long cost; /* number of accelerations per step */
     int taken;          /* 1: the step was taken, and `next` is the integrator's state */
     int waits;          /* 1: a trial was rejected, and `trial` is to be computed in a lane */
     int again;          /* 1: a rejected trial may be repeated in a lane */

@@ -14,11 +14,11 @@ struct pk_block {
     size_t n_q, n, lanes;
     const void *params[PK_BLOCK_MOST]; /* params of each lane */
     pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
-    pk_real *t;                        /* W times, one per lane */
+    pk_real *t;                        /* W times, one for each lane */
     pk_real *state, *next, *spare, *work;
     pk_real *lane; /* one state, for a system without lane kernels */
     pk_real now;   /* common time of all lanes, for block.c */
-    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* start, end, size */
+    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* steps of lanes */
     int have_a; /* 1: the first acceleration or stage of the step is known */
     unsigned long long failed, not_finite; /* bit masks of lanes in the current step */
 };

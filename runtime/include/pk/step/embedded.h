@@ -86,7 +86,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     if (!table->e3)
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
     it->own->error = pk_embedded_error(it, table, w, h);
-    if (!pk_finite(it->own->error)) /* a tolerance is nearly zero */
+    if (!pk_finite(it->own->error)) /* infinite: a tolerance is nearly zero */
         it->own->error = PK_C(1e30);
     if (table->e3 && it->own->error <= PK_C(1.0)) {
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));

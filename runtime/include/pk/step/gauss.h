@@ -161,7 +161,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         grow = pk_max(slow, PK_GAUSS_SHRINK);
         it->count.held++;
     }
-    const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* error^(-1/17) */
+    const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* growth = error^(-1/17) */
     it->own->error = 1 / (g8 * g8 * y.growth + PK_TINY);
     pk_trial_accept(it, &x, pk_abs(y.h) * grow, y.growth >= PK_GAUSS_GROW);
     it->own->flags = PK_HAVE_STEP;

@@ -45,7 +45,7 @@ struct pk_gauss_lanes {
     pk_real *start, *last_weight; /* start of the last step, n_q + n numbers; n weights there */
     pk_real *h, *rate, *decay;    /* last step's size and rate; largest next theta^2 */
     struct pk_gauss_matrices *M;
-    pk_real *dense; /* for gauss_dense.c */
+    pk_real *dense; /* work memory of gauss_dense.c */
 };
 
 static inline size_t pk_gauss_lanes_size(size_t n_q, size_t n)

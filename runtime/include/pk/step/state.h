@@ -37,7 +37,7 @@ struct pk_passing {
 
 /* State of src/core/short_force_limiter.c. */
 struct pk_short_force {
-    int known, unlooked;   /* flag: start values are known; number of steps to leave unchecked */
+    int known, unlooked;   /* flag: start values are known; number of next steps not to check */
     pk_real reach, rise;   /* limit of the next step, 0: none; limit of the step after it */
     pk_real calm;          /* length of the last step in which the marks hardly changed */
     pk_real range, varied; /* change of the marks in the trial step; its part near a short force */
@@ -53,7 +53,7 @@ struct pk_trouble {
 /* The private part of an integrator, it->own; only for methods and the runtime. */
 struct pk_integrator_private {
     /* Pointers, which a saved integrator (pk/keep.h) does not contain; all are before `slopes`. */
-    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* makes a step */
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* step function */
     pk_real *state, *next;  /* two states, with the parts listed in pk/step/numbers.h */
     pk_real *u, *work;      /* u: inputs at one time, then inputs for each lane */
     pk_real *atol;          /* absolute tolerances of q, then v (core/scale.c); NULL: fixed steps */
@@ -71,7 +71,7 @@ struct pk_integrator_private {
     int ready;      /* a start was accepted; otherwise no step is made */
     int made;       /* the tables that a method makes once are made */
     int direction;  /* direction of time, +1 or -1; 0 before the first step */
-    int flags;      /* bits PK_HAVE_A, ... */
+    int flags;      /* bits such as PK_HAVE_A */
     pk_real next_t; /* end of the current step */
     pk_real h;      /* signed size of the last or the next step */
     pk_real error;  /* error of the last accepted adaptive step relative to the tolerance */

@@ -31,8 +31,8 @@ struct pk_tableau {
 /* A splitting method: kick[0], drift[0], kick[1], ..., kick[s], as fractions of the step. */
 struct pk_splitting {
     int stages;
-    const pk_real *kick;  /* s + 1 numbers */
-    const pk_real *drift; /* s numbers */
+    const pk_real *kick;  /* s + 1 kicks */
+    const pk_real *drift; /* s drifts */
 };
 
 /* The largest number of stages of an explicit method. */
@@ -124,7 +124,7 @@ static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const p
         to[of_low_q + k] = low_q;
     }
     PK_LANE_LOOP
-    for (size_t k = n_q; k < n; k++) { /* first-order variables */
+    for (size_t k = n_q; k < n; k++) { /* the rest of v, which moves no q */
         pk_real low = from[of_low_v + k];
         to[of_v + k] = pk_sum(from[of_v + k], kappa * a[k], &low);
         to[of_low_v + k] = low;
