@@ -49,7 +49,7 @@ enum pk_run_code {
     PK_RUN_INTERRUPTED = 130 /* interrupted by `poll` */
 };
 
-/* A value of a parameter, size, input or coordinate. member: index from 0 in a family. */
+/* A value of a parameter, size, input or coordinate. member: number in an indexed name, from 0. */
 struct pk_run_value {
     size_t index, member;
     double value;
@@ -59,7 +59,7 @@ struct pk_run_value {
 struct pk_run_column {
     char kind;            /* in rows: q, v, o for an output, e for the energy; of members: p for
                              a parameter, i for an input, q, v */
-    size_t index, member; /* member: index from 0 in a family of parameters */
+    size_t index, member; /* member: number of an indexed parameter's member, from 0 */
 };
 
 /* A relation between columns to check: |a - b| <= within, a < b, or a > b. */

@@ -173,11 +173,11 @@ struct pk_system {
      * pk/linear.h. NULL: not compiled in. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
-    /* unconstrained: like canonical() without J^T lambda; writes p = dL/dv and pdot, and for
-     * quaternions and states their values and rates. inertia: writes dp/dv of this p. Models with
-     * rotations, constraints, impulses or momenta that depend on states have both kernels: their
-     * mass() may be the unit matrix (the model has solved M a = f itself), and then canonical()
-     * does not write the momenta. */
+    /* unconstrained: like canonical() without J^T lambda; writes p = dL/dv and pdot, and for the
+     * other first-order variables their values and rates. inertia: writes dp/dv of this p. Models
+     * with rotations, constraints, impulses or momenta that depend on first-order variables have
+     * both kernels: their mass() may be the unit matrix (the model has solved M a = f itself), and
+     * then canonical() does not write the momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
     pk_kernel *fast; /* acceleration by the forces declared fast; NULL: none */

@@ -14,8 +14,8 @@ struct pk_part_constraints {
     size_t n, n_holonomic;
     const struct pk_quantity *names; /* names of multipliers, such as "lambda_rod" */
     pk_kernel *values;               /* phi, n_holonomic numbers; NULL if n_holonomic is 0 */
-    /* Writes J, n rows by pk_system.n columns, row-major, with 0 in the columns of quaternions and
-     * states; then writes J v + j0. */
+    /* Writes J, n rows by pk_system.n columns, row-major, with 0 in the columns of first-order
+     * variables other than body rates; then writes J v + j0. */
     pk_kernel_2 *jacobian;
     /* Writes the sizes of the terms of phi and of J v + j0; a residual of a few PK_EPSILON times
      * them is rounding. */

@@ -15,7 +15,7 @@ struct pk_size {
     size_t offset;
 };
 
-/* The index range of a declared name: lo, lo + 1, ...; count is 1 if it is no family. */
+/* The index range of a declared name: lo, lo + 1, ...; count is 1 if the name has no index. */
 enum pk_range_of { PK_OF_COORDINATE, PK_OF_PARAMETER, PK_OF_ROW, PK_OF_OUTPUT };
 struct pk_range {
     ptrdiff_t lo;
@@ -40,7 +40,7 @@ struct pk_pattern {
 
 /* If a system has variable size, pk_system.n is n at the default sizes; coordinates, rates, momenta
  * and parameters have one entry for each declared name (q for q[1..N]); `cyclic`, mass and jacobian
- * of pk_system are NULL; the offset of a family of parameters is that of a pointer to its members.
+ * of pk_system are NULL; the offset of an indexed parameter is that of a pointer to its members.
  * Before defaults(), call set_sizes(), set other sizes if wanted, and call attach() with a block of
  * block_size() bytes, aligned for pk_real (0: no block is needed, or a size is too small). */
 struct pk_part_families {
@@ -50,7 +50,7 @@ struct pk_part_families {
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* number of declared names; the last n_states are body rates, states */
+    size_t n_coordinates; /* declared names; the last n_states are first-order variables */
     size_t n_states;
     size_t (*first_order)(const void *params); /* NULL: use pk_system.n_first_order */
     /* The number of rotations, and the indices of rotation r in v. NULL: there are no rotations. */

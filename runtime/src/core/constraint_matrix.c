@@ -86,7 +86,7 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
         return 0;
     }
     (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
-    for (size_t i = 1; i < w->m; i++) /* removes the columns of quaternions and states */
+    for (size_t i = 1; i < w->m; i++) /* removes columns without momenta */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
     const size_t pivot = pk_ldl_factor(w->M, w->m);
     return pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;

@@ -126,7 +126,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     pk_real at = 0, made = 0, s = whole / 16;
     struct pk_singularity_search found = {PK_SINGULARITY_UNDECIDED, m, it->t, 0};
     struct growth growth = {0};
-    int stuck = 0, arrived = 0; /* 1: M is singular to round-off before the singularity vanishes */
+    int stuck = 0, arrived = 0; /* 1: M is singular to round-off already */
     memcpy(y, it->q, n_q * sizeof *y);
     memcpy(y + n_q, it->v, n * sizeof *y);
     memcpy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m * sizeof *g);

@@ -20,7 +20,8 @@ enum { KEPT = 2 }; /* stored step sizes: the usual one, and that of shorter last
 
 struct work {
     size_t n;
-    pk_real *h, *last, *zero, *B, *norm; /* last: index of the step size used last; zero: n rates */
+    pk_real *h, *last, *zero, *B, *norm; /* last: index of the step size used last; zero: n
+                                            rates, mostly 0 */
     pk_real *drifts[KEPT];               /* for each stage Phi and D, and their low parts */
     struct pk_pairs L, E;
     pk_real *room;

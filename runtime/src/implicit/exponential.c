@@ -71,7 +71,7 @@ static struct work work_of(const struct pk_integrator *it)
     return w;
 }
 
-/* Refines M y = r, y = hi + lo, with M = L D L^T factored; y: a column of L's middle block. */
+/* Solves M y = r with iterative refinement, M = L D L^T factored; y = hi + lo. */
 static void refined(const struct work *w, const pk_real *M, const pk_real *factors,
                     const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
 {

@@ -89,7 +89,7 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
         pk_real most = 0, sum = 0;
         add_sizes(w, M, x, y);
         for (size_t i = 0; i < m; i++) {
-            if (!(y[i] <= most * x[i])) /* written so that NaN is kept */
+            if (!(y[i] <= most * x[i])) /* written so that a NaN is not lost */
                 most = y[i] / x[i];
         }
         if (!pk_finite(most))
@@ -173,7 +173,7 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
         pk_band_solve(&w->lu, w->y);
         for (size_t i = 0; i < m; i++) {
             w->y[i] -= w->x[i];
-            if (!(pk_abs(w->y[i]) <= size)) /* written so that NaN is kept */
+            if (!(pk_abs(w->y[i]) <= size)) /* written so that a NaN is not lost */
                 size = pk_abs(w->y[i]);
         }
         if (!(size > TINY) || !pk_finite(size))

@@ -53,7 +53,7 @@ static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
         pk_real change = 0, size = PK_TINY;
         for (size_t j = i * PK_GAUSS_S; j < (i + 1) * PK_GAUSS_S; j++) {
             const pk_real d = pk_abs(w->next_a[j] - w->a[j]);
-            if (!(d <= change)) /* written so that NaN is kept */
+            if (!(d <= change)) /* written so that a NaN is not lost */
                 change = d;
             size = pk_max(size, pk_abs(w->next_a[j]));
             w->a[j] = w->next_a[j];

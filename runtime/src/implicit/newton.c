@@ -61,7 +61,7 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
     *own = *shared = 0;
     for (size_t k = 0; k < read; k++) {
         pk_real size = 0;
-        for (size_t i = 0; i < w->s; i++) /* written so that NaN is kept */
+        for (size_t i = 0; i < w->s; i++) /* written so that a NaN is not lost */
             if (!(pk_abs(w->G[i * n + k]) <= size))
                 size = pk_abs(w->G[i * n + k]);
         if (size > 0 || !pk_finite(size)) {
@@ -153,7 +153,7 @@ static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, i
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
     } else if (count - !pk_gauss_small(w) > w->kept->best) {
-        const int patience = w->kept->patience; /* any number, if restored */
+        const int patience = w->kept->patience; /* a restored value may be invalid */
         w->kept->patience = patience >= 0 && patience < 31 ? 2 * patience + 1 : 63;
         w->kept->wait = w->kept->patience;
     } else {

@@ -15,7 +15,7 @@
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
-#define KEEP PK_C(1.2) /* smaller growth of the step size is not used, to keep the matrix */
+#define KEEP PK_C(1.2) /* smaller increases of the step size are not made */
 /* Fraction of the tolerance; corrections below it that do not decrease as expected are rounding. */
 #define LITTLE PK_C(1e-3)
 enum { MOST_ITERATIONS = 10 };
@@ -209,7 +209,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status, it->own->next_t); /* else the step was too long */
+            pk_trouble(it, status, it->own->next_t); /* otherwise the step was too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
         pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
     }

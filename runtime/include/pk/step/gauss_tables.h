@@ -29,7 +29,7 @@ struct pk_gauss_matrices {
     pk_real A[64], A2[64];              /* coefficients a_ij, and the square of the matrix (a_ij) */
     pk_real taylor[64];                 /* gives coefficients of (x - 1)^k from values at stages */
     pk_real powers[64];                 /* powers c_l^k of the nodes */
-    pk_real legendre6[8], legendre7[8]; /* rows that give the coefficients of P_6 and P_7 */
+    pk_real legendre6[8], legendre7[8]; /* give the coefficients of P_6, P_7 */
 };
 
 #endif
