@@ -36,7 +36,7 @@ struct pk_lyapunov {
     pk_real growth;          /* current value of G, the log of the growth */
     pk_real sum_G, sum_Y;    /* integrals over t of G and of 2 (G - mean G), trapezoidal */
     pk_real Y;               /* the current value of 2 (G - mean G) */
-    /* G after every `stride` blocks; when full, every second value is dropped. */
+    /* G after every `stride` blocks; if the array is full, every second value is dropped. */
     pk_real marks[PK_LYAPUNOV_MARKS];
     unsigned long n_marks, stride;
     size_t metric_n; /* metric for lengths of displacements; see src/diagnose/metric.h */

@@ -1,4 +1,4 @@
-/* What `pkgen stability` needs of a model besides a run: steps of any method from any state,
+/* Functions of a model for `pkgen stability`, besides a run: steps of any method from any state,
  * equilibria, and the methods. Python judges the numbers (analysis/stability). A state is 2 n
  * numbers, q and then v; q of first-order variables is 0. */
 #ifndef PK_STABILITY_H

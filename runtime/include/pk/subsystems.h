@@ -61,7 +61,7 @@ struct pk_subsystems {
     const char *why; /* why an argument was refused */
 };
 
-/* Returns the bytes of the block for pk_subsystems_init(), aligned as malloc's are; 0 if an
+/* Returns the bytes of the block for pk_subsystems_init(), aligned as malloc() aligns; 0 if an
  * argument is null, a system has another PK_ABI, or a part has a variable size. */
 size_t pk_subsystems_size(const struct pk_problem *whole, const struct pk_part *parts,
                           const struct pk_choice *choices, size_t count);

@@ -46,7 +46,7 @@ static struct between between(const struct pk_integrator *it)
     return b;
 }
 
-/* Computes accelerations at the ends of the step, or, if that fails, the slopes of lines. */
+/* Computes accelerations at the ends of the step; if that fails, uses the mean (v1 - v0)/h. */
 static void look_at_ends(struct pk_integrator *it)
 {
     const struct between b = between(it);

@@ -2,8 +2,8 @@
  * gauss_matrix.c. Simplified Newton iteration uses the matrix at the predicted stages, and reuses
  * its LU factors in iterations and steps as long as these converge as fast as with a new matrix. If
  * that fails, full Newton iteration starts from V = v0. Fixed-point iteration uses M as matrix and
- * converges only for small h (Gauss: h omega < 2, 3.46, 4.64 for 1, 2, 3 stages); its
- * divergence is detected early. branch.c certifies that the solution is on the branch of short steps.
+ * converges only for small h (Gauss: h omega < 2, 3.46, 4.64 for 1, 2, 3 stages); its divergence is
+ * detected early. branch.c certifies that the solution is on the branch of short steps.
  *
  * An iteration ends when the next correction is predicted to be far below round-off, on the scale
  * max(|V|, |q|/h) of each coordinate except quadratures; or when corrections are at round-off and

@@ -15,7 +15,7 @@
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
-#define KEEP PK_C(1.2) /* smaller increases of the step size are not made */
+#define KEEP PK_C(1.2) /* least increase of the step size, to reuse Newton's matrix */
 /* Fraction of the tolerance; corrections below it that do not decrease as expected are rounding. */
 #define LITTLE PK_C(1e-3)
 enum { MOST_ITERATIONS = 10 };
