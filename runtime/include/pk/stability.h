@@ -1,5 +1,5 @@
 /* Functions of a model for `pkgen stability`, besides a run: steps of any method from any state,
- * equilibria, and the methods. Python judges the numbers (analysis/stability). A state is 2 n
+ * equilibria, and the methods. Python evaluates the numbers (analysis/stability). A state is 2 n
  * numbers, q and then v; q of first-order variables is 0. */
 #ifndef PK_STABILITY_H
 #define PK_STABILITY_H

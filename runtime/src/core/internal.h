@@ -155,9 +155,10 @@ size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *m
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
 void pk_scale_forget(struct pk_integrator *it);
-/* Called after an underflow: a coordinate that never moved but accelerates at t + h gets the motion
- * in h as its scale; returns 1 if there is one. Without this a force that starts with a jump could
- * never be integrated from rest, since the error is as large as the motion. */
+/* Called after an underflow: the scale of a coordinate that never moved, but accelerates at t + h,
+ * becomes the distance that it moves in h; returns 1 if there is one. Without this a force that
+ * starts with a jump could never be integrated from rest, since the error is as large as the
+ * motion. */
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
 /* Monitor the singularities of system->singularities along the steps: number of pk_real;

@@ -80,8 +80,8 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
 /* Sine below which the rounding of positions, about PK_EPS / sine^2 in rates, exceeds the error of
  * steps: there rates are not projected, and J M^-1 J^T is not used. */
 #define PK_SINGULAR (PK_C(10.0) * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
-/* Flags in it->own->passing.seen for the end of a step: computed, a sine < 2 PK_NEAR, a sine <
- * PK_FAR. it->own->passing.near is set if the start of the step is near a singular position, or
+/* Bits of it->own->passing.seen for the end of a step: sines were computed; a sine is < 2 PK_NEAR;
+ * a sine is < PK_FAR. passing.near is set if the start of the step is near a singular position, or
  * unknown. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
 void pk_project_seen(struct pk_integrator *it, struct pk_projection *w);

@@ -143,7 +143,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;
         if (status < 0) {
-            if (status != PK_NO_CONVERGENCE) /* a step that is too long is no failure */
+            if (status != PK_NO_CONVERGENCE) /* the step is merely too long */
                 pk_trouble(it, status, it->own->next_t);
             y.growth = PK_C(0.5);
         } else {
