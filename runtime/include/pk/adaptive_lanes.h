@@ -52,9 +52,9 @@ struct pk_lanes {
     struct pk_block b;
     struct pk_ahead ahead[PK_BLOCK_MOST];
     struct pk_screen screen;
-    unsigned long long loaded; /* bit mask: the lane's numbers are finite */
-    unsigned long long single; /* bit mask: the lane holds one step and the state at its start */
-    unsigned long long idle;   /* bit mask: the lane's integrator makes no step in this call */
+    unsigned long long loaded; /* bits of lanes with finite numbers */
+    unsigned long long single; /* bits of lanes that hold one step and its start state */
+    unsigned long long idle;   /* bits of lanes whose integrators make no step in this call */
 };
 
 /* Return the number of lanes, and the bytes of the block, aligned for pk_real. */
@@ -63,7 +63,7 @@ size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *m
 void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
                    const struct pk_method *method, void *block, size_t size);
 void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes);
-/* Discards the steps made ahead for an integrator, which then makes its steps itself. */
+/* Discards the lane's step for an integrator, which then makes its steps itself. */
 void pk_lanes_leave(struct pk_integrator *it);
 
 PK_END

@@ -26,14 +26,14 @@
 
 PK_BEGIN
 
-/* The largest condition number so far, and its time. 0: no such matrix; infinite: singular. */
+/* The largest condition number so far, and its time; 0: no matrix, infinite: singular. */
 struct pk_condition_most {
     pk_real x, t;
 };
 
 struct pk_condition {
     struct pk_condition_most mass, constraints, step;
-    struct pk_condition_most lost; /* largest d_i/e_i */
+    struct pk_condition_most lost; /* largest digit-loss ratio d_i/e_i */
     size_t where;                  /* the index i of the largest d_i/e_i */
     unsigned long looks;
 };

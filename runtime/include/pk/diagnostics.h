@@ -23,15 +23,15 @@
 
 PK_BEGIN
 
-enum { PK_DRIFT_MARKS = 13 }; /* ends of half octaves in six octaves */
+enum { PK_DRIFT_MARKS = 13 }; /* number of half-octave ends in six octaves */
 
 struct pk_drift {
     unsigned long samples;
     pk_real first, scale, max, final;   /* max and final before division by S */
     pk_real mean_t, mean_x, var_t, cov; /* Welford's sums for the slope */
-    pk_real start, edge;           /* first time; end of the current half octave relative to it */
-    pk_real marks[PK_DRIFT_MARKS]; /* max at the ends of the last half octaves (ring buffer) */
-    unsigned long n_marks;         /* number of completed half octaves */
+    pk_real start, edge;                /* first time; time from there to the half octave's end */
+    pk_real marks[PK_DRIFT_MARKS];      /* ring buffer of max |X - X(0)| at half octaves */
+    unsigned long n_marks;              /* number of completed half octaves */
 };
 
 /* Kinds of growth; pk_growth_text() returns the texts. */
@@ -68,10 +68,10 @@ const char *pk_growth_text(enum pk_growth growth);
  * coordinates, and of every quantity declared by `conserve`. The caller provides the memory. */
 struct pk_monitor {
     struct pk_problem problem;
-    int has_energy; /* 0: the energy of the system is not conserved */
+    int has_energy; /* 1: the energy of the system is conserved */
     struct pk_drift energy;
-    struct pk_drift *momenta;   /* n drifts, updated if cyclic; NULL: no `cyclic` table */
-    struct pk_drift *conserved; /* n_conserved */
+    struct pk_drift *momenta;   /* n drifts, of cyclic coordinates only; NULL: none is cyclic */
+    struct pk_drift *conserved; /* one drift for each conserved quantity */
     pk_real *work;
 };
 

@@ -62,7 +62,7 @@ struct pk_shape;
 
 struct pk_events {
     /* The root at which found(), switched() or doubtful() is called. */
-    size_t which;  /* index into system->events.table */
+    size_t which;  /* index of the event in system->events.table */
     int direction; /* +1: g increases with t, -1: g decreases */
     pk_real t;
     const pk_real *q, *v;
@@ -82,40 +82,40 @@ struct pk_events {
      * index of the event, or n_events + the index of the switch. */
     void (*doubtful)(void *context, const struct pk_events *events);
 
-    unsigned long doubts;     /* parts of steps in which roots may be missed */
-    unsigned long count;      /* events reported */
-    unsigned long switchings; /* roots of switches passed */
-    unsigned long tries;      /* states computed to locate roots */
+    unsigned long doubts;     /* number of parts of steps in which roots may be missed */
+    unsigned long count;      /* number of events reported */
+    unsigned long switchings; /* number of roots of switches passed */
+    unsigned long tries;      /* number of states computed to locate roots */
 
     /* Private to the runtime. */
     struct pk_integrator scout;
     size_t n_q, n, n_events, n_switches;
-    int proposes;      /* The interpolant is the method's dense output. */
-    int dense;         /* That dense output is as accurate as the steps. */
-    int by_steps;      /* no interpolant of this step is accurate enough */
-    int by_ends;       /* use the quintic even if there is dense output */
+    int proposes;      /* flag: events are located on the method's dense output */
+    int dense;         /* flag: dense output is as accurate as the steps */
+    int by_steps;      /* flag: no interpolant of this step is accurate enough */
+    int by_ends;       /* flag: the quintic is used although there is dense output */
     pk_real from;      /* start time of the step */
     pk_real at, width; /* the examined part of the step, relative to `from` */
     pk_real *q0, *v0, *trial, *trial_v, *u, *g, *ends, *list, *at_near, *at_last;
     pk_real *a0, *a1, *a_between; /* accelerations at both ends and at a quarter of the step */
-    pk_real *bend; /* defects of cubics: of q at both ends, then of first-order variables */
+    pk_real *bend;                /* errors of the cubic Hermite interpolants */
     struct pk_shape *shapes;
-    int cut; /* the step ends early, at an event or a switch */
+    int cut; /* flag: the step ends early, at an event or a switch */
     size_t listed, most_listed;
-    pk_real near;             /* just after the first switch found; later roots are not listed */
-    pk_real near_known, last; /* times, from `from`, of at_near and at_last; -1: none */
-    void *params;             /* the copy of the params; `sides` points into it */
+    pk_real near;             /* time just after the first switch in the step */
+    pk_real near_known, last; /* times of at_near and at_last; -1: none */
+    void *params;             /* copy of the problem's params; `sides` points into it */
     pk_real *sides;
-    pk_real *fresh; /* flags: the switch is zero at the start, its side a guess */
-    int again;      /* the guessed side was wrong: repeat the step */
-    int brief;      /* number of consecutive switchings after short steps */
-    int at_switch;  /* the step begins at the root of a switch */
-    int begun;      /* the first step was made, or ended at once at a limit */
-    int kept;       /* the step starts at `left`, where the last step ended */
-    pk_real left;   /* end of the last step, where switches with impulses keep their sides */
-    pk_real *held;  /* signed rounding of g; a smaller g gets this sign */
-    pk_real *off;   /* values of limits zero at the first start, to be subtracted */
-    pk_real *room;  /* work for impulses */
+    pk_real *fresh; /* flags: the switch is zero at the start, so its side is a guess */
+    int again;      /* flag: a guessed side was wrong, and the step is repeated */
+    int brief;      /* number of successive switchings after very short steps */
+    int at_switch;  /* flag: the step begins at the root of a switch */
+    int begun;      /* flag: the first step was made, or ended at once at a limit */
+    int kept;       /* flag: the step starts at the time `left` */
+    pk_real left;   /* end time of the last step */
+    pk_real *held;  /* +- rounding of g; a smaller g at the start gets this sign */
+    pk_real *off;   /* start values of limit functions that are zero to rounding */
+    pk_real *room;  /* work memory for impulses */
 };
 
 /* Returns the bytes of the block for pk_events_init(), aligned for pk_real; 0 if

@@ -22,11 +22,10 @@ struct pk_equilibria {
     size_t failed;        /* number of starts from which no equilibrium was found */
     size_t singular;      /* starts that led to a singular or indefinite M, as at the pole of
                              spherical coordinates */
-    int more;             /* there are more equilibria than `most`, perhaps a continuum */
+    int more;             /* 1: there are more equilibria than `most`, perhaps a continuum */
     unsigned char *turns; /* output, n flags, or NULL: q_i + 2 pi is the same position as q_i */
-    double *doubt;        /* output, like q, or NULL: Newton's last correction of q_i, or of v_i if
-                             cyclic. If the linear terms vanish, it is comparable to the distance
-                             the root. */
+    double *doubt;        /* output, like q, or NULL: Newton's last correction of q_i, or of v_i
+                             if cyclic. If the linear terms vanish, it is as large as the error. */
     size_t *slack; /* output, `most` numbers, or NULL: with rotations or constraints, the number
                       of dimensions of a continuum of equilibria, of which one is returned for
                       each energy */

@@ -50,7 +50,7 @@ void pk_constant_input(void *context, pk_real t, pk_real *u);
 
 enum pk_iteration { PK_NEWTON, PK_FIXED_POINT };
 
-/* Names of options, such as " (--step)", for advice in error texts. NULL: none. */
+/* The caller's names of options, such as " (--step)", for error texts. NULL: none. */
 struct pk_words {
     const char *step, *rtol, *step_or_rtol, *max_step, *max_steps, *newton;
 };
@@ -64,7 +64,7 @@ struct pk_options {
     pk_real atol; /* PK_ATOL_OF_MOTION: for each coordinate or rate, rtol times its largest value
                      so far, or 1e-6 rtol times the largest value of all numbers of the same
                      unit, if that is larger */
-    pk_real h_min; /* adaptive: a step below it or ten ulp of t is PK_STEP_UNDERFLOW */
+    pk_real h_min; /* smallest adaptive step size; a smaller one is PK_STEP_UNDERFLOW */
     pk_real h_max; /* for adaptive methods and inner steps of respa; 0: no limit. The last step may
                       be 1% longer. */
     unsigned long max_steps; /* 0: no limit. PK_NO_PROGRESS ends a run early if, at the mean
@@ -80,14 +80,14 @@ struct pk_options {
      * PK_STOPPED_USER, and only pk_integrator_reset() can continue. NULL: not called. */
     int (*stop)(void *context);
     void *context;
-    const struct pk_words *words; /* NULL: error texts mention no options */
+    const struct pk_words *words; /* names of options in error texts, or NULL */
 };
 
 struct pk_counters {
     unsigned long steps, rejections;
-    unsigned long evaluations; /* of the acceleration, or of p and pdot, per state */
+    unsigned long evaluations; /* number of evaluations of the acceleration, or of (p, pdot) */
     unsigned long jacobians, factorisations, iterations;
-    unsigned long held; /* steps of `gauss` shortened for its iteration's convergence */
+    unsigned long held; /* number of `gauss` steps shortened because of slow convergence */
 };
 
 /* Steps so long that they may miss a short force: fixed steps, or adaptive steps that cannot be
@@ -118,16 +118,16 @@ struct pk_integrator {
     pk_real t;
     const pk_real *q, *v, *p;
     size_t n_q, n;  /* length of q; length of v and of p */
-    pk_real last_t; /* start of the last step, which ended at t */
+    pk_real last_t; /* start of the last step; t is its end */
     struct pk_counters count;
     struct pk_passed_over passed_over;
     enum pk_status status;   /* status of the last call */
-    struct pk_reason reason; /* cause of its failure */
-    size_t event;            /* 1 + the index of an event, 0: none; see pk/events.h */
+    struct pk_reason reason; /* cause of the failure, if `status` is one */
+    size_t event;            /* 1 + the index of the event at t, 0: none; see pk/events.h */
     struct pk_problem problem;
     const struct pk_method *method;
     struct pk_options options;
-    struct pk_integrator_private *own; /* in the block; NULL if init refused the block */
+    struct pk_integrator_private *own; /* in the block, or NULL if it was refused */
 };
 
 struct pk_options pk_options_default(void);

@@ -31,8 +31,8 @@ PK_BEGIN
 struct pk_keep {
     unsigned char *to;
     const unsigned char *from;
-    size_t size, used; /* used: bytes so far, also bytes beyond `size` */
-    int wrong;         /* `size` is too small, or a stored size differs */
+    size_t size, used; /* used: number of bytes so far, which may exceed `size` */
+    int wrong;         /* 1: `size` is too small, or a stored size differs */
 };
 
 /* Writes, reads or counts the `size` bytes at `what`. */
@@ -44,7 +44,7 @@ void pk_keep_same(struct pk_keep *k, unsigned long long number);
  * Runge-Kutta methods), or PK_BLOCK_TOO_SMALL if k->wrong, after which an integrator being restored
  * must be initialised again. Must not be called within a step. */
 enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k);
-/* These functions save or restore private data; pk_events_keep() leaves the integrator out. */
+/* These functions save or restore private data of a struct; pk_events_keep() not its integrator. */
 enum pk_status pk_events_keep(struct pk_events *events, struct pk_keep *k);
 enum pk_status pk_subsystems_keep(struct pk_subsystems *apart, struct pk_keep *k);
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k);

@@ -24,7 +24,7 @@ PK_INLINE static ptrdiff_t pk_ldl_first(const struct pk_ldl *A, ptrdiff_t i)
     return i > A->width ? i - A->width : 0;
 }
 
-/* Returns row i of the band, so that [j] is the entry in column j. */
+/* Returns a pointer x to row i of the band: x[j] is the entry in column j. */
 PK_INLINE static pk_real *pk_ldl_row(const struct pk_ldl *A, ptrdiff_t i)
 {
     return A->band + i * (A->apart - 1);
@@ -43,7 +43,7 @@ PK_INLINE static pk_real *pk_ldl_entry(const struct pk_ldl *A, ptrdiff_t i, ptrd
 /* Row i: the entry in column j is row[j * step] if j < rows, otherwise corner[j]. */
 struct pk_ldl_parts {
     pk_real *row, *corner;
-    ptrdiff_t step, from, to; /* first column, and end of the columns below `rows` */
+    ptrdiff_t step, from, to; /* range of stored columns < rows: from .. to - 1 */
 };
 PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdiff_t i)
 {
@@ -59,7 +59,7 @@ PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdif
     return of;
 }
 
-/* Transforms the entries of a row in columns < rows to those of L D. */
+/* Transforms the entries of a row in columns < A->rows to those of L D. */
 PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrdiff_t step,
                                       ptrdiff_t from, ptrdiff_t to)
 {

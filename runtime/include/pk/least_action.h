@@ -23,9 +23,9 @@ PK_BEGIN
 enum { PK_CONJUGATE_MOST = 64 };
 
 struct pk_least_action {
-    struct pk_integrator it; /* integrates path and displacements; has the reason of a failure */
+    struct pk_integrator it; /* integrator of the path and of displacements */
     pk_real action, size;    /* S; the integral of |p.v| + |h|, the scale of round-off of S */
-    pk_real slope;           /* max |dS/da_ik| / sum of the absolute values of its terms */
+    pk_real slope;           /* max |dS/da_ik|, each relative to the sum of |terms| of dS/da_ik */
     size_t n, modes;         /* number of coordinates, number of modes */
     const pk_real *C, *B;    /* n modes by n modes, row-major, in the block */
     size_t n_conjugate;      /* number of conjugate points; the first are in conjugate[] */

@@ -38,7 +38,7 @@ pk_real pk_method_limit(const struct pk_method *method, enum pk_axis axis);
 int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real from,
                      pk_real growth[2]);
 
-/* Computes the map of one step, y > 0. PK_REFUSED: there is no map; or the step's failure. */
+/* Computes the map of one step, y > 0. PK_REFUSED if there is no map; or a step's failure. */
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4]);
 /* Computes the map for q'' = -stiffness q - damping q', h > 0, always by a step of the method. */
 enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness, pk_real damping,

@@ -32,11 +32,11 @@ struct pk_lyapunov {
     struct pk_variation variation;
     struct pk_integrator it; /* the motion (first n_q coordinates) and the displacement */
     pk_real t0, block;       /* start time; time between normalisations */
-    unsigned long blocks;    /* completed */
-    pk_real growth;          /* current G */
+    unsigned long blocks;    /* number of completed blocks */
+    pk_real growth;          /* current value of G, the log of the growth */
     pk_real sum_G, sum_Y;    /* integrals over t of G and of 2 (G - mean G), trapezoidal */
     pk_real Y;               /* the current value of 2 (G - mean G) */
-    /* G after every `stride` blocks; when full, every second value is dropped. */
+    /* G after every `stride` blocks; if the array is full, every second value is dropped. */
     pk_real marks[PK_LYAPUNOV_MARKS];
     unsigned long n_marks, stride;
     size_t metric_n; /* metric for lengths of displacements; see src/diagnose/metric.h */
@@ -59,7 +59,7 @@ enum pk_status pk_lyapunov_step(struct pk_lyapunov *l);
 pk_real pk_lyapunov_exponent(const struct pk_lyapunov *l, pk_real *error);
 pk_real pk_lyapunov_megno(const struct pk_lyapunov *l);
 enum pk_motion pk_lyapunov_motion(const struct pk_lyapunov *l);
-void pk_lyapunov_free(struct pk_lyapunov *l); /* as pk_integrator_free() */
+void pk_lyapunov_free(struct pk_lyapunov *l); /* frees memory like pk_integrator_free() */
 
 PK_END
 

@@ -26,11 +26,11 @@ enum pk_trait {
     PK_SYMMETRIC = 1u << 1,
     PK_ADAPTIVE = 1u << 2,
     PK_IMPLICIT = 1u << 3,
-    PK_DENSE = 1u << 4,     /* pk_integrator_dense() works */
+    PK_DENSE = 1u << 4,     /* the method has dense output */
     PK_JACOBIANS = 1u << 5, /* calls the kernels mass and jacobian */
     PK_LINEAR = 1u << 6,    /* calls the kernels mass and linear */
-    PK_NO_INPUTS = 1u << 7, /* needs time derivatives of all terms; refuses inputs */
-    PK_EXACT = 1u << 8,     /* steps of any length have only rounding errors; order 0 */
+    PK_NO_INPUTS = 1u << 7, /* needs time derivatives of all terms, so refuses inputs */
+    PK_EXACT = 1u << 8,     /* steps of any length are exact but for rounding; order = 0 */
     PK_HOLONOMIC = 1u << 9, /* solves holonomic constraints within its steps, and does not take
                                rolling constraints; calls the kernels unconstrained and inertia,
                                or canonical and mass */
@@ -43,9 +43,9 @@ struct pk_keep;
 
 struct pk_method {
     const char *name;
-    const char *doc; /* description in one line, and the citation */
-    int order;       /* 0: variable */
-    int stages;      /* evaluations per step, without a reused last one; 0: variable */
+    const char *doc; /* description in one line, and citation */
+    int order;       /* order of the method; 0: variable */
+    int stages;      /* evaluations per step, not counting one reused in the next; 0: variable */
     int dense_order; /* order of the dense output; 0: no dense output */
     unsigned traits; /* bits of enum pk_trait */
     unsigned needs;  /* bits of enum pk_fact (`requires` is a keyword of C++20) */
@@ -55,7 +55,7 @@ struct pk_method {
 
     /* Returns the pk_real of work memory for n = length of v. NULL: pk_splitting_size(). */
     size_t (*size)(const struct pk_method *method, const struct pk_problem *problem, size_t n);
-    enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing */
+    enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing to initialise */
     /* Computes a step that does not pass `limit`; writes the state to it->own->next, the time to
      * it->own->next_t. Must not change it->own->state. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);

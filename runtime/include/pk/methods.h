@@ -48,7 +48,7 @@
     X(A, kahan_li8, 8, 17, 0, PK_TRAITS_SYMPLECTIC, kahan_li8,                                     \
       "seventeen Verlet steps, s17odr8a; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Compositions of boris steps; `table` is that of the splitting method composed in the same way. */
+/* Compositions of boris steps; `table` is the splitting method with the same composition. */
 #define PK_NEEDS_BORIS (PK_MASS_CONSTANT | PK_AFFINE_RATES)
 #define PK_METHODS_BORIS(X, A)                                                                     \
     X(A, boris, 2, 1, 0, PK_SYMMETRIC | PK_LINEAR, verlet,                                         \
@@ -58,7 +58,7 @@
     X(A, boris6, 6, 9, 0, PK_SYMMETRIC | PK_LINEAR, kahan_li6,                                     \
       "nine steps of boris; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Compositions of respa steps, likewise. Stages are counted for ten inner steps. */
+/* Compositions of respa steps, `table` as for boris. Stages are counted for ten inner steps. */
 #define PK_NEEDS_RESPA (PK_MASS_CONSTANT | PK_SEPARABLE | PK_FAST)
 #define PK_METHODS_RESPA(X, A)                                                                     \
     X(A, respa, 2, 12, 0, PK_TRAITS_SYMPLECTIC, verlet,                                            \
@@ -130,7 +130,7 @@
       "the exact flow of an affine system, by the exponential of its matrix, scaled and "          \
       "squared; N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179")
 
-/* Methods for rotations and constraints; `table` is that of the splitting method composed. */
+/* Methods for rotations and constraints; `table` is the splitting method composed likewise. */
 #define PK_TRAITS_VARIATIONAL                                                                      \
     (PK_TRAITS_SYMPLECTIC | PK_IMPLICIT | PK_HOLONOMIC | PK_GROUP)
 #define PK_NEEDS_LIE_MIDPOINT 0
@@ -165,8 +165,8 @@
     PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
     PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A)
 
-/* Macros for X. PK_NAME_OF: A(name); the second declares pk_method_NAME; the third defines it,
- * where A(table) gives the struct members of the family. */
+/* Macros for X: PK_NAME_OF expands to A(name), PK_DECLARE_METHOD declares pk_method_NAME, and
+ * PK_DEFINE_METHOD defines it, with struct members of the family from A(table). */
 #define PK_NAME_OF(A, name, ...) A(name)
 #define PK_DECLARE_METHOD(A, name, ...) extern const struct pk_method pk_method_##name;
 #define PK_DEFINE_METHOD(A, symbol, p, s, p_dense, flags, of, text)                                \

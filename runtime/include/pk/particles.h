@@ -30,7 +30,7 @@ void pk_angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_
 
 struct pk_lrl {
     pk_real k;
-    pk_real e[3], eccentricity, angle; /* current values */
+    pk_real e[3], eccentricity, angle; /* values at the last update */
     pk_real rate; /* |e'| |r|/|r'|, computed from the acceleration: 0 if e is constant */
     pk_real along[3], across[3]; /* unit vectors: e at the start, e turned by 90 degrees */
 };

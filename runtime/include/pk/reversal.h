@@ -21,8 +21,8 @@ struct pk_reversal {
         pk_real t, error, absolute; /* t - t0 > 0; relative error; max |x - x0| in the unit of x */
     } at[PK_REVERSAL_TIMES];
     pk_real threshold;
-    int passed;                     /* 0: the error is below the threshold at all times tried */
-    pk_real horizon_lo, horizon_hi; /* last time below, first time above the threshold */
+    int passed;                     /* 1: the error exceeds the threshold at a time tried */
+    pk_real horizon_lo, horizon_hi; /* last time with error below, first time above the threshold */
 };
 
 /* Returns the bytes of the block, aligned for pk_real. */

@@ -34,10 +34,10 @@ struct pk_run_model {
     const struct pk_system *system;
     const struct pk_part *parts; /* independent blocks of coordinates, or NULL */
     size_t n_parts;
-    const struct pk_method *const *methods; /* all methods; the first n_own are the model's own */
+    const struct pk_method *const *methods; /* all methods, the model's own (n_own) first */
     size_t n_own, n_methods;
-    const struct pk_run_diagnose *diagnose; /* &pk_run_diagnose, or NULL */
-    const struct pk_run_ensemble *ensemble; /* &pk_run_ensemble, or NULL */
+    const struct pk_run_diagnose *diagnose; /* &pk_run_diagnose, or NULL: no diagnostics */
+    const struct pk_run_ensemble *ensemble; /* &pk_run_ensemble, or NULL: no ensembles */
 };
 
 /* The result of a run, also used as the exit code of a program. */
@@ -49,7 +49,7 @@ enum pk_run_code {
     PK_RUN_INTERRUPTED = 130 /* interrupted by `poll` */
 };
 
-/* A value of a parameter, size, input or coordinate. member: index from 0 in a family. */
+/* A value of a parameter, size, input or coordinate. member: number in an indexed name, from 0. */
 struct pk_run_value {
     size_t index, member;
     double value;
@@ -57,15 +57,16 @@ struct pk_run_value {
 
 /* A column of the rows, or of the table of an ensemble's members. */
 struct pk_run_column {
-    char kind;            /* rows: q, v, o output, e energy; members: p parameter, i input, q, v */
-    size_t index, member; /* member: index from 0 in a family of parameters */
+    char kind;            /* in rows: q, v, o for an output, e for the energy; of members: p for
+                             a parameter, i for an input, q, v */
+    size_t index, member; /* member: number of an indexed parameter's member, from 0 */
 };
 
 /* A relation between columns to check: |a - b| <= within, a < b, or a > b. */
 struct pk_run_expected {
-    char relation;                     /* =, <, > */
+    char relation;                     /* the relation: '=', '<' or '>' */
     char when;                         /* r: in all rows, t: at time `at`, e: at an event */
-    struct pk_run_column a, b, within; /* within.kind 0: none */
+    struct pk_run_column a, b, within; /* `within` is the tolerance of =; kind 0: none */
     double at;
     size_t event;
 };
@@ -87,24 +88,24 @@ struct pk_run_reduced {
 
 struct pk_run_settings {
     const char *method;
-    double until; /* > 0 */
+    double until; /* end time of the run, > 0 */
     double every; /* interval of rows; 0: each step; < 0: until/1000, or events only if `at` */
     double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */
     int fixed_point;         /* fixed-point instead of Newton iteration in implicit methods */
-    unsigned long max_steps; /* 0: no limit */
+    unsigned long max_steps; /* limit of steps; 0: no limit */
     int land; /* steps end at the times of rows: 1 yes, 0 no (dense output), -1 automatic */
     size_t n_sizes, n_parameters, n_inputs, n_q, n_v;
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
     size_t n_columns; /* number of columns in addition to t; 0: all */
     const struct pk_run_column *columns;
-    size_t n_hidden; /* number of outputs that are no columns if n_columns is 0 */
+    size_t n_hidden; /* number of outputs without a column if n_columns is 0 */
     const size_t *hidden;
     size_t at; /* 1 + index of an event whose occurrences are rows; 0: none */
     size_t n_expected, n_drifts;
     const struct pk_run_expected *expected;
     const struct pk_run_column *drifts; /* drifts of outputs (kind o) and energy (e) to compute */
-    unsigned diagnose;                  /* bits of pk_run_diagnostic() */
+    unsigned diagnose;                  /* diagnostics to compute: bits of pk_run_diagnostic() */
     size_t n_parts;                     /* n_parts of the model, or 0 */
     const struct pk_run_part *parts;
     int bare;     /* only steps: no events, no check by a second method; `every` < 0: the only
@@ -116,23 +117,24 @@ struct pk_run_settings {
     size_t members; /* number of ensemble members; 0: one trajectory */
     size_t n_member_columns;
     const struct pk_run_column *member_columns;
-    const double *member_values; /* `members` rows of n_member_columns numbers */
+    const double *member_values; /* parameters of members: `members` rows of n_member_columns */
     const char *member_name;     /* name of the column that numbers the members; NULL: "member" */
     long first_member;
-    size_t threads; /* 0: all available threads */
+    size_t threads; /* number of threads; 0: all available */
     int watch;      /* 1: detect events of members, 2: also report their first times; < 0 (also for
                        one trajectory): compute only the drifts in `drifts` */
     size_t n_reduced;
     const struct pk_run_reduced *reduced; /* the numbers that pk_run_members() returns */
-    int no_rows;                          /* stores only the numbers of `reduced` */
-    int lenient;                          /* refused parameters of a member do not end the run */
+    int no_rows;                          /* 1: no rows are stored */
+    int lenient;                          /* 1: refused parameters of a member do not end the run */
 
     const char *checkpoint;         /* checkpoint file; NULL: none */
     const char *checkpoint_note;    /* text stored in the checkpoint, or NULL */
-    double checkpoint_every;        /* interval in seconds; 0: only if `poll` ends the run */
+    double checkpoint_every;        /* seconds between checkpoints; 0: only if `poll` ends the
+                                       run */
     unsigned long checkpoint_after; /* the run ends with a checkpoint after this many steps (rows
                                        with parts, batches of an ensemble); 0: never */
-    int resume;                     /* resumes from the checkpoint file */
+    int resume;                     /* 1: the run resumes from the checkpoint file */
 
     /* Function of the caller that computes inputs. compute() finds t as argument and q and v in
      * `seen`, and writes all inputs to `computed`; it returns nonzero to end the run. NULL:
@@ -145,7 +147,7 @@ struct pk_run_settings {
     double *seen, *computed;
 
     int csv;    /* file descriptor for rows as CSV; < 0: rows stay in memory */
-    int header; /* writes a line of names above the CSV */
+    int header; /* 1: the CSV begins with a line of names */
     int (*poll)(void *context, double part); /* called about ten times a second with the fraction
                                                 done; nonzero stops the run. NULL: never */
     void *context;
@@ -179,7 +181,7 @@ int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t si
 const char *pk_run_report(struct pk_run *run);
 /* Returns the messages to the user, one per line. */
 const char *pk_run_messages(const struct pk_run *run);
-/* Returns the failure of the parameters (see PK_FAILURE() in real.h), or 0. */
+/* Returns the failure of the run's parameters (see PK_FAILURE() in real.h), or 0. */
 int pk_run_refused(const struct pk_run *run);
 /* Returns the processor seconds of one run without rows from the start, the least of repetitions
  * that take at least `seconds` in all; 0 if the run fails. Call it after pk_run_go(). */
@@ -193,7 +195,7 @@ double pk_run_laps(struct pk_run *run, double seconds);
  * results are NaN. */
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, const double *u, double *out);
-size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: there is no such kernel */
+size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown kernel name */
 /* Returns parameters and start values in JSON. */
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);

@@ -33,7 +33,7 @@
 #ifdef PK_SINCOS_INLINE
 #include <string.h>
 
-/* fma() in hardware; otherwise it is a library call. (clang does not define FP_FAST_FMA.) */
+/* fma() is an instruction, not a library call. (clang does not define FP_FAST_FMA.) */
 #if (defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || \
      defined __ARM_FEATURE_FMA) &&                                      \
     !defined PK_PORTABLE
@@ -104,7 +104,7 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 #endif
 }
 
-/* For |x| <= PK_SINCOS_MAX; for any other x results are arbitrary. A pointer may be NULL. */
+/* Results are arbitrary unless |x| <= PK_SINCOS_MAX. A pointer may be NULL: not needed. */
 PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
 {
     const pk_real rounded = PK_SINCOS_FMA(x, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND);
@@ -181,7 +181,7 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
     return 0;
 }
 
-/* The same for two angles. Outside of SIMD lanes a loop of two packs them into one vector. */
+/* pk_sincos_pass() for two angles. Outside of SIMD lanes a loop packs them into one vector. */
 PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
                                           pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
 {

@@ -26,7 +26,7 @@
 
 PK_BEGIN
 
-enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* most lines; fewest samples */
+enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* maximum of lines, minimum of samples */
 
 struct pk_line {
     pk_real frequency, amplitude, phase, error;
@@ -37,7 +37,7 @@ struct pk_spectrum {
     size_t count; /* number of lines, in order of decreasing amplitude */
     struct pk_line lines[PK_LINES];
     pk_real residual;   /* root mean square, windowed, relative to that of x - mean - rate t */
-    pk_real resolution; /* 4 pi over the time of the samples: half the width of a line */
+    pk_real resolution; /* 4 pi / (time of the samples), half the width of a spectral line */
     pk_real nyquist;    /* pi/dt: faster lines appear as slower ones */
 };
 

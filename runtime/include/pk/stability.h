@@ -1,5 +1,5 @@
-/* What `pkgen stability` needs of a model besides a run: steps of any method from any state,
- * equilibria, and the methods. Python judges the numbers (analysis/stability). A state is 2 n
+/* Functions of a model for `pkgen stability`, besides a run: steps of any method from any state,
+ * equilibria, and the methods. Python evaluates the numbers (analysis/stability). A state is 2 n
  * numbers, q and then v; q of first-order variables is 0. */
 #ifndef PK_STABILITY_H
 #define PK_STABILITY_H
@@ -13,8 +13,8 @@ struct pk_stability;
 
 /* Quantities to compute along the steps, for pk_stability_report(). */
 enum {
-    PK_WATCH_CONSTANTS = 1, /* drifts of cyclic momenta and of `conserve` */
-    PK_WATCH_CONDITION = 2  /* condition numbers; also their values at the start */
+    PK_WATCH_CONSTANTS = 1, /* drifts of cyclic momenta and of `conserve` quantities */
+    PK_WATCH_CONDITION = 2  /* condition numbers; also checks the start */
 };
 
 /* Begins at t = 0. h: the fixed step; 0 for an adaptive method with tolerances `rtol` (0: those of
@@ -27,7 +27,7 @@ struct pk_stability *pk_stability_begin(struct pk_run *run, const char *method, 
  * or after the last step only (`every` 0). Returns the number of steps. */
 size_t pk_stability_steps(struct pk_stability *of, double until, size_t count, int every,
                           double *out, int *status);
-/* Restarts from a state at t; h > 0: with this step. Returns the status. */
+/* Restarts from a state at t, with a step of h if h > 0. Returns the status. */
 int pk_stability_restart(struct pk_stability *of, double t, double h, const double *state);
 /* Maps `count` states by `steps` steps of h from t = 0, or an adaptive method over intervals h. The
  * numbers of a failed state are NaN. */

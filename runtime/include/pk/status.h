@@ -1,7 +1,7 @@
 /* Statuses of the runtime's calls. Zero is success; positive: the integration stopped as requested;
  * negative: it failed, and the state is the last valid state.
  *
- * The list is one X-macro, so that every status has its name and its text. */
+ * The list is one X-macro, which defines name and text of each status. */
 #ifndef PK_STATUS_H
 #define PK_STATUS_H
 
@@ -34,13 +34,12 @@ PK_BEGIN
     X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined")
 
 #define PK_STATUS_ENUM(name, value, text) name = value,
-/* Extract from a list of X(NAME, "text") the names, as for an enum, and the texts. */
+/* Extract the names (as for an enum) and the texts from a list of X(NAME, "text"). */
 #define PK_EACH_NAME(name, text) name,
 #define PK_EACH_TEXT(name, text) text,
 
 enum pk_status {
-    PK_STATUSES(PK_STATUS_ENUM)
-        PK_STATUS_LAST = -20 /* less than every status; no trailing comma, for C++98 */
+    PK_STATUSES(PK_STATUS_ENUM) PK_STATUS_LAST = -20 /* a number below all statuses */
 };
 
 /* Return the name of a status, such as "PK_NOT_FINITE", and its text. Never NULL. */

@@ -34,12 +34,13 @@ struct pk_choice {
 /* A part during integration; read-only for callers. */
 struct pk_subsystem {
     struct pk_part of;
-    struct pk_integrator it, aside;    /* see pk_integrator_aside() */
-    const struct pk_integrator *there; /* `it` or `aside`, whichever is at the current time */
+    struct pk_integrator it, aside;    /* the part's integrator, and one for times within its
+                                          steps */
+    const struct pk_integrator *there; /* `it` or `aside`, whichever is at the common time */
     void *params;
     const struct pk_subsystems *apart;
     size_t *inputs; /* indices of the part's inputs in the whole system */
-    pk_real *u;     /* inputs of the whole system */
+    pk_real *u;     /* inputs of the whole system at the current time */
 };
 
 struct pk_subsystems {
@@ -60,7 +61,7 @@ struct pk_subsystems {
     const char *why; /* why an argument was refused */
 };
 
-/* Returns the bytes of the block for pk_subsystems_init(), aligned as malloc's are; 0 if an
+/* Returns the bytes of the block for pk_subsystems_init(), aligned as malloc() aligns; 0 if an
  * argument is null, a system has another PK_ABI, or a part has a variable size. */
 size_t pk_subsystems_size(const struct pk_problem *whole, const struct pk_part *parts,
                           const struct pk_choice *choices, size_t count);

@@ -68,7 +68,7 @@ enum pk_fact {
     PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
     PK_AFFINE = 1u << 8,       /* a = A q + B v + c with constant A, B, c; no inputs */
     PK_SWITCHED = 1u << 9,     /* smooth if the sides of all switches are constant */
-    /* The next two: M constant, no first-order variables, no constraints. */
+    /* The next two facts also imply constant M, no first-order variables and no constraints. */
     PK_LINEAR_DRAG = 1u << 10,  /* f = g(q, t, u) + C v with constant C */
     PK_AFFINE_RATES = 1u << 11, /* f = g(q, t, u) + C(q, t, u) v */
     PK_FAST = 1u << 12          /* separable, and some forces are declared fast: see fast() */
@@ -77,8 +77,8 @@ enum pk_fact {
 /* A parameter: its byte offset in struct NAME_params, and the kind of its bounds. */
 struct pk_parameter {
     struct pk_quantity what;
-    size_t offset; /* in bytes */
-    int follows;   /* the default depends on other parameters */
+    size_t offset; /* byte offset */
+    int follows;   /* 1: the default depends on other parameters */
     int lo_open, hi_open;
 };
 
@@ -115,12 +115,12 @@ struct pk_part_particles {
 };
 
 struct pk_system {
-    unsigned abi;       /* PK_ABI */
+    unsigned abi;       /* PK_ABI when the model was compiled */
     unsigned size;      /* sizeof (struct pk_system) when the model was compiled */
-    const char *scalar; /* PK_SCALAR, so that the wrong library does not link; or NULL */
+    const char *scalar; /* the symbol PK_SCALAR, missing in a library of another type; or NULL */
     const char *name;
     const char *source_hash; /* SHA-256 of the model's source, in hexadecimal */
-    unsigned facts;          /* of enum pk_fact */
+    unsigned facts;          /* bits of enum pk_fact */
     size_t n;                /* length of v; in a system of variable size see pk_system_count() */
     size_t n_parameters, n_inputs, n_observed, n_conserved;
     size_t params_size; /* sizeof (struct NAME_params) */
@@ -161,7 +161,7 @@ struct pk_system {
                         const pk_real *u, pk_real *a);
     pk_kernel *mass, *force;
     pk_kernel_2 *canonical; /* p, then pdot: the stages of a Gauss method need both */
-    pk_kernel *gradient;    /* dL/dq alone */
+    pk_kernel *gradient;    /* writes dL/dq */
     /* Jacobians for Newton's method on (p, pdot): dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
     void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
@@ -173,11 +173,11 @@ struct pk_system {
      * pk/linear.h. NULL: not compiled in. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
-    /* unconstrained: like canonical() without J^T lambda; writes p = dL/dv and pdot, and for
-     * quaternions and states their values and rates. inertia: writes dp/dv of this p. Models with
-     * rotations, constraints, impulses or momenta that depend on states have both kernels: their
-     * mass() may be the unit matrix (the model has solved M a = f itself), and then canonical()
-     * does not write the momenta. */
+    /* unconstrained: like canonical() without J^T lambda; writes p = dL/dv and pdot, and for the
+     * other first-order variables their values and rates. inertia: writes dp/dv of this p. Models
+     * with rotations, constraints, impulses or momenta that depend on first-order variables have
+     * both kernels: their mass() may be the unit matrix (the model has solved M a = f itself), and
+     * then canonical() does not write the momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
     pk_kernel *fast; /* acceleration by the forces declared fast; NULL: none */
@@ -190,7 +190,7 @@ struct pk_system {
                                 const pk_real *v, const pk_real *u, pk_real *a);
     unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
                                   const pk_real *v, const pk_real *u, pk_real *a);
-    /* NULL: none compiled in. Set them to NULL in a copy of a system with other kernels. */
+    /* Compiled steps, or NULL. Set both to NULL in a copy of a system with other kernels. */
     const struct pk_stepper *steppers;
     const struct pk_block_stepper *block_steppers;
 
@@ -241,7 +241,7 @@ static inline struct pk_turning pk_system_turning(const struct pk_system *system
     return system->families.turning ? system->families.turning(params, r) : found;
 }
 
-/* Returns the sparsity pattern of Jacobians by q or v, without quadratures; dense: all border. */
+/* Returns the sparsity pattern of Jacobians by q or v, without quadratures; dense: no band. */
 static inline struct pk_pattern pk_system_pattern(const struct pk_system *system,
                                                   const void *params)
 {
@@ -276,7 +276,7 @@ static inline size_t pk_system_singularity_count(const struct pk_system *system,
                                        : system->singularities.n;
 }
 
-/* Returns the singularity (and its member) of value number k. */
+/* Returns the index and the member of the singularity of value number k. */
 static inline struct pk_place pk_system_singularity(const struct pk_system *system,
                                                     const void *params, size_t k)
 {
@@ -292,7 +292,7 @@ static inline size_t pk_system_switch_count(const struct pk_system *system, cons
     return system->switches.count ? system->switches.count(params) : system->switches.n;
 }
 
-/* Returns the expression, and its member, of switch number k. */
+/* Returns the index and the member of the expression of switch number k. */
 static inline struct pk_place pk_system_switch(const struct pk_system *system, const void *params,
                                                size_t k)
 {
@@ -302,7 +302,7 @@ static inline struct pk_place pk_system_switch(const struct pk_system *system, c
     return place;
 }
 
-/* Writes the name of the singularity of value k, with numbers for i and j: "x[8] - x[7]". */
+/* Writes the name of the singularity of value k, with its indices as numbers: "x[8] - x[7]". */
 int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
                                char *text, size_t size);
 

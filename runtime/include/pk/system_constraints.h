@@ -12,15 +12,15 @@ PK_BEGIN
  * canonical() and acceleration(), as a function of (t, q, v). */
 struct pk_part_constraints {
     size_t n, n_holonomic;
-    const struct pk_quantity *names; /* multipliers: "lambda_rod", unit, description */
+    const struct pk_quantity *names; /* names of multipliers, such as "lambda_rod" */
     pk_kernel *values;               /* phi, n_holonomic numbers; NULL if n_holonomic is 0 */
-    /* Writes J, n rows by pk_system.n columns, row-major, with 0 in the columns of quaternions and
-     * states; then writes J v + j0. */
+    /* Writes J, n rows by pk_system.n columns, row-major, with 0 in the columns of first-order
+     * variables other than body rates; then writes J v + j0. */
     pk_kernel_2 *jacobian;
     /* Writes the sizes of the terms of phi and of J v + j0; a residual of a few PK_EPSILON times
      * them is rounding. */
     pk_kernel_2 *scale;
-    pk_kernel *multipliers; /* lambda */
+    pk_kernel *multipliers; /* writes the multipliers lambda */
     /* Redundant rows: they follow from previous rows at the model's start and have no multiplier.
      * `redundant` writes the residuals of their phi, then of their J v + j0, then the sizes of the
      * terms of each residual, then their J. A run fails if these residuals are not zero later. */
@@ -30,13 +30,13 @@ struct pk_part_constraints {
     /* Functions of a system of variable size in place of `jacobian`, each in O(N). n and
      * n_holonomic are then the numbers of rows at the default sizes, names has n_declared entries,
      * and count() returns the number of rows. Rows must be independent. */
-    size_t (*count)(const void *params, int holonomic); /* NULL: n, n_holonomic */
+    size_t (*count)(const void *params, int holonomic); /* number of rows; NULL: n, n_holonomic */
     size_t n_declared;
-    pk_kernel *rates; /* J v + j0 */
+    pk_kernel *rates; /* writes J v + j0 */
     void (*spread)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                   const pk_real *u, const pk_real *x, pk_real *out); /* |J| x */
+                   const pk_real *u, const pk_real *x, pk_real *out); /* computes |J| x */
     void (*pull)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                 const pk_real *u, const pk_real *x, pk_real *out); /* out += J^T x */
+                 const pk_real *u, const pk_real *x, pk_real *out); /* adds J^T x to out */
     /* factor() factors [M J^T; J 0] in the memory of params, with all rows or only holonomic rows.
      * It has the failures of acceleration(). It writes each row's pivot, and in `norms` the pivot
      * that the row would have without other rows. solve() then solves M d - J^T mu = f, J d = r; f

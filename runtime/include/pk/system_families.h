@@ -15,7 +15,7 @@ struct pk_size {
     size_t offset;
 };
 
-/* The index range of a declared name: lo, lo + 1, ...; count is 1 if it is no family. */
+/* The index range of a declared name: lo, lo + 1, ...; count is 1 if the name has no index. */
 enum pk_range_of { PK_OF_COORDINATE, PK_OF_PARAMETER, PK_OF_ROW, PK_OF_OUTPUT };
 struct pk_range {
     ptrdiff_t lo;
@@ -35,12 +35,12 @@ struct pk_turning {
  * row; rows * border, the border's rows column by column; border * border. */
 struct pk_pattern {
     size_t rows, width, border;
-    int dense; /* index i of the pattern is coordinate i, and all are in the border */
+    int dense; /* 1: no band; the border has all coordinates, in order */
 };
 
 /* If a system has variable size, pk_system.n is n at the default sizes; coordinates, rates, momenta
  * and parameters have one entry for each declared name (q for q[1..N]); `cyclic`, mass and jacobian
- * of pk_system are NULL; the offset of a family of parameters is that of a pointer to its members.
+ * of pk_system are NULL; the offset of an indexed parameter is that of a pointer to its members.
  * Before defaults(), call set_sizes(), set other sizes if wanted, and call attach() with a block of
  * block_size() bytes, aligned for pk_real (0: no block is needed, or a size is too small). */
 struct pk_part_families {
@@ -50,9 +50,9 @@ struct pk_part_families {
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* declared names; the last n_states are body rates and states */
+    size_t n_coordinates; /* declared names; the last n_states are first-order variables */
     size_t n_states;
-    size_t (*first_order)(const void *params); /* NULL: pk_system.n_first_order */
+    size_t (*first_order)(const void *params); /* NULL: use pk_system.n_first_order */
     /* The number of rotations, and the indices of rotation r in v. NULL: there are no rotations. */
     size_t (*rotations)(const void *params);
     struct pk_turning (*turning)(const void *params, size_t r);

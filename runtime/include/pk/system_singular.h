@@ -27,7 +27,7 @@ struct pk_singularity {
 /* In a system of variable size, a singularity or a switch stands for one expression for each member
  * i, or each pair i and j; the name contains these indices: "x[i+1] - x[i]". */
 struct pk_place {
-    size_t which; /* index in the table of expressions */
+    size_t which; /* index of the expression */
     ptrdiff_t i, j;
 };
 
@@ -80,7 +80,7 @@ struct pk_part_switches {
     pk_kernel *values;
     const unsigned char *impulses;
     pk_kernel_2 *slopes;
-    size_t (*count)(const void *params); /* NULL: n */
+    size_t (*count)(const void *params); /* number of switches; NULL: n */
     void (*place)(const void *params, size_t k, struct pk_place *place);
 };
 

@@ -29,11 +29,11 @@
 PK_BEGIN
 
 struct pk_variation {
-    struct pk_problem problem; /* to be integrated; points to this struct, which must not move */
+    struct pk_problem problem; /* the new system; points to this struct, which must not move */
     struct pk_problem of;      /* the problem of the motion alone */
     struct pk_system system;
     size_t n_q, n, columns;
-    pk_real *work, *v, *a, *b; /* n numbers each, for v, a and a right-hand side */
+    pk_real *work, *v, *a, *b; /* n numbers each: v, a, right-hand side */
 };
 
 /* Returns the bytes of the block for pk_variation_init(), aligned for pk_real; 0 if the system has

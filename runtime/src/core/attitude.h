@@ -47,7 +47,7 @@ static inline void pk_turn_added(pk_real s, const pk_real *u, const pk_real *p, 
         d[i] = 2 * (s * one[i] + two[i]);
 }
 
-/* Computes out = C p, C = cay(2 y), where y is x/2 of the text above; sign -1: C transposed. */
+/* Computes out = cay(2 y) p, the rotation by the quaternion c above; sign = -1: its inverse. */
 static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, pk_real *out)
 {
     const pk_real weight = 2 / (1 + pk_dot3(y, y));

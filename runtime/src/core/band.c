@@ -15,7 +15,7 @@
 
 #include <pk/ldl.h>
 
-/* a pivot this much smaller than its column costs a quarter of the digits */
+/* A pivot smaller by this factor than its column would cost a quarter of the digits. */
 #define SMALL PK_F(sqrt)(PK_F(sqrt)(PK_EPS))
 
 static size_t stride(const struct pk_band *b)
@@ -110,7 +110,7 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
     }
 }
 
-/* Adds a number as large as column k to its pivot, and an additional unknown. */
+/* Makes the pivot of column k as large as its column, by an additional unknown. */
 static void mend(const struct pk_band *b, size_t k)
 {
     const size_t width = stride(b), z = pk_index(*b->used, width);
@@ -135,7 +135,7 @@ int pk_band_factor(const struct pk_band *b)
         for (size_t i = k + 1; i < end; i++)
             if (pk_abs(row(b, i)[k]) > pk_abs(row(b, best)[k]))
                 best = i;
-        b->pivot[k] = (pk_real)best; /* stored as pk_real, so that the work memory is one array */
+        b->pivot[k] = (pk_real)best; /* stored as pk_real, like the rest of the work memory */
         const size_t reach = last(b, best);
         filled = reach > filled ? reach : filled;
         if (best != k) {
@@ -168,7 +168,8 @@ int pk_band_factor(const struct pk_band *b)
                 b->corner[c * width + e] -= l * right[e];
         }
     }
-    for (size_t c = 0; c < used && width > used; c++) /* makes rows contiguous */
+    for (size_t c = 0; c < used && width > used; c++) /* moves rows together, without spare
+                                                         columns */
         memmove(b->corner + c * used, b->corner + c * width, used * sizeof *b->corner);
     return pk_lu_factor(b->corner, b->pivot + n, used);
 }

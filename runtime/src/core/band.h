@@ -13,16 +13,16 @@ enum { PK_BAND_SPARE = 4 };
  * matrix has rows = 0: then `corner` is that matrix, row-major. */
 struct pk_band {
     size_t rows, below, above, border;
-    int pivoting; /* 1: there is memory for pk_band_factor() */
+    int pivoting; /* 1: memory for pk_band_factor() is available */
     /* entries: rows of the band, below + 1 + above numbers each, and `below` more for fill-in if
      * pivoting. right: columns of the border, row by row. bottom: rows of the border, column by
      * column. corner: row-major. */
     pk_real *entries, *right, *bottom, *corner;
-    pk_real *pivot, *column, *rest; /* only with pivoting */
+    pk_real *pivot, *column, *rest; /* memory for pivoting only */
     pk_real *used; /* only with pivoting: number of border columns, plus spare columns in use */
 };
 
-/* Returns the number of entries that a kernel writes for this pattern: a band without pivoting. */
+/* Returns the number of entries in a kernel's matrix with this pattern, without pivoting. */
 static inline size_t pk_pattern_numbers(const struct pk_pattern *p)
 {
     return p->rows * (2 * p->width + 1) + (2 * p->rows + p->border) * p->border;

@@ -5,7 +5,7 @@
 #include "project.h"
 
 enum { SWEEPS = 3 };      /* iterations of row and column scaling */
-#define COUNTS PK_C(1e-3) /* smaller entries, relative to the row's largest, may be errors */
+#define COUNTS PK_C(1e-3) /* smaller relative entries of a row may be errors */
 
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
@@ -14,7 +14,7 @@ static inline pk_real *take(pk_real *base, size_t *used, size_t count)
     return part;
 }
 
-/* Without pk_lay_out() for speed, since each step calls it. */
+/* Assigns memory; does not use pk_lay_out(), which would be slow in each step. */
 static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *problem, size_t n,
                              pk_real *base)
 {
@@ -77,16 +77,16 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n)
 
 int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    const struct pk_system *system = w->system; /* `mass` is used if there is no `inertia` */
+    const struct pk_system *system = w->system; /* M comes from `inertia`, or else `mass` */
     if (!w->whole) {
         system->families.diagonal(w->params, w->t, q, v, w->u, w->M);
-        for (size_t k = 0; k < w->m; k++) /* factored together with the rows */
+        for (size_t k = 0; k < w->m; k++) /* checks that the diagonal is positive */
             if (!(w->M[k] > 0))
                 return PK_FAILED(PK_FAILURE_MASS, k);
         return 0;
     }
     (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
-    for (size_t i = 1; i < w->m; i++) /* removes the columns of quaternions and states */
+    for (size_t i = 1; i < w->m; i++) /* removes columns without momenta */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
     const size_t pivot = pk_ldl_factor(w->M, w->m);
     return pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;
@@ -167,7 +167,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
         x[i] *= PK_F(sqrt)(length2(w, i) / (length2(w, row) + PK_TINY));
 }
 
-/* Records a row without pivot, and the others' coefficients in it. Returns 1 + the row. */
+/* Records a dependent row, and the coefficients of the other rows in it. Returns 1 + the row. */
 static size_t lost(struct pk_projection *w, size_t row)
 {
     w->system->constraints.shares(w->params, row, w->depends + 1);

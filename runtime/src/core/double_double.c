@@ -14,7 +14,7 @@
 
 #include "double_double.h"
 
-enum { POWERS = 4 }; /* powers of the small matrix that are stored */
+enum { POWERS = 4 }; /* number of stored powers of the small matrix */
 
 void pk_pairs_settle(struct pk_pairs x, size_t count)
 {
@@ -42,7 +42,7 @@ void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, 
             const pk_real a = X.hi[i * m + k], a_lo = X.lo[i * m + k];
             const pk_real *restrict b = M.hi + k * m, *restrict b_lo = M.lo + k * m;
             if (!(a > 0) && !(a < 0) && pk_finite(a))
-                continue; /* many entries are zero: in chains only neighbours are coupled */
+                continue; /* skips zeros, which are many in matrices of chains */
             PK_LANE_LOOP
             for (size_t j = 0; j < m; j++)
                 pk_pair_add(&hi[j], &lo[j], a, a_lo, b[j], b_lo[j]);
@@ -70,7 +70,7 @@ static void clear(struct pk_pairs x, size_t count)
     memset(x.lo, 0, count * sizeof *x.lo);
 }
 
-/* 1/k! from 1/(k-1)! */
+/* Computes 1/k! from 1/(k-1)!. */
 static void divide(pk_real *c, pk_real *c_lo, int k)
 {
     const pk_real d = (pk_real)k, hi = *c / d, back = hi * d;

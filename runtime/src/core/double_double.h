@@ -57,8 +57,8 @@ void pk_pairs_add(struct pk_pairs y, pk_real c, pk_real c_lo, struct pk_pairs x,
 void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, size_t rows,
                        size_t m);
 
-/* D = exp(h L) - 1 for an m by m matrix L; norm: upper bound of the largest absolute row sum of L;
- * room: pk_expm_room(m) numbers. PK_NOT_FINITE if the result overflows. */
+/* Computes D = exp(h L) - 1 for an m by m matrix L; norm: upper bound of the largest absolute row
+ * sum of L; room: pk_expm_room(m) numbers. PK_NOT_FINITE if the result overflows. */
 size_t pk_expm_room(size_t m);
 enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
                        pk_real *room);

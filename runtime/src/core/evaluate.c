@@ -5,7 +5,8 @@
 int pk_all_finite(const pk_real *x, size_t count)
 {
     size_t i = 0;
-    for (int bad = 0; i + 8 <= count; i += 8) { /* vectorised: no branch in the inner loop */
+    for (int bad = 0; i + 8 <= count; i += 8) { /* in blocks of 8, so that the inner loop is
+                                                   vectorised */
         for (size_t k = 0; k < 8; k++)
             bad |= !pk_finite(x[i + k]);
         if (bad)
@@ -159,7 +160,7 @@ pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real 
         d1 += a[i] / of_v * (a[i] / of_v) + v / of_q * (v / of_q);
     }
     pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? share * PK_F(sqrt)(d0 / d1) : 0;
-    if (!(h > 0) || !pk_finite(h)) /* atol = 0 and a start from rest: y'/scale is infinite */
+    if (!(h > 0) || !pk_finite(h)) /* y'/scale is infinite if atol = 0 and y = 0 */
         h = PK_C(1e-6) * span;
     return pk_min(it->options.h > 0 ? it->options.h : h, span);
 }

@@ -4,7 +4,7 @@
 #ifndef PK_GENERIC_H
 #define PK_GENERIC_H
 
-#define PK_ANY_TABLE /* tables are known only at run time; see pk/step/tableau.h */
+#define PK_ANY_TABLE /* tables are not compile-time constants; see pk/step/tableau.h */
 
 #include "internal.h"
 

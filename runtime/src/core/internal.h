@@ -35,17 +35,18 @@ enum {
 enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
 /* Kinds for PK_OFF_CONSTRAINTS and PK_NO_PROJECTION, with the meaning of `index`: */
 enum {
-    PK_REASON_ROW,      /* row whose phi is violated */
-    PK_REASON_ROW_RATE, /* row whose J v + j0 is violated */
+    PK_REASON_ROW,      /* `index` is a row whose phi is violated */
+    PK_REASON_ROW_RATE, /* `index` is a row whose J v + j0 is violated */
     PK_REASON_QUATERNION,
-    PK_REASON_REDUNDANT, /* redundant row, phi or J v + j0 */
+    PK_REASON_REDUNDANT, /* `index` is a redundant row */
     PK_REASON_REDUNDANT_RATE,
-    PK_REASON_BRANCH, /* row singular at `time`, where the next branch is undetermined */
-    PK_REASON_NO_ROW  /* the same, and the row is unknown */
+    PK_REASON_BRANCH, /* at `time` row `index` is singular, and the next branch undetermined */
+    PK_REASON_NO_ROW  /* the same with an unknown row */
 };
-/* Kinds for PK_STEP_UNDERFLOW: of the step size, or of the time scale of adaptive_verlet. */
+/* Kinds for PK_STEP_UNDERFLOW: the step size, or the time scale of adaptive_verlet, changes too
+ * fast. */
 enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
-/* Kinds for PK_SINGULAR_TIME: the acceleration grows towards the singularity, or is bounded. */
+/* Kinds for PK_SINGULAR_TIME: whether the acceleration grows towards the singularity. */
 enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
 
 #define PK_WHY(...) ((struct pk_reason){__VA_ARGS__})
@@ -127,7 +128,7 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
 /* Returns whether many trials since the last check of progress were rejected. */
 int pk_often_rejected(const struct pk_integrator *it);
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
-/* The next fixed step, if only the grid limits it. */
+/* The next fixed step without limits by events or short forces. */
 struct pk_planned {
     pk_real h, end;
     int off_grid;
@@ -136,7 +137,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 /* Returns the number of fixed steps that end before `limit`, at most `most`. The last step to
  * `limit` is not counted: pk_integrator_step() makes it end exactly there. */
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most);
-/* Makes the end of the it->own->ahead->many steps computed in advance the state. */
+/* Replaces the state by the end of the it->own->ahead->many steps computed in advance. */
 void pk_ahead_all(struct pk_integrator *it);
 void pk_step_advance_time(struct pk_integrator *it, int fixed);
 
@@ -154,9 +155,10 @@ size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *m
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
 void pk_scale_forget(struct pk_integrator *it);
-/* Called after an underflow: a coordinate that never moved but accelerates at t + h gets the motion
- * in h as its scale; returns 1 if there is one. Without this a force that starts with a jump could
- * never be integrated from rest, since the error is as large as the motion. */
+/* Called after an underflow: the scale of a coordinate that never moved, but accelerates at t + h,
+ * becomes the distance that it moves in h; returns 1 if there is one. Without this a force that
+ * starts with a jump could never be integrated from rest, since the error is as large as the
+ * motion. */
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
 /* Monitor the singularities of system->singularities along the steps: number of pk_real;

@@ -1,4 +1,4 @@
-/* See pk/keep.h. */
+/* Saves or restores bytes; see pk/keep.h. */
 #include <string.h>
 
 #include <pk/keep.h>

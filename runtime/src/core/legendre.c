@@ -5,7 +5,7 @@
 
 enum { MOST = 8 }; /* the largest number of corrections of a node; about 5 suffice in __float128 */
 
-/* Adds up the differences P_k+1 - P_k, from the nearer end of [0, 1], where they are small. */
+/* Adds up the differences P_k+1 - P_k, which are small near the ends of [0, 1]. */
 void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integral)
 {
     const int mirrored = x < rest; /* P_k(1 - x) = (-1)^k P_k(x) */
@@ -16,7 +16,7 @@ void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integr
                              (pk_real)(k + 1);
         const pk_real sign = mirrored && k % 2 ? PK_C(-1.0) : PK_C(1.0);
         P[k] = sign * here;
-        if (integral) /* the integral is (P_k+1 - P_k-1) / (2 (2 k + 1)) */
+        if (integral) /* integral of P_k: (P_k+1 - P_k-1) / (2 (2 k + 1)) */
             integral[k] = k ? (mirrored ? -sign : sign) * (rise + next) / (pk_real)(4 * k + 2) : x;
         rise = next;
         here += next;
@@ -30,7 +30,7 @@ void pk_gauss_nodes(int s, pk_real *c, pk_real *b)
         const pk_real root = PK_F(sin)(PK_PI * ((pk_real)i + PK_C(0.75)) / (pk_real)(2 * s + 1));
         pk_real x = root * root, sum = 0;
         for (int count = 0; count <= MOST;
-             count++) { /* Newton's method; x (1 - x) P_s' is computed from the integral of P_s */
+             count++) { /* Newton's method, with x (1 - x) P_s' from the integral of P_s */
             pk_legendre(x, 1 - x, s + 1, P, integral);
             if (count < MOST)
                 x += P[s] * x * (1 - x) / ((pk_real)(s * (s + 1)) * integral[s]);

@@ -18,7 +18,7 @@ int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m)
         for (size_t i = k + 1; i < m; i++)
             if (pk_abs(A[i * m + k]) > pk_abs(A[best * m + k]))
                 best = i;
-        pivot[k] = (pk_real)best; /* stored as pk_real, so that the work memory is one array */
+        pivot[k] = (pk_real)best; /* stored as pk_real, like the rest of the work memory */
         if (best != k)
             for (size_t j = 0; j < m; j++) {
                 const pk_real swap = A[k * m + j];
@@ -40,7 +40,7 @@ int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m)
 
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x)
 {
-    for (size_t k = 0; k < m; k++) { /* exchanges come first, since whole rows were exchanged */
+    for (size_t k = 0; k < m; k++) { /* all row exchanges precede the substitution */
         const size_t best = pk_index(pivot[k], m);
         const pk_real swap = x[k];
         x[k] = x[best];
@@ -72,7 +72,7 @@ pk_real pk_lu_determinant(const pk_real *A, const pk_real *pivot, size_t m, int 
 size_t pk_ldl_factor(pk_real *A, size_t n)
 {
     for (size_t j = 0; j < n; j++) {
-        const pk_real least = PK_PIVOT_MIN * A[j * n + j]; /* a smaller pivot is rounding */
+        const pk_real least = PK_PIVOT_MIN * A[j * n + j]; /* smaller pivots are rounding errors */
         pk_real d = A[j * n + j];
         for (size_t k = 0; k < j; k++)
             d -= A[j * n + k] * A[j * n + k] * A[k * n + k];

@@ -5,9 +5,9 @@
 
 #include <pk/system.h>
 
-const char PK_SCALAR[] = "pk_real"; /* linking needs only the name of the symbol */
+const char PK_SCALAR[] = "pk_real"; /* an address for the linker; the value is never read */
 
-/* Writes name number i of the members of `count` declared names; count 0: of the table. */
+/* Writes name number i of all members of `count` declared names; count = 0: table[i]. */
 static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,
                    size_t count, const struct pk_quantity *table, size_t i, char *text, size_t size)
 {

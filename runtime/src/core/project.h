@@ -13,23 +13,23 @@ struct pk_projection {
     const void *params;
     const pk_real *u;
     pk_real t;
-    size_t n, m, c, h, rotation; /* rotation: number of coordinates, index of the first body rate */
-    int whole;                   /* 1: matrices are stored; 0 in systems of variable size */
+    size_t n, m, c, h, rotation; /* rotation: index of the first body rate (n_q) */
+    int whole;                   /* 1: M and J are stored; 0 in systems of variable size */
     pk_real *M;                  /* M, m by m, factored; if not `whole`, its diagonal */
     pk_real *J, *W, *A;          /* J; M^-1 J^T, row i is M^-1 J_i; J M^-1 J^T, factored */
     pk_real *phi, *rate;         /* residuals of phi; residuals of J v + j0 */
     pk_real *phi_size;           /* sizes of the terms of phi; rate_size: of J v + j0 */
     pk_real *rate_size;
-    pk_real *mu, *d;          /* multipliers; a correction and work, 2 n numbers */
+    pk_real *mu, *d;          /* multipliers; corrections and work (2 n numbers) */
     pk_real *gram;            /* J J^T with scaled columns, factored */
     pk_real *sizes, *columns; /* upper bounds of the largest |J_ik| so far; column scales */
-    pk_real *sines;           /* squared sines of angles of rows with the span of previous rows */
+    pk_real *sines;           /* squared sine of the angle of each row to previous rows */
     pk_real *pivots, *norms;  /* if not `whole`: pivots and diagonal of J M^-1 J^T */
     pk_real *most;            /* largest squared lengths of rows so far */
     int inertia;              /* if not `whole`: failure of M in pk_project_factor() */
     pk_real *depends; /* 1 + a dependent row, or 0; then the coefficients of the other rows in it */
     size_t r;         /* number of redundant rows */
-    /* Redundant rows: residuals and sizes of terms, 2 r each; J; pk_project_slopes() of J. */
+    /* Redundant rows: 2 r residuals; 2 r sizes of their terms; J; pk_project_slopes() of J. */
     pk_real *off, *off_size, *off_rows, *off_slopes;
 };
 
@@ -39,7 +39,7 @@ static inline int pk_rolls(const struct pk_system *system)
     return system->constraints.n > system->constraints.n_holonomic;
 }
 
-/* Returns the pk_real for a system with v of length n; 0 without constraints and rotations. */
+/* Returns the number of pk_real for v of length n; 0 if there are no constraints and rotations. */
 size_t pk_project_size(const struct pk_problem *problem, size_t n);
 /* Returns the number of pk_real for any system, also without constraints. */
 size_t pk_project_room(const struct pk_problem *problem, size_t n);
@@ -74,14 +74,14 @@ void pk_project_pull(const struct pk_projection *w, const pk_real *q, const pk_r
                      const pk_real *J, size_t rows, const pk_real *x, pk_real *out);
 void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
                        const pk_real *J, size_t rows, pk_real *out);
-#define PK_DEPENDENT PK_C(1e-12) /* squared sine; step sizes underflow before it is so small */
-#define PK_NEAR PK_C(0.2)        /* sines below are monitored; with fixed steps below 2 PK_NEAR */
-#define PK_FAR PK_C(0.9)         /* a fixed step from sines above meets no singular position */
+#define PK_DEPENDENT PK_C(1e-12) /* least squared sine; step sizes underflow before it is reached */
+#define PK_NEAR PK_C(0.2)        /* sines below it are monitored (fixed steps: below 2 PK_NEAR) */
+#define PK_FAR PK_C(0.9)         /* a fixed step meets no singular position if sines are larger */
 /* Sine below which the rounding of positions, about PK_EPS / sine^2 in rates, exceeds the error of
  * steps: there rates are not projected, and J M^-1 J^T is not used. */
 #define PK_SINGULAR (PK_C(10.0) * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
-/* Flags in it->own->passing.seen for the end of a step: computed, a sine < 2 PK_NEAR, a sine <
- * PK_FAR. it->own->passing.near is set if the start of the step is near a singular position, or
+/* Bits of it->own->passing.seen for the end of a step: sines were computed; a sine is < 2 PK_NEAR;
+ * a sine is < PK_FAR. passing.near is set if the start of the step is near a singular position, or
  * unknown. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
 void pk_project_seen(struct pk_integrator *it, struct pk_projection *w);
@@ -96,7 +96,7 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
                           pk_real *low_q, pk_real *low_v, int *moved);
 /* Projects the state in it->own->next, before it becomes the integrator's state. */
 enum pk_status pk_project_step(struct pk_integrator *it);
-/* Returns the status of an acceleration with dependent rows, at the time of it->reason. */
+/* Returns the status of an acceleration that failed because of dependent rows. */
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v);
 /* Called after an underflow: returns whether constraint rows are nearly dependent at the state, and
  * sets the reason to the row. */
@@ -106,7 +106,7 @@ int pk_project_dependent(struct pk_integrator *it);
 enum pk_status pk_project_start(struct pk_integrator *it);
 /* Returns the first row whose residual is more than rounding, or `rows`. x is positions, where
  * attitudes count as 1, or rates; M is factored. */
-#define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* of its terms */
+#define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* residual relative to the sizes of its terms */
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
                          const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
                          int of_rates);

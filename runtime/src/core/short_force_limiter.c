@@ -12,11 +12,11 @@
 
 #include "internal.h"
 
-#define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 */
-#define MOST PK_C(12.0)  /* change of a Gaussian's exponent over its width, in the tail */
-#define WARP PK_C(0.11)  /* unequal samples detect a period of u that divides the step */
+#define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 is round-off */
+#define MOST PK_C(12.0)  /* largest change of u in a step without a check within */
+#define WARP PK_C(0.11)  /* sample times are shifted, to find a u periodic in the step */
 #define GROW PK_C(4.0)
-#define SLOW (MOST / 128) /* below this variation, SKIPPED fixed steps need no check */
+#define SLOW (MOST / 128) /* after a fixed step with less change, SKIPPED steps are not checked */
 enum { FEW = 4, MOST_WINDOWS = 4096, SKIPPED = 7 };
 
 /* The work memory, after four arrays with a value of each mark. */
@@ -46,7 +46,7 @@ static struct between between(const struct pk_integrator *it)
     return b;
 }
 
-/* Computes accelerations at the ends of the step, or, if that fails, the slopes of lines. */
+/* Computes accelerations at the ends of the step; if that fails, uses the mean (v1 - v0)/h. */
 static void look_at_ends(struct pk_integrator *it)
 {
     const struct between b = between(it);
@@ -154,7 +154,7 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
         it->own->short_force.varied = pk_max(it->own->short_force.varied, total);
         u = end;
         from = to;
-        /* Intervals are halved; two halves done, the next interval may be twice as wide. */
+        /* Intervals are halved; after both halves the next interval may be twice as wide. */
         if (width < PK_C(1.0) / FEW && !(PK_F(fmod)(from, 2 * width) > 0))
             width *= 2;
     }
@@ -187,7 +187,7 @@ int pk_short_force_reject(struct pk_integrator *it)
     for (size_t k = 0; k < m; k++)
         it->own->short_force.range = pk_max(it->own->short_force.range, pk_abs(end[k] - begin[k]));
     if (it->own->short_force.range <= MOST / 4 &&
-        h <= 3 * it->own->short_force.calm) /* without short forces usually true */
+        h <= 3 * it->own->short_force.calm) /* usually true if there are no short forces */
         return 0;
     look_at_ends(it);
     values(it, warped(PK_C(0.5)), middle);
@@ -234,12 +234,12 @@ void pk_short_force_accept(struct pk_integrator *it)
         it->own->short_force.range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
     it->own->short_force.calm = it->own->short_force.range <= MOST / 4
                                     ? h
-                                    : 0; /* a step of this length had no short force */
+                                    : 0; /* a step of this length met no short force */
     memcpy(it->own->marks, it->own->marks + m, m * sizeof *it->own->marks);
     if (!(it->own->short_force.reach > 0))
         return;
     if (h < it->own->short_force.reach * (1 - PK_C(1e-6)) || it->own->short_force.varied < MOST / 8)
-        it->own->short_force.reach = 0; /* the error estimate limits the step, or nothing varies */
+        it->own->short_force.reach = 0; /* errors limit the step, or u hardly changes */
     else
         it->own->short_force.reach =
             it->own->short_force.rise > 0

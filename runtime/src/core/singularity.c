@@ -15,14 +15,14 @@
 
 #include "singularity.h"
 
-#define CALM PK_C(0.0625) /* relative change in two successive steps that needs no check */
-#define FAR PK_C(1.5)     /* tangents are extrapolated by so many steps */
+#define CALM PK_C(0.0625) /* smaller relative changes in two successive steps need no check */
+#define FAR PK_C(1.5)     /* tangents are extrapolated over this many steps */
 #define ROUNDING (64 * PK_EPS)
 
 enum {
     KNOWN = 1,
     QUIET = 2
-}; /* flags of it->own->slopes: slopes at the state are known; the last step changed little */
+}; /* flags: slopes at the state are known; the last step changed little */
 
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n)
 {
@@ -40,7 +40,7 @@ static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const 
         slope[k] = (slope[k] - value[k]) / d;
 }
 
-/* Sets a value to 0 if rounding of the start changes it as much: cos(pi/2), gimbal lock. */
+/* Sets a value to 0 if it is only rounding of the start state, such as cos(pi/2) in gimbal lock. */
 static void clear_rounding(struct pk_integrator *it)
 {
     const size_t count = it->n_q + it->n;
@@ -100,7 +100,8 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
         pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
-    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* not too long */
+    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* a step of this length cannot
+                                                                   be shortened */
     if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
     return pk_fail_with(it, PK_STEP_TOO_LONG, PK_WHY(.index = k, .time = it->own->next_t));
@@ -173,7 +174,8 @@ enum pk_status pk_singularity_step(struct pk_integrator *it)
             pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
         if (s.found == PK_SINGULARITY_VANISHES)
             return ended(it, s.which, s.when, s.bounded);
-        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* the search overwrote these */
+        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* since the search overwrote the
+                                                                   values */
         slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
     }
     return go_on(it, KNOWN | quiet);

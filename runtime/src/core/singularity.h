@@ -17,11 +17,9 @@ enum {
 enum { PK_SINGULARITY_SEARCH_PARTS = 5 };
 
 #define PK_SINGULARITY_DEEP \
-    PK_C(1e-12) /* fraction of its value at the start of a search: the
-                   singularity vanishes */
+    PK_C(1e-12) /* a singularity vanishes where it has this fraction of its start value */
 #define PK_SINGULARITY_SHALLOW \
-    PK_C(1e-3) /* the fraction at which it counts as vanished if step
-                  sizes underflow */
+    PK_C(1e-3) /* the same fraction if step sizes underflow: round-off stops the search */
 
 static inline pk_real *pk_singularity_part(const struct pk_integrator *it, int which)
 {
@@ -33,7 +31,7 @@ void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real 
 /* Evaluates the singularities at time distance d along the tangent of the motion. */
 void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                           pk_real d, pk_real *out);
-/* Returns t if it is between first and last, else first: t may be round-off. */
+/* Returns t if it lies between first and last, else first, since a computed t may be round-off. */
 pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last);
 /* Searches whether, and which, singularity falls to `depth` times its value at the state before
  * t_end. Leaves counters and the reason of a failure unchanged. */
@@ -44,7 +42,7 @@ struct pk_singularity_search {
         PK_SINGULARITY_VANISHES
     } found;
     size_t which;
-    pk_real when; /* the time at which it vanishes */
+    pk_real when; /* time at which the singularity vanishes */
     int bounded;  /* 1: the acceleration does not grow towards the singularity */
 };
 struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_real t_end,

@@ -8,10 +8,10 @@
 
 #include "singularity.h"
 
-#define FALL PK_C(0.7)    /* least ratio of a singularity's values in one short step */
-#define SEARCH_STEPS 2000 /* after so many steps the result is PK_SINGULARITY_UNDECIDED */
+#define FALL PK_C(0.7)    /* least ratio of values of a singularity after and before a short step */
+#define SEARCH_STEPS 2000 /* largest number of steps of a search */
 
-enum { Y, TRIAL, SUM, STAGE, K }; /* q and v, or their derivatives */
+enum { Y, TRIAL, SUM, STAGE, K }; /* indices of parts of the work memory */
 
 static pk_real *search_part(const struct pk_integrator *it, int which)
 {
@@ -73,7 +73,7 @@ static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, p
 {
     for (size_t k = 0; k < m; k++) {
         const pk_real ratio = g1[k] / g[k];
-        if (!(ratio >= FALL && ratio <= 1 / FALL)) /* true for a NaN */
+        if (!(ratio >= FALL && ratio <= 1 / FALL)) /* negated, so that NaN is included */
             return 0;
         *least = pk_min(*least, ratio);
         *most = pk_max(*most, ratio);
@@ -126,8 +126,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     pk_real at = 0, made = 0, s = whole / 16;
     struct pk_singularity_search found = {PK_SINGULARITY_UNDECIDED, m, it->t, 0};
     struct growth growth = {0};
-    int stuck = 0,
-        arrived = 0; /* M is singular to round-off where the singularity is not quite zero */
+    int stuck = 0, arrived = 0; /* 1: M is singular to round-off already */
     memcpy(y, it->q, n_q * sizeof *y);
     memcpy(y + n_q, it->v, n * sizeof *y);
     memcpy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m * sizeof *g);
@@ -136,7 +135,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         pk_real least = PK_C(1.0), most = PK_C(1.0);
         if (last)
             s = whole - at;
-        int good = 1; /* a step may end as far beyond a centre as it began before */
+        int good = 1; /* also checked at mid-step, for steps through a centre */
         for (int half = 1; good && half <= 2; half++) {
             pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);
             good = near(m, g, g1, &least, &most);

@@ -45,14 +45,14 @@ size_t pk_splitting_size(const struct pk_method *method, const struct pk_problem
                          size_t n);
 size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n);
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table);
-/* Return the tableau of an explicit Runge-Kutta method (of fixed steps: the second), or NULL. */
+/* Return the tableau of an explicit Runge-Kutta method or NULL; the second of fixed steps only. */
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
 const struct pk_tableau *pk_erk_table(const struct pk_method *method);
 /* Returns the acceleration at the start or end of an adaptive explicit method's last step, or
  * NULL. */
 const pk_real *pk_embedded_acceleration(struct pk_integrator *it, int end);
 
-/* Computes the s + 1 coefficients of R(z) = sum c_k z^k, a step of u' = u. Returns s. */
+/* Computes the s + 1 coefficients of R(z) = sum c_k z^k for u1 = R(h) u0, u' = u. Returns s. */
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
 size_t pk_gauss_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);

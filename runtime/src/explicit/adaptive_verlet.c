@@ -28,7 +28,7 @@
 struct kept {
     pk_real eps, floor, given, direction;
     pk_real rho, t, t_low; /* density of steps, time, and low part of the time at the base */
-    int planned, whole;    /* the step from the base has been planned; it has been made */
+    int planned, whole;    /* flags: the step from the base is planned; it has been made */
     pk_real length, rho_next, end, end_low;
 };
 
@@ -44,7 +44,7 @@ static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
     /* clang-format off */
     const struct pk_slot slots[] = {
         {&kept, PK_REALS_OF(struct kept)}, {&w->base, 2 * (n_q + n)}, {&w->a, n}, {&w->a_q, n * n},
-        {&w->a_v, n * n}, {&w->a_t, n}, {&w->linear, n * n + n}}; /* no inputs */
+        {&w->a_v, n * n}, {&w->a_t, n}, {&w->linear, n * n + n}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     w->kept = (struct kept *)(void *)kept;
@@ -123,7 +123,7 @@ static enum pk_status init(struct pk_integrator *it)
     return begin(it, &w);
 }
 
-/* drift() moves from the base to mid-step; then follow a kick of both halves and a drift. */
+/* A step from the base: drift() to mid-step, a kick of both halves, a drift. */
 static void drift(const struct pk_integrator *it, const struct work *w, pk_real first, pk_real *to)
 {
     const size_t n_q = it->n_q;
@@ -168,7 +168,7 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     return PK_DONE;
 }
 
-/* Makes a step from the base; with kept->length it belongs to the sequence. */
+/* Makes a step of any length from the base. The sequence continues only after kept->length. */
 static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
                             pk_real *to)
 {

@@ -1,6 +1,5 @@
 /* Boris's splitting, for forces affine in the rates, M a = g(q, t) + C(q, t) v, such as magnetic
- * ones: half a drift, a kick by the implicit midpoint rule for v at constant q, half a drift. The
- * kick
+ * ones: half a drift, a kick of v by the implicit midpoint rule, half a drift. The kick
  *
  *     (M - h/2 C) (v' - v) = h M a(q, t, v),
  *

@@ -16,11 +16,12 @@
 #include "../core/double_double.h"
 #include "../core/tableau.h"
 
-enum { KEPT = 2 }; /* stored step sizes: the usual one, and the shorter last one of an interval */
+enum { KEPT = 2 }; /* stored step sizes: the usual one, and that of shorter last steps */
 
 struct work {
     size_t n;
-    pk_real *h, *last, *zero, *B, *norm; /* last: index of the step size used last; zero: n rates */
+    pk_real *h, *last, *zero, *B, *norm; /* last: index of the step size used last; zero: n
+                                            rates, mostly 0 */
     pk_real *drifts[KEPT];               /* for each stage Phi and D, and their low parts */
     struct pk_pairs L, E;
     pk_real *room;
@@ -146,7 +147,7 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
     pk_real *v = w->room, *dv = v + n;
     pk_kick_drift(n, n, kappa, a, 0, from, to);
     memcpy(v, to + n, n * sizeof *v);
-    for (int row = 0; row < 2; row++) { /* row 0: q, row 1: v */
+    for (int row = 0; row < 2; row++) { /* row = 0: q, row = 1: v */
         memset(dv, 0, n * sizeof *dv);
         pk_add_product(dv, of + (size_t)(2 + row) * nn, v, n);
         pk_add_product(dv, of + (size_t)row * nn, v, n);

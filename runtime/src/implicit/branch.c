@@ -1,41 +1,42 @@
 /* Certifies which solution of the stage equations G(V; h) = 0 was found. There may be several: the
  * midpoint rule on a pendulum at rest upright has one while h omega <= 2, three at 2.01, seven at
  * 6. All of them satisfy the equations, so no residual distinguishes them. The intended solution is
- * on the branch of short steps: at h = 0 it is V_i = v0, with M as Newton's matrix, and the branch
- * continues in h while that matrix J is regular. Three tests, the cheapest first:
+ * on the branch of short steps: at h = 0 it is V_i = v0, where Newton's matrix J is M, and the
+ * branch continues in h as long as J is regular. There are three tests, the cheapest first:
  *
- * 1. A fixed-point iteration would contract, |M^-1 (J - M)| <= .9, or .5 if J is kept from an
- *    earlier step: both with the derivatives at the stages and with those of the last step or of
- *    the start (pk_gauss_contraction). This costs nothing where the matrix is kept, and holds while
+ * 1. A fixed-point iteration would contract: |M^-1 (J - M)| <= .9, or .5 if J is reused from an
+ *    earlier step, both with the derivatives at the stages and with those of the last step or at
+ *    the start (pk_gauss_contraction). This costs nothing if the matrix is reused, and holds for
  *    h omega < 1 to 1.4.
- * 2. Frozen at the stages, J(tau h) is regular for 0 <= tau <= 1, and J is close to J with the
- *    derivatives of the start and to the average of J on the way from the start. Two matrices are
- *    connected if |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1: all between them are regular then. The
- *    sign of a determinant does not show that, since two eigenvalues may change sign at once.
- *    Convex stiffness passes in one leap or in several, with band matrices without: see bounded().
- * 3. The solution is followed from tau = 0 with the same test from point to point, and taken if it
- *    reaches tau = 1. If it does not, there is a fold or a crossing: PK_AMBIGUOUS_STEP.
+ * 2. With the derivatives at the stages, J(tau h) is regular for 0 <= tau <= 1, and J is close both
+ *    to J with the derivatives at the start and to the average of J over the straight path from v0
+ *    to V. Two matrices are connected if |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1: then all
+ *    matrices between them are regular. The sign of a determinant does not show that, since two
+ *    eigenvalues may change sign at once. The range of tau is covered by one or several such pairs;
+ *    for a convex potential with band matrices see bounded().
+ * 3. The solution is continued from tau = 0 in small steps, with the same test between successive
+ *    points, and accepted if it reaches tau = 1. If not, there is a fold or a crossing of branches:
+ *    PK_AMBIGUOUS_STEP.
  *
  * Derivatives are sampled at the stages, so this is no proof over all states between them. The
- * norms are those of pk_gauss_norm, so that units do not matter. Where derivatives are a band,
+ * norms are those of pk_gauss_norm, so that units do not matter. If derivatives are band matrices,
  * J1^-1 J2 is dense: twice the spectral radius of J1^-1 J2 - I, by a power iteration, replaces its
  * norm. A radius below 1 suffices for all matrices from J1 to J2 to be regular.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.14 (existence
- * and uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation).
- */
+ * and uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation). */
 #include <string.h>
 
 #include "gauss.h"
 
-#define REGULAR PK_C(0.95) /* bound of the norms above, which must be < 1 */
-#define STRAIGHT PK_C(0.5) /* bound for the average over the path from v0, which bends */
-#define LASTING PK_C(0.3)  /* change from start to stages below which later steps are as certain */
+#define REGULAR PK_C(0.95) /* bound of the norms in tests 2 and 3; regularity needs < 1 */
+#define STRAIGHT PK_C(0.5) /* bound for the average over the straight path from v0 */
+#define LASTING PK_C(0.3)  /* a smaller change of derivatives certifies later steps too */
 #define LEAST_LEAP PK_C(1e-4)
-#define NEWTON_RATE PK_C(0.25) /* first rate of Newton from a good prediction */
+#define NEWTON_RATE PK_C(0.25) /* usual first convergence rate of Newton's method */
 enum { MOST_POINTS = 400 };
 
-/* Returns |J1^-1 J2 - I|, J1 factored in w->lu. */
+/* Returns |J1^-1 J2 - I|, where J1 is factored in w->lu. */
 static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, pk_real tau)
 {
     const size_t m = w->s * w->places;
@@ -61,8 +62,8 @@ static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_re
     return pk_band_factor(&w->lu);
 }
 
-/* Whether all matrices between J1(tau1), factored in w->lu, and J2(tau2) are regular. If so, w->lu
- * becomes J2 factored; if not, it is undefined. */
+/* Returns whether all matrices between J1(tau1), factored in w->lu, and J2(tau2) are regular. If
+ * so, w->lu is J2 factored; if not, it is undefined. */
 static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J1,
                 size_t stride1, pk_real tau1, const pk_real *J2, size_t stride2, pk_real tau2)
 {
@@ -72,7 +73,7 @@ static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real
     return near || apart(w, J1, stride1, tau1) < REGULAR;
 }
 
-/* Symmetrises a matrix; returns its largest asymmetry relative to its largest entry. */
+/* Makes a matrix symmetric; returns its largest asymmetry relative to its largest entry. */
 static pk_real symmetrise(const struct pk_gauss_work *w, pk_real *numbers)
 {
     const struct pk_band A = pk_gauss_band(w, numbers);
@@ -87,11 +88,11 @@ static pk_real symmetrise(const struct pk_gauss_work *w, pk_real *numbers)
     return off / most;
 }
 
-/* Whether J(tau h) of one set of derivatives is regular for 0 <= tau <= 1, by a theorem: with p_q =
- * 0, K = -pdot_q symmetric, K >= -mu M and C = -(pdot_v + pdot_v^T)/2 >= -nu M, a linear motion
- * grows in the norm q.(K + 2 mu M) q + v.M v by exp((sqrt(mu) + nu) t) at most, and the equations
- * of a step are solvable where (sqrt(mu) + nu) h < .5, which is below the limits of the Gauss and
- * Radau tableaus. Hairer, Wanner II, Theorem IV.14.4, (14.24), (14.25). */
+/* Returns whether J(tau h) with one set of derivatives is regular for 0 <= tau <= 1, by a theorem:
+ * if p_q = 0, K = -pdot_q symmetric, K >= -mu M and C = -(pdot_v + pdot_v^T)/2 >= -nu M, a linear
+ * motion grows in the norm q.(K + 2 mu M) q + v.M v by exp((sqrt(mu) + nu) t) at most, and the
+ * equations of a step are solvable if (sqrt(mu) + nu) h < .5, which is below the limits of the
+ * Gauss and Radau tableaus. Hairer, Wanner II, Theorem IV.14.4, (14.24), (14.25). */
 static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
 {
     const size_t nn = w->nn;
@@ -115,12 +116,12 @@ static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
     return pk_gauss_mass_factor(w, w->M) == 0;
 }
 
-/* First part of the second test, for the derivatives in w->jacobian; leaves J(h) in w->lu. */
+/* The first part of test 2, for the derivatives in w->jacobian; leaves J(h) factored in w->lu. */
 static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * w->nn;
     pk_real at = 0, step = 1;
-    if (pk_finite(w->kept->contraction)) /* else it is not known */
+    if (pk_finite(w->kept->contraction)) /* if the contraction bound is known */
         step /= PK_F(sqrt)(pk_max(w->kept->contraction, PK_C(1.0)));
     if (!w->pattern.dense && bounded(w, w->start_J, it->own->h))
         return factor(it, w, w->jacobian, stride, 1);
@@ -140,9 +141,9 @@ static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
     return at >= 1;
 }
 
-/* Whether J, factored in w->lu, is near its average over the straight path from v0 to V, by G(V) -
- * G(v0) = (average of J) (V - v0). Only this test detects a distant solution beyond a fold.
- * Restores V, Q, P, F and G. */
+/* Returns whether J, factored in w->lu, is near its average over the straight path from v0 to V,
+ * using G(V) - G(v0) = (average of J) (V - v0). Only this test detects a distant solution beyond a
+ * fold. Restores V, Q, P, F and G. */
 static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, m = w->s * n, read = pk_gauss_read(w);
@@ -164,7 +165,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
-/* Checks that M is positive definite at the stages; at the ends it is checked anyway. */
+/* Checks that M is positive definite at the stages; other checks cover the ends of the step. */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     const size_t n_q = it->n_q, n = it->n;
@@ -179,8 +180,8 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
     return PK_DONE;
 }
 
-/* Computes the next point of the solution followed, a step of `to` h predicted from the last two
- * points. PK_DONE if it is found and all matrices on the way are regular. */
+/* Computes the next point of the continued solution, a step of `to` h, predicted from two points.
+ * Returns PK_DONE if it is found and all matrices up to it are regular. */
 static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h,
                               pk_real was, pk_real at, pk_real to)
 {
@@ -290,7 +291,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
         it->reason.kind = PK_BY_FIXED_POINT;
         if (!pk_gauss_iterate(it, w, PK_BY_MASS))
             return PK_NO_CONVERGENCE;
-        /* If it contracted all the way, this is the solution nearest the guess. */
+        /* If all iterations contracted, this is the solution nearest to the guess. */
         w->kept->contraction = w->kept->worst_rate <= PK_GAUSS_FAST ? 0 : PK_INFINITY;
         return pk_gauss_certify(it, w);
     }
@@ -299,7 +300,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
     for (size_t i = 0; i < w->s; i++)
         memcpy(w->V + i * n, it->v, n * sizeof *w->V);
     if (!pk_gauss_residual(it, w))
-        return PK_NOT_FINITE; /* even at the safest guess, v0 */
+        return PK_NOT_FINITE; /* V = v0 is the safest guess */
     const int converged = pk_gauss_iterate(it, w, PK_FULL);
     it->own->flags &= ~PK_HAVE_LU;
     return converged ? pk_gauss_certify(it, w) : follow_from_start(it, w);

@@ -1,19 +1,20 @@
-/* Collocation of s stages: Gauss, order 2 s; Radau IIA, 2 s - 1, L-stable and stiffly accurate (the
- * last stage is the end of the step); Lobatto IIIA, 2 s - 2 (its symplectic pair of 2 stages is
- * Verlet for a separable system). Nodes are the roots of the derivatives
+/* Tables of collocation methods with s stages: Gauss, order 2 s; Radau IIA, order 2 s - 1, L-stable
+ * and stiffly accurate (the last stage is the end of the step); Lobatto IIIA, order 2 s - 2 (for s
+ * = 2 the pair IIIA-IIIB is Verlet if the system is separable). Nodes are the roots of the
+ * derivatives
  *
  *     Gauss  d^s (x (x-1))^s    Radau  d^(s-1) x^(s-1) (x-1)^s    Lobatto  d^(s-2) (x (x-1))^(s-1)
  *
- * and weights the integrals of the Lagrange polynomials, in 60 digits (mpmath). a_ij are their
- * integrals up to c_i: by Legendre polynomials, which are also orthogonal in sums over the nodes,
+ * and weights the integrals of the Lagrange polynomials, in 60 digits (mpmath). a_ij are the
+ * integrals of these polynomials up to c_i. With Legendre polynomials, which are also orthogonal in
+ * sums over the nodes,
  *
  *     mu_ij = a_ij / b_j = sum_k P_k(c_j) int_0^c_i P_k / sum_l b_l P_k(c_l)^2.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5 (Table 5.6,
  * W-transformation); J. C. Butcher, Math. Comp. 18 (1964) 50; O. Axelsson, BIT 9 (1969) 185; B. L.
  * Ehle (1969); G. Sun, J. Comput. Math. 11 (1993) 365; L. Jay, SIAM J. Numer. Anal. 33 (1996) 368;
- * E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3-4, II.2.2.
- */
+ * E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3-4, II.2.2. */
 #include <string.h>
 
 #include "../core/tableau.h"
@@ -84,7 +85,7 @@ void pk_collocation(const struct pk_gauss *table, pk_real *c, pk_real *b, pk_rea
             for (int j = 0; j < s; j++)
                 mu[i * s + j] += integral[i][k] * P[j][k] / square;
     }
-    for (int i = 0; i < s && !table->c; i++) { /* a pair sums to 1, to the bit */
+    for (int i = 0; i < s && !table->c; i++) { /* conjugate numbers sum to 1 exactly */
         mu[i * s + i] = PK_C(0.5);
         for (int j = 0; j < i; j++)
             mu[j * s + i] = 1 - mu[i * s + j];
@@ -99,7 +100,7 @@ void pk_gauss_make_matrices(struct pk_gauss_matrices *M)
     memset(M, 0, sizeof *M);
     for (int l = 0; l < S; l++) {
         pk_legendre(c[l], c[S - 1 - l], S, P, I[l]);
-        I[l][S] = 0; /* the polynomial through these integrals at the nodes has no P_8 */
+        I[l][S] = 0; /* the interpolant of degree 7 has no term P_8 */
         for (int k = 0; k < S; k++)
             M->powers[k * S + l] = k ? M->powers[(k - 1) * S + l] * c[l] : 1;
     }

@@ -2,36 +2,34 @@
  *
  *     x = (q, v, 1),   x' = x L  (a row),   L = (0 A' 0; 1 B' 0; 0 c 0),
  *
- * with a 1 for each coordinate, none for states,
+ * with a 1 for each coordinate but not for first-order variables,
  *
- * a step is x exp(h L), a row times a matrix that is computed once per step size.
- *
- * Both have twice the working precision. The error of the matrix is the same in each step, so that
- * the motion would err by it times the number of steps; the round-off of the sum has no sign, but
- * would grow like the root of that number. One rounding of the coefficients remains. The
+ * a step is x exp(h L), a row times a matrix that is computed once per step size. Matrix and state
+ * have twice the working precision, since the error of the matrix is the same in each step and
+ * accumulates in proportion to the number of steps, and the random round-off of the state like the
+ * square root of that number. Only the coefficients are rounded to working precision. The
  * coefficients come from the kernels M and `linear`, with M x = r refined to twice the precision
- * (an error of c only moves the equilibrium); or from accelerations, where a family is kept as
- * loops or is too large for `linear`.
+ * (an error of c only moves the equilibrium); or from accelerations, if the system has a variable
+ * size or is too large for `linear`.
  *
  * L is balanced by powers of two. Its norm, and the number of squarings, then depend on the fastest
  * motion and not on units. References: double_double.c for the exponential; B. N. Parlett, C.
  * Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and Stability of
- * Numerical Algorithms, 12, for refinement.
- */
+ * Numerical Algorithms, 12, for refinement. */
 #include <string.h>
 
 #include "../core/double_double.h"
 #include "../core/tableau.h"
 
 #define ALONE PK_C(0x1p20)
-enum { KEPT = 2 }; /* matrices kept: of the step, and of the shorter last step of an interval */
+enum { KEPT = 2 }; /* stored matrices: for the step, and for the shorter last step of an interval */
 
 struct work {
     size_t n_q, n, m; /* m = n_q + n + 1 */
     struct pk_pairs L, E[KEPT], x, y;
-    struct pk_pairs series;           /* Taylor series in the piece of the last output */
-    pk_real *piece, *at;              /* length and number of that piece of the step */
-    pk_real *scale, *norm, *h, *last; /* balancing; norm of L; h of each E; last E used */
+    struct pk_pairs series;           /* Taylor series for dense output in a piece of the step */
+    pk_real *piece, *at;              /* length and number of this piece */
+    pk_real *scale, *norm, *h, *last; /* balancing; norm of L; h of each E; index of the last E */
     pk_real *room;
 };
 
@@ -73,7 +71,7 @@ static struct work work_of(const struct pk_integrator *it)
     return w;
 }
 
-/* Solves M y = r, y = hi + lo, with M = L D L^T factored: y is a column of L's middle block. */
+/* Solves M y = r with iterative refinement, M = L D L^T factored; y = hi + lo. */
 static void refined(const struct work *w, const pk_real *M, const pk_real *factors,
                     const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
 {
@@ -115,8 +113,8 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     return PK_DONE;
 }
 
-/* Sets L from accelerations at multiples of unit vectors, so long that c is below the round-off of
- * a: the difference has no more round-off than a. */
+/* Computes L from accelerations at multiples of unit vectors so large that c is below the round-off
+ * of a: then the differences have no more round-off than a. */
 static enum pk_status from_accelerations(struct pk_integrator *it, const struct work *w)
 {
     const size_t n_q = w->n_q, n = w->n, m = w->m;
@@ -134,8 +132,8 @@ static enum pk_status from_accelerations(struct pk_integrator *it, const struct 
     return status;
 }
 
-/* Balances L: it becomes S^-1 L S, S = diag(scale) of powers of two, with rows and columns of equal
- * size and the last row, c, no larger. Returns its norm. */
+/* Balances L: replaces it by S^-1 L S, S = diag(scale) of powers of two, with rows and columns of
+ * equal size and the last row, c, no larger. Returns its norm. */
 static pk_real balance(const struct work *w)
 {
     const size_t m = w->m;
@@ -159,7 +157,7 @@ static pk_real balance(const struct work *w)
                     f /= 2;
                 if (!((column + row) / f < PK_C(0.95) * before))
                     continue;
-            } else if (first) { /* uncoupled on one side: any scale will do */
+            } else if (first) { /* a zero row or column: any scale is valid */
                 f = row > 0 ? ALONE : 1 / ALONE;
             } else {
                 continue;
@@ -207,7 +205,7 @@ static enum pk_status exponential_init(struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* Finds the kept exp(h L) of this step, or computes it in place of the one unused longest. */
+/* Finds the stored exp(h L) of this step, or replaces the least recently used matrix by it. */
 static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_real h, int *which)
 {
     const size_t m = w->m;
@@ -240,7 +238,7 @@ static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_
 static void load(const struct work *w, const pk_real *state)
 {
     const size_t m = w->m - 1, bytes = m * sizeof *state;
-    memcpy(w->x.hi, state, bytes); /* q and v are adjacent, their low parts too */
+    memcpy(w->x.hi, state, bytes); /* q and v are contiguous, and so are their low parts */
     memcpy(w->x.lo, state + pk_state_offset(w->n_q, w->n, PK_LOW_Q), bytes);
     w->x.hi[m] = 1;
     w->x.lo[m] = 0;
@@ -261,7 +259,7 @@ static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-/* Sums the series from the start of the last step, piece by piece, without a matrix. */
+/* Sums the Taylor series from the start of the last step, piece by piece, without the matrix. */
 static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct work w = work_of(it);
@@ -293,7 +291,7 @@ static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_
     return status;
 }
 
-/* Returns half a period of the fastest motion: the norm bounds all frequencies and rates. */
+/* Returns half a period of the fastest motion: the norm of L bounds frequencies and rates. */
 static pk_real exponential_resolved(const struct pk_integrator *it)
 {
     return PK_PI / *work_of(it).norm;

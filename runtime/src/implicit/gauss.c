@@ -7,26 +7,27 @@
  *     q1  = q0 + h sum b_i V_i,   p1 = p0 + h sum b_i pdot_i,   v1 from p(q1, v1, t1) = p1
  *
  * This is the method for Hamilton's equations (with forces), since V = dH/dp and pdot = -dH/dq
- * there. It is symplectic where a^_ij = b_j (1 - a_ji / b_i), the conjugate of a, for every L,
- * M(q, v) included: Gauss with a^ = a, Lobatto with IIIA for q and IIIB for p. The zero row of IIIA
- * makes Q_1 = q0, the zero column of IIIB leaves pdot_s out of the stages; each V_i is still
- * determined, since dG_i/dV_i is M at h = 0. Radau has a^ = a, its last stage is the end of the
- * step, and it damps fast motion. p is the state carried from step to step; v1 is recovered and
- * errs by round-off alone. The products h b_i are made so that they sum to h, and mu_ij + mu^_ji =
- * 1 exactly; both sums are compensated. This file makes the step; newton.c solves the equations.
+ * there. It is symplectic where a^_ij = b_j (1 - a_ji / b_i), the conjugate of a, for every L, M(q,
+ * v) included: Gauss with a^ = a, Lobatto with IIIA for q and IIIB for p. The first row of IIIA is
+ * zero, so Q_1 = q0; the last column of IIIB is zero, so no stage depends on pdot_s; each V_i is
+ * still determined, since dG_i/dV_i is M at h = 0. Radau has a^ = a, its last stage is the end of
+ * the step, and it damps fast motion. The state at the end of a step is (q, p); v1 is computed from
+ * p1 and has only round-off errors. The products h b_i sum to h exactly, and mu_ij + mu^_ji = 1
+ * exactly; the sums for q1 and p1 are compensated. This file makes the step; newton.c solves the
+ * equations.
  *
- * gauss8 evaluates the stages of a separable system in the lanes of one kernel: gauss_nystrom.c.
+ * For a separable system gauss8 evaluates the stages in the SIMD lanes of one kernel:
+ * gauss_nystrom.c.
  *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3,
  * II.2, VI.4, VIII.6; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8;
- * M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861.
- */
+ * M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861. */
 #include <string.h>
 
 #include "gauss.h"
 
-/* Row i holds the weights that extrapolate from the last step's stages and its end (nodes c_j and
- * 1) to 1 + c_i h / last_h; from the stages alone where the last one is the end. */
+/* Row i has the weights that extrapolate from the last step's stages and its end (nodes c_j and 1)
+ * to 1 + c_i h / last_h; if the last stage is the end, from the stages only. */
 static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
 {
     const size_t s = w->s, nodes = w->c[s - 1] < 1 ? s + 1 : s;
@@ -65,8 +66,8 @@ void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w)
         }
 }
 
-/* Solves p(q, v, t) = p for v, starting at v: Newton with M, one linear solve where p is affine in
- * v. */
+/* Solves p(q, v, t) = p for v, starting at v: Newton's method with matrix M, one linear solve if p
+ * is affine in v. */
 static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_gauss_work *w,
                                     pk_real t, const pk_real *q, const pk_real *p, pk_real *v)
 {
@@ -99,7 +100,7 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
         if (once || size <= PK_EPS * scale)
             return PK_DONE;
         if (count && size >= before / 2 && size <= PK_GAUSS_ROUND * scale)
-            return PK_DONE; /* corrections no longer shrink: they are round-off */
+            return PK_DONE; /* corrections at round-off no longer decrease */
         before = size;
     }
     return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.kind = PK_OF_RATES, .value = before));
@@ -116,8 +117,9 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = it->own->h;                        /* too long for fixed-point iteration */
-        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* it was the low part of v, not of p */
+        w.kept->slow_h = it->own->h;                        /* the step is too long for
+                                                               fixed-point iteration */
+        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* it held the low part of v */
         it->own->flags = 0;
     }
     pk_gauss_predict(it, &w);
@@ -151,7 +153,7 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
         return PK_NOT_FINITE;
     if (w->c[s - 1] < 1 || w->table->conjugate)
         PK_TRY(recover_rates(it, w, it->own->next_t, q, p, v));
-    else /* p0 + h sum b_i pdot_i would multiply the error of V by a stiff h pdot_v */
+    else /* p0 + h sum b_i pdot_i would amplify the error of V by a stiff h pdot_v */
         memcpy(p, w->P + (s - 1) * n, n * sizeof *p), memset(low_p, 0, n * sizeof *p);
     if (!pk_all_finite(v, n))
         return PK_NOT_FINITE;

@@ -22,7 +22,7 @@ static enum pk_status init(struct pk_integrator *it)
         pk_gauss_dense_init(it);
         it->own->made = 1;
     }
-    /* Stage rates are not computed where nothing depends on rates, but kernels get them. */
+    /* Stage rates are not computed if nothing depends on them, but are passed to kernels. */
     memset(w.v, 0, it->n * PK_GAUSS_S * sizeof *w.v);
     return PK_DONE;
 }

@@ -1,21 +1,21 @@
 /* Dense output of the adaptive Gauss method, as accurate as the step. The polynomial through its 8
- * stages is less accurate (1e-9 inside a step whose end errs by 1e-13), but a good guess: at first
- * use it is refined, over the same step, to collocation at 16 nodes,
+ * stages is less accurate (1e-9 within a step with an error of 1e-13 at its end), but a good first
+ * guess. At the first use it is refined, over the same step, to collocation at 16 nodes,
  *
  *     a(x) = sum_k<16 alpha_k P_k(2 x - 1),   v = v0 + h int a,   q = q0 + h int v,
  *
- * by Picard iteration: q and v at the nodes, two calls of the lane kernel, new alpha. Each output
- * is then a sum of Legendre polynomials. Their integrals: int P_k = (P_k+1 - P_k-1) / (2 (2 k + 1))
- * on [0, 1].
+ * by Picard iteration: q and v at the nodes, two calls of the lane kernel, then new alpha. Each
+ * output is then a sum of Legendre polynomials. Their integrals: int P_k = (P_k+1 - P_k-1) / (2 (2
+ * k + 1)) on [0, 1].
  *
- * The iteration contracts while h times the fastest frequency is below about 15, even if the motion
- * does not show that frequency. Steps of a long chain are longer: their few iterations end before
- * the round-off that they amplify reaches the tolerance. Such a step is output in pieces, each a
- * collocation that starts where the last one ended, halved until the iteration contracts.
+ * The iteration contracts while h times the fastest frequency is below about 15, even if that
+ * frequency is not excited. Steps of a long chain may be longer, since the iteration of the step
+ * ends before the round-off that it amplifies reaches the tolerance. Such a step is divided into
+ * pieces with a collocation each, which starts at the end of the last one; pieces are halved until
+ * the iteration contracts.
  *
  * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.7,
- * for collocation.
- */
+ * for collocation. */
 #include <string.h>
 
 #include "gauss_dense.h"
@@ -26,17 +26,17 @@
 
 enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
 
-/* The shortest piece, in steps. */
+/* length of the shortest piece relative to the step */
 #define LEAST PK_C(0x1p-10)
 
-/* Work arrays behind those of the step. */
+/* Work arrays after those of the step. */
 struct parts {
     pk_real *node, *weight;
-    pk_real *P, *to_alpha;  /* P_k at the nodes, by k; matrix from a at the nodes to alpha */
-    pk_real *q, *v, *a, *b; /* at nodes: 2 halves of n (q: n_q) by 8; b: the last a */
-    pk_real *series;        /* n by 3 TERMS coefficients: of a, v, q */
+    pk_real *P, *to_alpha;  /* P_k at the nodes, row k; matrix that maps a at the nodes to alpha */
+    pk_real *q, *v, *a, *b; /* at the nodes: 2 halves of n by 8 (q: n_q by 8); b: previous a */
+    pk_real *series;        /* n by 3 TERMS coefficients, for a, v and q */
     pk_real *from;          /* q and v at the start of the piece */
-    pk_real *at, *width;    /* start and length of the piece, in steps */
+    pk_real *at, *width;    /* start and length of the piece relative to the step */
 };
 
 static size_t lay_out(struct parts *d, size_t n_q, size_t n, pk_real *base)
@@ -64,7 +64,7 @@ static struct parts parts_of(struct pk_integrator *it)
     return d;
 }
 
-/* Returns node l of the piece, in steps. */
+/* Returns node l of the piece relative to the step. */
 static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * d->node[l]; }
 
 void pk_gauss_dense_init(struct pk_integrator *it)
@@ -81,7 +81,7 @@ void pk_gauss_dense_init(struct pk_integrator *it)
     }
 }
 
-/* Integrates a Legendre series of `count` terms from 0: h times the integral, plus at0. */
+/* Integrates a Legendre series of `count` terms: at0 + h times the integral from 0. */
 static void integrate(const pk_real *from, int count, pk_real h, pk_real at0, pk_real *to)
 {
     pk_real start = 0;
@@ -115,7 +115,7 @@ static enum pk_status evaluate(struct pk_integrator *it, const struct pk_gauss_l
     return generic_gauss_evaluate(it, t, d->q + of_q, d->v + first, w->u, d->a + first);
 }
 
-/* Sets a at the nodes from the polynomial through the stages (Taylor coefficients at the end). */
+/* Sets a at the nodes from the Taylor polynomial through the stages. */
 static void begin(struct pk_integrator *it, const struct pk_gauss_lanes *w, const struct parts *d)
 {
     for (size_t i = 0; i < it->n; i++)
@@ -150,7 +150,7 @@ static void collocate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
     }
 }
 
-/* Refines one piece. Returns PK_NO_CONVERGENCE as soon as corrections do not shrink. */
+/* Refines one piece. Returns PK_NO_CONVERGENCE as soon as corrections do not decrease. */
 static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                              const struct parts *d)
 {
@@ -186,7 +186,7 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
     return PK_NO_CONVERGENCE;
 }
 
-/* Evaluates the series of the piece at x, 0 to 1. */
+/* Evaluates the series of the piece at x, 0 <= x <= 1. */
 static void values(const struct parts *d, size_t n_q, size_t n, pk_real x, pk_real *q, pk_real *v)
 {
     pk_real P[TERMS];
@@ -203,8 +203,8 @@ static void values(const struct parts *d, size_t n_q, size_t n, pk_real x, pk_re
     }
 }
 
-/* Advances to the piece that holds x, in steps; begins again at the first if x lies before the
- * piece. */
+/* Advances to the piece that contains x (relative to the step); restarts at the first piece if x is
+ * before the current one. */
 static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                             const struct parts *d, pk_real x)
 {
@@ -240,7 +240,7 @@ enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, p
     const struct pk_gauss_lanes w = pk_gauss_lanes(it, n_q, n, it->own->work);
     const struct parts d = parts_of(it);
     const pk_real x = (t - it->last_t) / *w.h;
-    /* At the start of the step, its state to the bit. */
+    /* Returns exactly the state at the start of the step. */
     if (!(t > it->last_t) && !(t < it->last_t)) {
         memcpy(q, w.start, n_q * sizeof *q);
         memcpy(v, w.start + n_q, n * sizeof *v);

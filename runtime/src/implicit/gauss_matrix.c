@@ -3,19 +3,18 @@
  *     dG_i/dV_j = delta_ij M + h (a_ij p_q - a^_ij pdot_v) - h^2 sum_r a^_ir a_rj pdot_q
  *
  * with the derivatives at the stages: M and p_q at i, pdot_v at j, pdot_q at r; or in large systems
- * all at their mean, where the error of freezing is of second order in h.
+ * all at the mean of the stages, with an error of second order in h.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8; for the norm,
- * R. S. Varga, Matrix Iterative Analysis, 2.1 (Collatz, Wielandt).
- */
+ * R. S. Varga, Matrix Iterative Analysis, 2.1 (Collatz, Wielandt). */
 #include <string.h>
 
 #include "gauss.h"
 
-#define SMALL (PK_GAUSS_SURE / 4) /* a norm below this needs no sharper bound */
-#define LITTLE PK_C(0.8)          /* gain below which many turns end */
+#define SMALL (PK_GAUSS_SURE / 4) /* a bound below this is good enough */
+#define LITTLE PK_C(0.8)          /* iteration ends if a bound is not reduced by this factor */
 #define TINY PK_F(sqrt)(PK_EPS)
-#define SURELY_BELOW PK_C(0.2) /* three such growths decide whether a radius is < .5 */
+#define SURELY_BELOW PK_C(0.2) /* three smaller growth factors prove a radius < .5 */
 #define SURELY_ABOVE PK_C(1.5)
 enum { MOST_TURNS = 16, TURNS = 16 };
 
@@ -62,7 +61,7 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it)
     return it->own->flags & PK_HAVE_LU && w.pattern.dense ? w.lu.corner : NULL;
 }
 
-/* Computes y >= |M^-1 X| x: |M^-1| <= (comparison matrix)^-1, factored in w->M. */
+/* Computes y >= |M^-1 X| x with |M^-1| <= (comparison matrix)^-1, which is factored in w->M. */
 static void add_sizes(const struct pk_gauss_work *w, const pk_real *M, const pk_real *x, pk_real *y)
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border, s = w->s;
@@ -90,7 +89,7 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
         pk_real most = 0, sum = 0;
         add_sizes(w, M, x, y);
         for (size_t i = 0; i < m; i++) {
-            if (!(y[i] <= most * x[i])) /* so that NaN gets through */
+            if (!(y[i] <= most * x[i])) /* written so that a NaN is not lost */
                 most = y[i] / x[i];
         }
         if (!pk_finite(most))
@@ -99,8 +98,8 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
         least = pk_min(least, most);
         if (m == 1 || !(most > 0) || (turn >= 5 && !falls))
             break;
-        /* A power step, damped since |X| may be cyclic; lightly, since a row that depends on others
-         * while no row depends on it, as the height of a rolling body, must grow fast. */
+        /* A step of the power iteration, weakly damped: |X| may be cyclic, and x_i must grow fast
+         * if row i depends on others but no row on it, as for the height of a rolling body. */
         for (size_t i = 0; i < m; i++) {
             x[i] += 3 * y[i] / most;
             sum = pk_max(sum, x[i]);
@@ -111,9 +110,9 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
     return least;
 }
 
-/* Returns a bound without a solve: M = D^(1/2) C D^(1/2), D its diagonal; |C^-1| <= e / det C,
- * since the eigenvalues of C > 0 sum to n; the other factors by Frobenius norms and those of the
- * tableau. */
+/* Returns a bound without solving equations: M = D^(1/2) C D^(1/2), D its diagonal; |C^-1| <= e /
+ * det C, since the eigenvalues of C > 0 sum to n; the other factors are bounded by Frobenius norms
+ * and norms of the tableau. */
 static pk_real quick_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                                  const pk_real *J, size_t count)
 {
@@ -174,13 +173,13 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
         pk_band_solve(&w->lu, w->y);
         for (size_t i = 0; i < m; i++) {
             w->y[i] -= w->x[i];
-            if (!(pk_abs(w->y[i]) <= size)) /* so that NaN gets through */
+            if (!(pk_abs(w->y[i]) <= size)) /* written so that a NaN is not lost */
                 size = pk_abs(w->y[i]);
         }
         if (!(size > TINY) || !pk_finite(size))
             return size;
         growth[turn] = size;
-        if (turn >= 4) { /* far from the threshold a few turns are enough */
+        if (turn >= 4) { /* far from the threshold a few iterations suffice */
             const pk_real one = growth[turn - 1], two = growth[turn - 2];
             const pk_real most = pk_max(size, pk_max(one, two));
             const pk_real least = pk_min(size, pk_min(one, two));
@@ -227,8 +226,9 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
         const pk_real norm = w->closed ? PK_INFINITY : contraction(w, J, stride);
         if (pk_finite(norm))
             return norm;
-        /* No bound by norms: M couples too strongly, or, if closed, the matrix at h = 0 is more
-         * than M. Its J^-1 is no band: use the spectral radius of J(0)^-1 J(h) - I. */
+        /* Norms give no bound: M couples too strongly, or, with additional unknowns (`closed`), the
+         * matrix at h = 0 is not only M. M^-1 J is not a band, so the spectral radius of J(0)^-1
+         * J(h) - I is used. */
         it->own->flags &= ~PK_HAVE_LU;
         pk_gauss_matrix(w, J, stride, 0, 1, &w->lu);
         pk_gauss_matrix(w, J, stride, 1, 1, &w->other);
@@ -237,7 +237,7 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
     const pk_real quick = quick_contraction(it, w, J, count);
     if (quick <= PK_GAUSS_SURE || !pk_finite(quick))
         return quick;
-    /* The quick bound is too large by a factor that changes little: it is measured now and then. */
+    /* The quick bound is too large by a factor that changes little and is measured occasionally. */
     const pk_real guess = 2 * w->kept->loose * quick;
     if (w->kept->loose_for > 0 && guess <= PK_GAUSS_SURE) {
         w->kept->loose_for -= 1;

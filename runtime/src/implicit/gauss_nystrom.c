@@ -1,16 +1,15 @@
-/* gauss8 where M is constant and f depends on q and t alone: V and p then differ by constants, so
- * the same method in (q, q') is as symplectic, and its 8 stages are the lanes of one kernel. With
+/* gauss8 for constant M and f that depends only on q and t. Then p = M v + constant, so the same
+ * method in (q, q') is also symplectic, and its 8 stages are the SIMD lanes of one kernel. With
  *
  *     L_j = h b_j a_j,  V_i = v0 + sum mu_ij L_j,  P_j = h b_j V_j,  Q_i = q0 + sum mu_ij P_j
  *
  * (each product h b_j V_j is rounded once: mu2 of the adaptive method would break b_i a_ij + b_j
- * a_ji = b_i b_j by round-off, always the same way). The fixed-point iteration ends when
- * corrections no longer shrink: the remaining error then has no sign. If it does not converge,
+ * a_ji = b_i b_j by round-off that is the same in each step). The fixed-point iteration ends when
+ * corrections no longer decrease: the remaining error is then random. If it does not converge,
  * Newton's iteration takes over; see newton.c.
  *
  * Reference: M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861, 3.3 for the end
- * of the iteration.
- */
+ * of the iteration. */
 #include <string.h>
 
 #include "gauss.h"
@@ -45,7 +44,7 @@ static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
     }
 }
 
-/* Takes over the new a; returns the largest correction relative to the largest a of its
+/* Replaces a by the new a; returns the largest correction relative to the largest a of its
  * coordinate. */
 static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
 {
@@ -54,7 +53,7 @@ static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
         pk_real change = 0, size = PK_TINY;
         for (size_t j = i * PK_GAUSS_S; j < (i + 1) * PK_GAUSS_S; j++) {
             const pk_real d = pk_abs(w->next_a[j] - w->a[j]);
-            if (!(d <= change)) /* so that NaN gets through */
+            if (!(d <= change)) /* written so that a NaN is not lost */
                 change = d;
             size = pk_max(size, pk_abs(w->next_a[j]));
             w->a[j] = w->next_a[j];
@@ -85,15 +84,15 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         PK_TRY(generic_gauss_evaluate(it, y.t, w.q, w.v, w.u, w.next_a));
         const pk_real change = take_over(&w, n);
         if (!pk_finite(change))
-            return PK_NO_CONVERGENCE; /* Newton's iteration decides if it is NaN */
+            return PK_NO_CONVERGENCE; /* Newton's iteration will report a NaN */
         if (change > PK_GAUSS_FAR && count && change > PK_GAUSS_FAST * before) {
-            /* No contraction: Newton's iteration certifies its branch. */
+            /* The iteration does not contract: Newton's iteration certifies the branch. */
             return pk_fail_with(it, PK_NO_CONVERGENCE, PK_WHY(.value = change));
         }
         before = change;
         idle = change < least ? 0 : idle + 1;
         least = pk_min(least, change);
-        /* Corrections of a slow iteration rise and fall, since its eigenvalues are complex. */
+        /* Corrections of a slow iteration oscillate, since its eigenvalues are complex. */
         if (!(change > 0) || (idle > (least <= 16 * PK_EPS ? 1 : 5) && least <= PK_GAUSS_ROUND))
             break;
         if (idle > 9 || count > 200) {

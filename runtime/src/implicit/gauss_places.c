@@ -1,8 +1,7 @@
-/* Matrices and vectors of the implicit methods, ordered by places; see struct pk_pattern. With
- * dense derivatives places are coordinates. In the band of Newton's matrix the stages of a place
- * are adjacent, which keeps the band narrow; in the border, and where all is dense, unknowns go
- * stage by stage.
- */
+/* Matrices and vectors of the implicit methods in the order of unknowns of struct pk_pattern
+ * ("places"). With dense derivatives this is the order of coordinates. In the band of Newton's
+ * matrix the stages of a place are adjacent, which keeps the band narrow; in the border, and if all
+ * is dense, unknowns are in the order of stages. */
 #include <string.h>
 
 #include "gauss.h"
@@ -76,11 +75,11 @@ int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
 {
     const struct pk_band band = pk_gauss_band(w, M);
     for (size_t i = 1; i < w->places && w->pattern.dense && w->places < w->n; i++)
-        memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* shorten its rows */
+        memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* drops columns */
     size_t at = pk_band_ldl_factor(&band, w->pattern.dense ? NULL : w->place);
     if (!at--)
         return 0;
-    while (!w->pattern.dense && at && w->place[at] < 0) /* name the coordinate before it */
+    while (!w->pattern.dense && at && w->place[at] < 0) /* goes back to a coordinate */
         at--;
     return PK_FAILED(PK_FAILURE_MASS, w->pattern.dense   ? at
                                       : w->place[at] < 0 ? 0
@@ -137,14 +136,14 @@ void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *
                              w->jacobian + i * 4 * w->nn);
 }
 
-/* Data of the block of stages i and j in Newton's matrix. */
+/* Data of block (i, j) of Newton's matrix, for stages i and j. */
 struct block {
     const pk_real *Ji, *Jj, *J, *hh;
     size_t s, nn, stride;
     pk_real mass, a, a_p, tau2;
 };
 
-/* Computes entries x, x + 1, ... of a block, into every `apart`-th place of a row of the matrix. */
+/* Computes entries x, x + 1, ... of a block, into every `apart`-th entry of a row of the matrix. */
 static inline void fill(const struct block *b, size_t x, size_t count, pk_real *to, size_t apart)
 {
     const size_t nn = b->nn;

@@ -1,5 +1,4 @@
-/* Shared by the implicit methods in (q, p): their memory, and the tableau times the step size.
- */
+/* The memory of the implicit methods in (q, p), and the tableau multiplied by the step size. */
 #include <string.h>
 
 #include "gauss.h"
@@ -7,7 +6,7 @@
 
 #include <pk/step/gauss_stages.h>
 
-/* Lays out the memory of w, whose table, n_q, n and pattern are set. Returns its pk_reals. */
+/* Assigns the memory of w, whose table, n_q, n and pattern are set. Returns its size. */
 static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
 {
     const size_t n = w->n, s = (size_t)w->table->stages, m = s * n;
@@ -81,7 +80,7 @@ static void make_tables(struct pk_integrator *it, const struct pk_gauss_work *w)
             if (!w->table->conjugate)
                 w->mu_p[i * s + j] = *mu;
             else if (*mu >= PK_C(0.5))
-                *conjugate = PK_C(1.0) - *mu; /* exact, as is the next 1 - x */
+                *conjugate = PK_C(1.0) - *mu; /* 1 - x is exact for .5 <= x <= 1 */
             else
                 *conjugate = PK_C(1.0) - *mu, *mu = PK_C(1.0) - *conjugate;
             w->mu_columns[j * s + i] = *mu;
@@ -106,8 +105,8 @@ enum pk_status pk_gauss_init(struct pk_integrator *it)
     return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Computes h b_i, with the outer two or the last adjusted so that their sum is h; then h a_ij =
- * mu_ij h b_j. */
+/* Computes h b_i, with the first and last, or the last, adjusted so that their sum is h; then h
+ * a_ij = mu_ij h b_j. */
 void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h)
 {
     const size_t s = w->s;

@@ -1,24 +1,23 @@
-/* The stage equations G(V) = 0 of gauss.c, by Newton's method; its matrix is in gauss_matrix.c.
- * Simplified: frozen at the predicted stages, the LU kept over iterations and steps while these
- * converge as fast as at first. If that fails, full Newton from V = v0. Fixed-point iteration uses
- * M alone as matrix and converges for small h only (Gauss: h omega < 2, 3.46, 4.64 for 1, 2, 3
- * stages); divergence is detected, not a count exceeded. branch.c certifies that the solution is
- * the one of short steps.
+/* Solves the stage equations G(V) = 0 of gauss.c by Newton's method; the matrix is computed in
+ * gauss_matrix.c. Simplified Newton iteration uses the matrix at the predicted stages, and reuses
+ * its LU factors in iterations and steps as long as these converge as fast as with a new matrix. If
+ * that fails, full Newton iteration starts from V = v0. Fixed-point iteration uses M as matrix and
+ * converges only for small h (Gauss: h omega < 2, 3.46, 4.64 for 1, 2, 3 stages); its divergence is
+ * detected early. branch.c certifies that the solution is on the branch of short steps.
  *
  * An iteration ends when the next correction is predicted to be far below round-off, on the scale
- * max(|V|, |q|/h) of each coordinate but quadratures; or when corrections are at round-off and no
- * longer shrink. Far below, because the remaining error has a sign: at round-off itself the energy
- * would drift like t, not like sqrt(t) (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008)
- * 231). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8; GNI
- * VIII.6.
- */
+ * max(|V|, |q|/h) of each coordinate except quadratures; or when corrections are at round-off and
+ * no longer decrease. It must be far below, since the remaining error is systematic: with an error
+ * at round-off the energy would drift like t, not like sqrt(t) (E. Hairer, R. McLachlan, A.
+ * Razakarivony, BIT 48 (2008) 231). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential
+ * Equations II, IV.8; GNI VIII.6. */
 #include <string.h>
 
 #include "gauss.h"
 
-/* A product with h b_j is rounded once, and the same number serves the stages and the end of the
- * step; h a_ij rounded on its own would break b_i a^_ij + b_j a_ji = b_i b_j by round-off, always
- * the same way, and the energy would drift. */
+/* A product with h b_j is rounded once, and the same number is used for the stages and the end of
+ * the step. If h a_ij were rounded separately, b_i a^_ij + b_j a_ji = b_i b_j would be violated by
+ * the same round-off in each step, and the energy would drift. */
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n_q = it->n_q, n = it->n, s = w->s;
@@ -50,8 +49,8 @@ int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_all_finite(w->G, s * n);
 }
 
-/* Sizes of the correction G: on each coordinate's own scale, and on a shared one that forgives
- * coordinates at rest among moving ones. */
+/* Computes the size of the correction G relative to each coordinate's own scale, and relative to a
+ * shared scale that tolerates errors of coordinates at rest among moving coordinates. */
 static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w, pk_real *own,
                   pk_real *shared)
 {
@@ -62,7 +61,7 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
     *own = *shared = 0;
     for (size_t k = 0; k < read; k++) {
         pk_real size = 0;
-        for (size_t i = 0; i < w->s; i++) /* written so that NaN gets through */
+        for (size_t i = 0; i < w->s; i++) /* written so that a NaN is not lost */
             if (!(pk_abs(w->G[i * n + k]) <= size))
                 size = pk_abs(w->G[i * n + k]);
         if (size > 0 || !pk_finite(size)) {
@@ -72,8 +71,8 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
     }
 }
 
-/* Set once a step, after the first correction: a scale that grew with a diverging V would hide
- * its divergence. */
+/* Sets the scale once per step, after the first correction: a scale that grew with a diverging V
+ * would hide the divergence. */
 void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 {
     for (size_t k = 0; k < it->n; k++) {
@@ -85,11 +84,11 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
     }
 }
 
-/* Returns the relative change of the derivatives since the last iteration, the largest of their
- * four kinds. */
+/* Returns the relative change of the derivatives since the last iteration, the largest of M, p_q,
+ * pdot_q and pdot_v. */
 static pk_real changed(const struct pk_gauss_work *w)
 {
-    const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn; /* those read */
+    const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn;
     pk_real worst = 0;
     for (size_t kind = 0; kind < 4; kind++) {
         pk_real most = 0, change = 0;
@@ -112,7 +111,7 @@ void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
             pk_gauss_mass_solve(w, w->jacobian, w->G + i * n);
     else
         pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
-    for (size_t k = 0; k < m; k++) { /* G: the change of V as rounded */
+    for (size_t k = 0; k < m; k++) { /* G becomes the change of V after rounding */
         const pk_real before = w->V[k];
         w->V[k] -= w->G[k];
         w->G[k] = before - w->V[k];
@@ -129,8 +128,9 @@ void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work 
         }
 }
 
-/* Whether a slow iteration diverges: the largest correction of 25 is not below that of the 25
- * before. Single ones may rise and fall, since the eigenvalues of h^2 A^2 are complex. */
+/* Returns whether a slow iteration diverges: the largest of 25 corrections is not less than the
+ * largest of the 25 before. Single corrections may oscillate, since the eigenvalues of h^2 A^2 are
+ * complex. */
 static int rising(pk_real size, int count, pk_real *window)
 {
     window[0] = pk_max(window[0], size);
@@ -142,17 +142,18 @@ static int rising(pk_real size, int count, pk_real *window)
     return up;
 }
 
-/* Keeps the matrix for the next step only while that costs no iterations. If it does, the matrix is
- * recomputed for some steps, twice as many each time, before keeping it is tried again. */
+/* Keeps the matrix for the next step unless that needs more iterations than a new matrix. If it
+ * does, the matrix is recomputed for some steps, twice as many each time, before it is kept
+ * again. */
 static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh, int count)
 {
     if (!(it->own->flags & PK_HAVE_STEP)) {
-        it->own->flags |= PK_REFRESH; /* the count of an unpredicted step means nothing */
+        it->own->flags |= PK_REFRESH; /* the prediction was missing, so the count is no measure */
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
     } else if (count - !pk_gauss_small(w) > w->kept->best) {
-        const int patience = w->kept->patience; /* from a checkpoint: any number */
+        const int patience = w->kept->patience; /* a restored value may be invalid */
         w->kept->patience = patience >= 0 && patience < 31 ? 2 * patience + 1 : 63;
         w->kept->wait = w->kept->patience;
     } else {
@@ -174,7 +175,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
     for (int count = 0; count <= most; count++) {
         if (!pk_gauss_residual(it, w))
             return 0;
-        if (last) { /* P and F now belong to the V that is kept */
+        if (last) { /* P and F now correspond to the final V */
             pk_gauss_settle(it, w);
             keep_or_refresh(it, w, fresh, count);
             return 1;
@@ -198,8 +199,8 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return 0;
         const pk_real rate = count ? size / before : PK_C(1.0);
-        /* With an unchanged matrix one correction is enough. Further corrections are the round-off
-         * of the forces: terms that cancel, near rest. */
+        /* If the matrix does not change, one correction is enough. Further corrections are the
+         * round-off of forces whose terms cancel, near rest. */
         const int same = mode == PK_FULL && count && changed(w) <= PK_GAUSS_STEADY;
         stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
         if (stuck >= 4) {
@@ -226,7 +227,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (!last && mode == PK_SIMPLIFIED && count && rate > PK_C(0.3)) {
             if (fresh)
                 return 0;
-            it->own->flags |= PK_REFRESH; /* a kept matrix became too old within this step */
+            it->own->flags |= PK_REFRESH; /* the reused matrix became inaccurate within this step */
             if (!pk_gauss_residual(it, w) || !pk_gauss_refactor(it, w, mode))
                 return 0;
             fresh = 1;

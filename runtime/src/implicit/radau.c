@@ -1,22 +1,22 @@
 /* Adaptive Radau IIA of 3 stages, order 5, for stiff or dissipative systems: L-stable, so that fast
- * motion which has died out does not limit the step size. The stages are those of gauss.c, in
- * (q, p): p' = dL/dq + Q - dD/dv needs no derivative of M, so M(q, v) and any dissipation need only
- * the kernels of Newton's matrix, and momentum balances to the round-off of its sum.
+ * motion that has decayed does not limit the step size. The stages are computed as in gauss.c, in
+ * (q, p): p' = dL/dq + Q - dD/dv needs no derivative of M, so that M(q, v) and any dissipation need
+ * only the kernels of Newton's matrix, and the change of p equals the sum of forces to round-off.
  *
- * Newton's iteration ends at a fraction of the tolerance of the error (radau_error.c). Where it
- * does not converge, or its solution is not the one of short steps (branch.c), the step is cut.
+ * Newton's iteration ends at a fraction of the tolerance of the error (radau_error.c). If it does
+ * not converge, or its solution is not on the branch of short steps (branch.c), the step is
+ * shortened.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive
- * control.
- */
+ * control. */
 #include "radau.h"
 
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
-#define KEEP PK_C(1.2) /* smaller growth is not made, to keep Newton's matrix */
-/* Fraction of the tolerance: smaller corrections that do not shrink as they should are rounding. */
+#define KEEP PK_C(1.2) /* least increase of the step size, to reuse Newton's matrix */
+/* Fraction of the tolerance; corrections below it that do not decrease as expected are rounding. */
 #define LITTLE PK_C(1e-3)
 enum { MOST_ITERATIONS = 10 };
 
@@ -66,7 +66,7 @@ static enum pk_status init(struct pk_integrator *it)
     return status;
 }
 
-/* Returns the last correction in units of the tolerance: root mean square over stages, q and v. */
+/* Returns the last correction relative to the tolerance: root mean square over stages, q and v. */
 static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                           const struct pk_radau_parts *r)
 {
@@ -96,7 +96,7 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
     return size / scale;
 }
 
-/* Simplified Newton iteration to a fraction of the tolerance, in *count iterations. */
+/* Iterates by simplified Newton to a fraction of the tolerance. *count: number of iterations. */
 static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int *count)
 {
@@ -131,7 +131,8 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             if (!(rate < 1) && !little)
                 return PK_NO_CONVERGENCE;
             left = rate < 1 ? rate / (1 - rate) : 0;
-            if (rate > PK_C(1e-3)) /* a new matrix pays */
+            if (rate > PK_C(1e-3)) /* convergence is slow enough for a new matrix to be worth its
+                                      cost */
                 it->own->flags |= PK_REFRESH;
             if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough) {
                 if (!little)
@@ -146,32 +147,33 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
     return PK_NO_CONVERGENCE;
 }
 
-/* Tries the step it->own->h: solves the stages, estimates their error, certifies their branch. */
+/* Tries a step of size it->own->h: solves the stages, estimates the error, certifies the branch. */
 static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again, int *count)
 {
     enum pk_status status;
     if (it->own->h > w->kept->h || it->own->h < w->kept->h)
         pk_gauss_set_step(it, w, it->own->h);
-    for (size_t k = 0; k < it->n_q; k++) /* from q = 0, the distance of the step is the scale */
+    for (size_t k = 0; k < it->n_q; k++) /* scale for q = 0: the distance moved in the step */
         r->dq[k] = it->q[k] + it->own->h * it->v[k];
     pk_radau_tolerances(it, r, r->dq, it->v);
     do {
         w->kept->fresh = w->kept->noisy = 0;
         pk_gauss_predict(it, w);
         status = iterate(it, w, r, count);
-        it->own->flags |= status < 0 ? PK_REFRESH : 0; /* a kept matrix may be at fault */
+        it->own->flags |= status < 0 ? PK_REFRESH : 0; /* a reused matrix may be the cause */
     } while (status == PK_NO_CONVERGENCE && !(w->kept->fresh > 0));
     if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
-    if (status >= 0 && !pk_finite(w->kept->contraction)) /* the branch was followed, V may differ */
+    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may have been replaced by another
+                                                            solution */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }
 
-/* Returns the ratio of the next step size to this one: by the error, by the last step's error too,
- * and smaller where the iteration took long. */
+/* Returns the ratio of the next step size to this one, from the error and the last step's error;
+ * smaller if the iteration took long. */
 static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
 {
     const pk_real error = pk_max(it->own->error, PK_C(1e-10));
@@ -207,7 +209,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status, it->own->next_t); /* the others mean a step too long */
+            pk_trouble(it, status, it->own->next_t); /* otherwise the step was too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
         pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
     }

@@ -1,16 +1,15 @@
 /* The error estimate of a step of adaptive Radau, of order 3, as in RADAU5: with gamma the real
- * eigenvalue of A, f = (v, pdot), J its derivative by y = (q, p), z_i the stages less y0,
+ * eigenvalue of A, f = (v, pdot), J the derivative of f by y = (q, p), z_i = (stage i) - y0,
  *
  *     (I - h gamma J) err = gamma h f(y0) + e1 z1 + e2 z2 + e3 z3,
  *
- * solved again with f(y0 + err) if it rejects a step right after a start or a rejection. For
- * y = (q, p) this is one system of n for the error of v, M dv + (dp/dq) dq = dp; tolerances are on
- * q and v. Like RADAU5 this replaces rtol by .1 rtol^(2/3) and scales atol alike, since the result
- * is of order 5 and the estimate of order 3: the error then follows rtol.
+ * solved again with f(y0 + err) if err rejects a step after a start or a rejection. For y = (q, p)
+ * this is one system of n for the error of v, M dv + (dp/dq) dq = dp; tolerances are on q and v.
+ * Like RADAU5 this replaces rtol by .1 rtol^(2/3) and scales atol alike, since the result has order
+ * 5 and the estimate order 3: the error is then proportional to rtol.
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
- * (8.17)-(8.25), and the code RADAU5.
- */
+ * (8.17)-(8.25), and the code RADAU5. */
 #include <string.h>
 
 #include "radau.h"
@@ -34,7 +33,7 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
     const struct pk_options *o = &it->options;
     const pk_real rtol = pk_max(o->rtol, 10 * PK_EPS);
     const pk_real factor = factor_of(it);
-    /* RADAU5 does the same: the remaining iteration error has the same sign in each step. */
+    /* RADAU5 has the same bound: the remaining iteration error has the same sign in each step. */
     r->kept->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
                                            pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
                                   : PK_C(1e-3);
@@ -45,8 +44,8 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
         r->of_v[k] = factor * (of_v[k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
 }
 
-/* Solves for err from gamma h f + e.z, into r->dq, r->dv; f = (v, pdot). Returns its root mean
- * square in units of the tolerance. */
+/* Solves for err with the right-hand side gamma h f + e.z, f = (v, pdot), into r->dq and r->dv.
+ * Returns the root mean square of err relative to the tolerance. */
 static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                         const struct pk_radau_parts *r, const pk_real *v, const pk_real *pdot)
 {
@@ -60,14 +59,15 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                 of_q += E_OF_STAGE[i] * (w->Q[i * n_q + k] - it->q[k]);
             of_p += E_OF_STAGE[i] * (w->P[i * n + k] - p0[k]);
         }
-        r->dq[k] = of_q; /* 0 for states: derivatives by them are no columns */
+        r->dq[k] = of_q; /* of_q is 0 for first-order variables */
         r->x[k] = of_p;
     }
     memcpy(r->dv, r->x, n * sizeof *r->dv);
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
     pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
-    for (size_t k = pk_gauss_read(w); k < n; k++) /* quadratures, from the errors of the others */
+    for (size_t k = pk_gauss_read(w); k < n; k++) /* quadratures: their errors follow from those
+                                                     of other variables */
         for (size_t i = 0; i < w->places; i++)
             r->dv[k] += hg * (J[3 * nn + k * n + i] + hg * J[2 * nn + k * n + i]) * r->dv[i];
     for (size_t k = 0; k < n; k++) {
@@ -83,7 +83,7 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
 {
     const size_t n = it->n;
     pk_real hg = it->own->h * GAMMA, hh = hg * hg;
-    struct pk_gauss_work one = *w; /* with the tableau of one stage */
+    struct pk_gauss_work one = *w; /* equations of a method with one stage */
     one.s = 1;
     one.hA = one.hA_p = &hg;
     one.hh = &hh;
@@ -100,7 +100,7 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
             r->dv[k] += it->v[k];
         }
         pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);
-        memcpy(w->x, r->dv, n * sizeof *w->x); /* estimate() writes to dv */
+        memcpy(w->x, r->dv, n * sizeof *w->x); /* since estimate() overwrites dv */
         it->own->error = estimate(it, w, r, w->x, w->y);
     }
     return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;

@@ -12,7 +12,7 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
         !(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     int moved;
-    if (!(t > it->t) && !(t < it->t)) { /* at the end of the step */
+    if (!(t > it->t) && !(t < it->t)) { /* t is the end of the step */
         memcpy(q, it->q, it->n_q * sizeof *q);
         memcpy(v, it->v, it->n * sizeof *v);
         return it->status = PK_DONE;

@@ -3,7 +3,7 @@
  * rounding does not accumulate. */
 #include "../core/internal.h"
 
-/* number of trials before progress is checked: if many are rejected; otherwise */
+/* Trials before the first check of progress: if many are rejected; otherwise. */
 enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
 #define MOST_AHEAD PK_C(1e9) /* largest number of future steps if max_steps is 0 */
 /* If many trials are rejected and steps are shorter than SHRUNK times the longest trial, errors are
@@ -17,7 +17,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
     const pk_real h = sign * it->options.h;
     const pk_real target = it->own->grid.anchor + (it->own->grid.count + PK_C(1.0)) * h;
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
-    if (pk_abs(target - limit) <= close) /* the target is the limit, rounded differently */
+    if (pk_abs(target - limit) <= close) /* target and limit differ only by rounding */
         return (struct pk_planned){h, limit, 0};
     if (sign * (target - limit) < 0)
         return (struct pk_planned){h, target, 0};
@@ -79,7 +79,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
-    it->own->trouble.status = PK_DONE; /* set again only by trial steps */
+    it->own->trouble.status = PK_DONE; /* only trial steps set it again */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h)
         return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = it->options.h));

@@ -17,7 +17,7 @@
 #define OWN ((sizeof(struct pk_integrator_private) + ALIGNED - 1) / ALIGNED * ALIGNED)
 #define PRIVATE (OWN + ALIGNED)
 
-#define FROM_REST PK_C(1e-3) /* fraction of a span, searched for forces at rest */
+#define FROM_REST PK_C(1e-3) /* fraction of a span in which forces from rest are sought */
 
 struct pk_options pk_options_default(void)
 {
@@ -151,7 +151,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
-    /* Parts of the state without use, and inputs without a function, remain 0. */
+    /* Parts of the state that a method does not use, and inputs without a function, are 0. */
     memset(it->own->next, 0, pk_state_offset(n_q, n, PK_PARTS) * sizeof *q);
     memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
@@ -245,14 +245,14 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
     if (!pk_ready(it))
-        return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the start remains refused */
+        return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* init or reset refused the start */
     if (!pk_finite(limit))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TIME);
     const pk_real left = limit - it->t;
     if (!(left > 0) && !(left < 0))
         return it->status = PK_DONE;
     if (it->options.stop && it->options.stop(it->options.context)) {
-        it->own->ready = 0; /* a caller that continues is stopped at the next step */
+        it->own->ready = 0; /* no step is possible before a reset */
         return it->status = PK_STOPPED_USER;
     }
 
@@ -314,14 +314,14 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
-    if (it->own->passing.crossed) { /* without a reset, since rows may depend on each other there */
+    if (it->own->passing.crossed) { /* not by a reset, which refuses dependent rows */
         pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
         pk_singular_crossing_at(it, t, q, v);
         side->t = t;
         return PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
-    if (side->status >= 0) /* parts of the state that are not set by a start */
+    if (side->status >= 0) /* copies parts of the state that init does not set */
         memcpy(pk_state(side, PK_P), pk_next(it, PK_P),
                (pk_state_offset(n_q, n, PK_A) - pk_state_offset(n_q, n, PK_P)) *
                    sizeof *it->own->next);

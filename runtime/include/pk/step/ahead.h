@@ -14,15 +14,15 @@ struct pk_trial {
 };
 
 struct pk_ahead {
-    const pk_real *next, *slopes; /* number i of the new state, or of a stage, is at [i * lanes] */
+    const pk_real *next, *slopes; /* number i of the state (stage) is at index i * lanes */
     size_t lanes;
     pk_real from, end, h;
-    int ready;          /* a step from the integrator's current state is available */
-    int clear;          /* the step crosses no event and no switch */
-    unsigned long many; /* number of steps up to `next` if none needs a check for events; or 0 */
-    unsigned long cost; /* accelerations per step */
-    int taken;          /* the step was taken, and `next` is the integrator's state */
-    int waits;          /* a trial was rejected, and `trial` is to be computed in a lane */
+    int ready;          /* 1: a step from the integrator's current state is available */
+    int clear;          /* 1: the step crosses no event and no switch */
+    unsigned long many; /* number of steps made at once, if none needs a check for events; or 0 */
+    unsigned long cost; /* number of accelerations per step */
+    int taken;          /* 1: the step was taken, and `next` is the integrator's state */
+    int waits;          /* 1: a trial was rejected, and `trial` is to be computed in a lane */
     int again;          /* 1: a rejected trial may be repeated in a lane */
     struct pk_trial trial;
 };

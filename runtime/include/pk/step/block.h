@@ -8,23 +8,23 @@
 
 #define PK_BLOCK_MOST 64
 
-/* `state` and `next` are like those of an integrator, with W numbers for each number. */
+/* A block of W states. `state` and `next` have W times the numbers of an integrator's. */
 struct pk_block {
     const struct pk_system *system;
     size_t n_q, n, lanes;
-    const void *params[PK_BLOCK_MOST]; /* of each lane */
+    const void *params[PK_BLOCK_MOST]; /* params of each lane */
     pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
-    pk_real *t;                        /* W times */
+    pk_real *t;                        /* W times, one for each lane */
     pk_real *state, *next, *spare, *work;
     pk_real *lane; /* one state, for a system without lane kernels */
-    pk_real now;   /* used by block.c: the common time of all lanes */
-    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* each lane's step */
-    int have_a; /* the first acceleration (splitting) or first stage is known */
+    pk_real now;   /* common time of all lanes, for block.c */
+    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* steps of lanes */
+    int have_a; /* 1: the first acceleration or stage of the step is known */
     unsigned long long failed, not_finite; /* bit masks of lanes in the current step */
 };
 
 PK_BEGIN
-/* Sets bits of `failed` and, where the state is not finite, of not_finite. */
+/* Sets bits of b->failed, and of b->not_finite for states that are not finite. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
 PK_END

@@ -86,7 +86,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     if (!table->e3)
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
     it->own->error = pk_embedded_error(it, table, w, h);
-    if (!pk_finite(it->own->error)) /* not finite though the state is: a tolerance is nearly zero */
+    if (!pk_finite(it->own->error)) /* infinite: a tolerance is nearly zero */
         it->own->error = PK_C(1e30);
     if (table->e3 && it->own->error <= PK_C(1.0)) {
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
@@ -119,11 +119,11 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
     const pk_real alpha = PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
     if (it->own->flags & PK_HAVE_STEP)
-        for (size_t i = 0; i < w.m; i++) /* the derivative at the end of the last step */
+        for (size_t i = 0; i < w.m; i++) /* copies the derivative at the end of the last step */
             w.k[i] = w.last[i];
     if (!(it->own->flags & (PK_HAVE_STEP | PK_HAVE_A)) || !(pk_abs(it->own->h) > 0))
         PK_TRY(pk_embedded_begin(it, limit));
-    it->own->flags = PK_HAVE_A; /* stages and dense output of the last step become invalid */
+    it->own->flags = PK_HAVE_A; /* the last step's dense output becomes invalid */
 
     struct pk_trial x = pk_trial(it, limit);
     if (it->own->ahead)

@@ -11,7 +11,7 @@
 #include <pk/step/block.h>
 #include <pk/step/tables.h>
 
-/* Computes accelerations at the time of the fraction `at` of each lane's step. */
+/* Computes accelerations at time (start + at * step size) of each lane. */
 static PK_INLINE void PK_STEPPER(block_slope)(struct pk_block *b, pk_real at, const pk_real *q,
                                               const pk_real *v, pk_real *a)
 {
@@ -44,7 +44,7 @@ static PK_INLINE void PK_STEPPER(block_stages)(struct pk_block *b, const struct 
             k[i] = v0[i];
         PK_STEPPER(block_slope)(b, 0, q0, v0, k + m);
     }
-/* The rates of a stage are the slopes of its coordinates, so they are computed in place. */
+/* A stage's rates, the slopes of its coordinates, are computed in the slopes' memory. */
 #define PK_BLOCK_STAGE(i)                                          \
     if ((i) < table->stages) {                                     \
         const pk_real *ai = table->a + (i) * ((i) - 1) / 2;        \

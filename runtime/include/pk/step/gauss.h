@@ -29,11 +29,11 @@
 
 /* Tuned for the least work at a given final error, on the models and other problems. */
 #define PK_GAUSS_SAFETY PK_C(0.9)
-#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* log of the largest accepted error, 10 */
+#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* log of 10, the largest accepted error */
 #define PK_GAUSS_RESOLVED PK_C(10.0)                /* resolved: squared error of a < 10 a_7^2 */
 #define PK_GAUSS_GROW PK_C(3.0)
 #define PK_GAUSS_SHRINK PK_C(0.2)
-#define PK_GAUSS_RATE PK_C(0.15) /* the most economic convergence rate */
+#define PK_GAUSS_RATE PK_C(0.15) /* convergence rate with the least work */
 #endif
 
 /* Makes one trial step of size y->h. Returns PK_DONE with results in *y, or the failure. */
@@ -143,7 +143,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;
         if (status < 0) {
-            if (status != PK_NO_CONVERGENCE) /* the step is too long, which needs no report */
+            if (status != PK_NO_CONVERGENCE) /* the step is merely too long */
                 pk_trouble(it, status, it->own->next_t);
             y.growth = PK_C(0.5);
         } else {
@@ -161,7 +161,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         grow = pk_max(slow, PK_GAUSS_SHRINK);
         it->count.held++;
     }
-    const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* error^(-1/17) */
+    const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* growth = error^(-1/17) */
     it->own->error = 1 / (g8 * g8 * y.growth + PK_TINY);
     pk_trial_accept(it, &x, pk_abs(y.h) * grow, y.growth >= PK_GAUSS_GROW);
     it->own->flags = PK_HAVE_STEP;

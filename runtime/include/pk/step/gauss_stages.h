@@ -38,14 +38,14 @@ enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work memory: arrays of n by 8, unless another shape is given. */
 struct pk_gauss_lanes {
-    pk_real *a, *next_a, *q, *v;  /* iterate, next iterate, states at the stages; q: n_q by 8 */
+    pk_real *a, *next_a, *q, *v;  /* iterate, next iterate, q and v at the stages (q: n_q by 8) */
     pk_real *u;                   /* inputs at the stages */
-    pk_real *poly;                /* Taylor coefficients of the last step's a at its end, in h */
-    pk_real *weight;              /* n: weights of errors in a */
-    pk_real *start, *last_weight; /* n_q + n: start of the last step; n: weights there */
-    pk_real *h, *rate, *decay;    /* size, rate of the last step; largest theta^2 of the next */
+    pk_real *poly;                /* Taylor coefficients of a at the last step's end, in h */
+    pk_real *weight;              /* n numbers: weights of errors in a */
+    pk_real *start, *last_weight; /* start of the last step, n_q + n numbers; n weights there */
+    pk_real *h, *rate, *decay;    /* last step's size and rate; largest next theta^2 */
     struct pk_gauss_matrices *M;
-    pk_real *dense; /* for gauss_dense.c */
+    pk_real *dense; /* work memory of gauss_dense.c */
 };
 
 static inline size_t pk_gauss_lanes_size(size_t n_q, size_t n)
@@ -160,7 +160,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
         pk_gauss_rows(w->M->powers, x, w->a + i * PK_GAUSS_S);
     }
-    /* Used until it is measured; so large that no first iterate is accepted as converged. */
+    /* This rate is used until one is measured; it is so large that no first iterate is accepted. */
     y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
     return PK_DONE;
 }
@@ -203,7 +203,7 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
-        /* At the end of the step, since a motion that starts from rest has not moved yet. */
+        /* Uses the change of v at the end of the step, since v may be zero at the start. */
         const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
         const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
         w->weight[i] = h / (PK_GAUSS_SHARE * it->own->atol[n_q + i] + rtol * v + PK_TINY);

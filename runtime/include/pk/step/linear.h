@@ -7,7 +7,7 @@
 
 PK_BEGIN
 
-/* Computes the acceleration and its derivatives (pk/linear.h), counts, reports a failure. */
+/* Computes the acceleration and its derivatives (pk/linear.h), counts calls, reports a failure. */
 enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
                               pk_real *a_t, pk_real *work);

@@ -31,7 +31,7 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
 
 #ifndef PK_WITHOUT_RUNTIME
-    if (pk_is_ahead(it, h)) { /* the state, and its acceleration if the method ends with a kick */
+    if (pk_is_ahead(it, h)) { /* copies the lane's state */
         pk_ahead_take(it, PK_Q, 2);
         pk_ahead_take(it, PK_LOW_Q, ends ? 3 : 2);
         it->count.evaluations += (unsigned long)s;

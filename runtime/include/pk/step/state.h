@@ -7,7 +7,7 @@
 #include <pk/integrator.h>
 #include <pk/step/ahead.h>
 
-/* fma() is an instruction, with the same results on all processors. */
+/* Defined if fma() is an instruction with the same results on all processors. */
 #if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
     !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
 #define PK_HAVE_FMA
@@ -22,11 +22,11 @@ struct pk_grid {
 /* Progress of the integration, for the checks in src/integrate/grid.c. */
 struct pk_progress {
     pk_real passed;                  /* sum of the lengths of all steps since init */
-    pk_real judged_passed, judged_t; /* at the last check: passed, t, trials, rejections */
+    pk_real judged_passed, judged_t; /* at the last check: `passed` and time; trials; rejections */
     unsigned long judged, judged_rejections;
     pk_real longest;                  /* longest rejected step */
-    unsigned long rounded_rejections; /* rejections and step size when rounding was last measured */
-    pk_real rounded_step;             /* size; see src/core/rounding.c */
+    unsigned long rounded_rejections; /* number of rejections when rounding was last measured */
+    pk_real rounded_step;             /* step size at that time; see src/core/rounding.c */
 };
 
 /* Flags of src/constraints/singular_crossing.c: the last step crossed a singular position, the
@@ -37,10 +37,10 @@ struct pk_passing {
 
 /* State of src/core/short_force_limiter.c. */
 struct pk_short_force {
-    int known, unlooked;   /* values at the start are known; count of unchecked fixed steps */
+    int known, unlooked;   /* flag: start values are known; number of next steps not to check */
     pk_real reach, rise;   /* limit of the next step, 0: none; limit of the step after it */
     pk_real calm;          /* length of the last step in which the marks hardly changed */
-    pk_real range, varied; /* change of marks in the trial step, and near a short force */
+    pk_real range, varied; /* change of the marks in the trial step; its part near a short force */
 };
 
 /* The last trial step that failed: the cause that is reported if the step size then underflows just
@@ -53,25 +53,25 @@ struct pk_trouble {
 /* The private part of an integrator, it->own; only for methods and the runtime. */
 struct pk_integrator_private {
     /* Pointers, which a saved integrator (pk/keep.h) does not contain; all are before `slopes`. */
-    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* the step function */
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* step function */
     pk_real *state, *next;  /* two states, with the parts listed in pk/step/numbers.h */
     pk_real *u, *work;      /* u: inputs at one time, then inputs for each lane */
     pk_real *atol;          /* absolute tolerances of q, then v (core/scale.c); NULL: fixed steps */
     pk_real *lane;          /* one state and its acceleration, for a system without lane kernels */
     pk_real *singularities; /* work of src/core/singularity.c; NULL: no singularities */
-    pk_real *project;       /* work of src/constraints/project.c; NULL: not needed */
+    pk_real *project;       /* work of src/constraints/project.c, or NULL */
     pk_real *crossing;      /* work of src/constraints/singular_crossing.c; NULL: no constraints */
     pk_real *marks;         /* work of short_force_limiter.c; NULL: no marks */
     pk_real *params;        /* memory for a copy of the params */
-    struct pk_ahead *ahead; /* a step computed in a SIMD lane, or NULL */
+    struct pk_ahead *ahead; /* a step computed in advance in a SIMD lane, or NULL */
     void *extra;            /* memory of a foreign library */
     size_t n_singularities; /* number of monitored values (pk_system_singularity_count()) */
 
-    int slopes;     /* flags of singularity.c: known slopes at the state */
+    int slopes;     /* flags of singularity.c: which slopes are known */
     int ready;      /* a start was accepted; otherwise no step is made */
     int made;       /* the tables that a method makes once are made */
-    int direction;  /* +1, -1, 0 before the first step */
-    int flags;      /* PK_HAVE_A and so on */
+    int direction;  /* direction of time, +1 or -1; 0 before the first step */
+    int flags;      /* bits such as PK_HAVE_A */
     pk_real next_t; /* end of the current step */
     pk_real h;      /* signed size of the last or the next step */
     pk_real error;  /* error of the last accepted adaptive step relative to the tolerance */
@@ -82,10 +82,10 @@ struct pk_integrator_private {
     struct pk_trouble trouble;
 };
 
-/* it->own->flags */
+/* bits of it->own->flags */
 enum { PK_HAVE_A = 1, PK_HAVE_LU = 2, PK_HAVE_STEP = 4, PK_HAVE_DENSE = 8, PK_REFRESH = 16 };
 
-/* Return a part of the state, and of the new state. */
+/* Return a part (such as PK_Q) of the state, and of the new state. */
 static inline pk_real *pk_state(const struct pk_integrator *it, int part)
 {
     return pk_part(it->own->state, it->n_q, it->n, part);
@@ -95,7 +95,7 @@ static inline pk_real *pk_next(const struct pk_integrator *it, int part)
     return pk_part(it->own->next, it->n_q, it->n, part);
 }
 
-/* Returns the tolerance of number i of (q, v), which is a before and b after the step. */
+/* Returns the tolerance of number i of (q, v), with values a before and b after the step. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
     return it->own->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
@@ -124,7 +124,7 @@ static inline int pk_waits(const struct pk_integrator *it)
     return it->own->ahead && it->own->ahead->waits;
 }
 
-/* Returns the first trial step, or the one that follows a rejected step of a lane. */
+/* Returns the first trial step, or the next one if a lane's trial was rejected. */
 static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
 {
     if (pk_waits(it))
@@ -197,7 +197,7 @@ PK_BEGIN
 void pk_ahead_take(struct pk_integrator *it, int part, int parts);
 void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages);
 int pk_all_finite(const pk_real *x, size_t count);
-/* Write the inputs at t (0 without an input function): to u, or to it->own->u. */
+/* Write the inputs at t (0 without an input function) to u, or to it->own->u. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
 /* Write the inputs at a state in the same way, with the problem's feedback. */

@@ -23,7 +23,7 @@ struct pk_tableau {
 
     /* Dense output: extra stages, and rows of d over all stages; HNW II.6 (6.12)-(6.14). */
     int extra;
-    const pk_real *extra_a; /* rows of s + 1 + i numbers for extra stage i */
+    const pk_real *extra_a; /* s + 1 + i numbers for extra stage i */
     int rows;
     const pk_real *d; /* rows of s + 1 + extra numbers */
 };
@@ -31,8 +31,8 @@ struct pk_tableau {
 /* A splitting method: kick[0], drift[0], kick[1], ..., kick[s], as fractions of the step. */
 struct pk_splitting {
     int stages;
-    const pk_real *kick;  /* s + 1 */
-    const pk_real *drift; /* s */
+    const pk_real *kick;  /* s + 1 kicks */
+    const pk_real *drift; /* s drifts */
 };
 
 /* The largest number of stages of an explicit method. */
@@ -124,7 +124,7 @@ static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const p
         to[of_low_q + k] = low_q;
     }
     PK_LANE_LOOP
-    for (size_t k = n_q; k < n; k++) { /* states */
+    for (size_t k = n_q; k < n; k++) { /* the rest of v, which moves no q */
         pk_real low = from[of_low_v + k];
         to[of_v + k] = pk_sum(from[of_v + k], kappa * a[k], &low);
         to[of_low_v + k] = low;

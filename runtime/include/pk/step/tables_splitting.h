@@ -19,7 +19,7 @@
 #endif
 
 /* clang-format off */
-/* Symmetric lists from their first half: PK_MIRROR has one middle number, PK_TWICE has none. */
+/* Symmetric lists from their first half: of odd length (PK_MIRROR), even (PK_TWICE). */
 #define PK_MIRROR_1(a) a
 #define PK_MIRROR_2(a, ...) a, PK_MIRROR_1(__VA_ARGS__), a
 #define PK_MIRROR_3(a, ...) a, PK_MIRROR_2(__VA_ARGS__), a
@@ -35,7 +35,7 @@
 #define PK_TWICE_4(a, ...) a, PK_TWICE_3(__VA_ARGS__), a
 #define PK_TWICE_5(a, ...) a, PK_TWICE_4(__VA_ARGS__), a
 #define PK_TWICE_6(a, ...) a, PK_TWICE_5(__VA_ARGS__), a
-/* Kicks of composed Verlet steps of given lengths: half of each of two successive steps. */
+/* Kicks of composed Verlet steps of given lengths: half of the sum of two successive lengths. */
 #define PK_HALF(a, ...) (a) / 2
 #define PK_KICKS_2(a, b) (a + b) / 2, (a + b) / 2
 #define PK_KICKS_3(a, b, ...) (a + b) / 2, PK_KICKS_2(b, __VA_ARGS__), (a + b) / 2
@@ -50,10 +50,10 @@
     static const pk_real pk_##method##_kick[] = {                                                  \
         PK_HALF(__VA_ARGS__), PK_KICKS_##half(__VA_ARGS__), PK_HALF(__VA_ARGS__)};
 
-/* R. de Vogelaere (1956), GNI I.1.9. */
+/* The symplectic Euler method. R. de Vogelaere (1956), GNI I.1.9. */
 static const pk_real pk_symplectic_euler_kick[] = {PK_C(1.0), PK_C(0.0)};
 static const pk_real pk_symplectic_euler_drift[] = {PK_C(1.0)};
-/* L. Verlet, Phys. Rev. 159 (1967) 98. */
+/* The method of L. Verlet, Phys. Rev. 159 (1967) 98. */
 static const pk_real pk_verlet_kick[] = {PK_C(0.5), PK_C(0.5)};
 static const pk_real pk_verlet_drift[] = {PK_C(1.0)};
 /* Triple jump, three Verlet steps: w1 = 1/(2 - 2^(1/3)), w0 = 1 - 2 w1. H. Yoshida, Phys. Lett. A
