@@ -86,7 +86,7 @@ static int step(struct pk_run *run)
         return 0;
     if (pk_waits(it))
         return 1;
-    const pk_real h = it->t - it->last_t; /* 0 at an event that stopped the run */
+    const pk_real h = it->t - it->last_t; /* it is 0 at an event that stopped the run */
     /* A step at most half of the next one was limited by a start, event or row, not by its
      * error. */
     if (before > 0 && h < 2 * before && (!(run->h_min > 0) || before < run->h_min))

@@ -82,10 +82,10 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
 /* Guesses V, on a line through the rates at middle and end of the last part, and the kick. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
-    const int before = it->own->flags & PK_HAVE_STEP; /* else last_V is not set */
+    const int before = it->own->flags & PK_HAVE_STEP; /* otherwise last_V is not set */
     const pk_real ratio = before && pk_abs(w->h / *w->last_h) <= 64 ? w->h / *w->last_h : 0;
     for (size_t k = 0; k < w->n; k++) {
-        const int turns = k >= w->m && k < w->states; /* no unknowns */
+        const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
         w->V[k] = k < w->m ? v[k] : turns || !before ? 0 : w->last_V[k];
         if (before && k < w->m)
             w->V[k] += ratio * (v[k] - w->last_V[k]);
