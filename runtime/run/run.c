@@ -169,7 +169,7 @@ static const char *once(struct pk_run *run, char **text,
     return *text ? *text : "{}";
 }
 
-const char *pk_run_report(struct pk_run *run) /* ensembles set run->report */
+const char *pk_run_report(struct pk_run *run) /* an ensemble sets run->report */
 {
     const int known = (run->report || run->it.method) && !run->checkpoint.refused;
     return known ? once(run, &run->report, report_run) : "{}"; /* no report without a state */

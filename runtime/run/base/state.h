@@ -149,7 +149,7 @@ struct pk_run {
     struct pk_events events;
     struct crossed *crossed; /* for each event, then each switch; NULL if there are none */
     pk_real *event_values;   /* scratch memory of crossings.c */
-    pk_real *expected;       /* scratch memory for outputs, of expect.c */
+    pk_real *expected;       /* values of outputs, in expect.c */
     size_t member;           /* the current ensemble member */
     pk_real *row, *cells;    /* q, v and outputs at a row; the values of its columns */
     FILE *out;               /* CSV file of the rows; NULL: rows are kept in memory */

@@ -179,7 +179,7 @@ static enum fitness choose(struct modes *m)
     enum fitness best = NOTHING;
     const enum pk_status status =
         pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
-    if (rests(m, rest, 1e-12)) /* tests q = 0 */
+    if (rests(m, rest, 1e-12)) /* tests whether q = 0 is an equilibrium */
         best = consider(m, rest, best);
     for (size_t k = 0; status >= 0 && k < found.count; k++)
         best = consider(m, q + k * m->n, best);

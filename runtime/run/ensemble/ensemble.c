@@ -70,7 +70,7 @@ static int is_astray(const struct batch *b, const struct pk_run *run, size_t i)
     if (!run->monitor_block || !member_fixed(&run->settings) || b->e.done[i] == 0)
         return 0;
     const pk_real final = pk_drift_final(&run->monitor.energy);
-    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* also true for NaN */
+    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* NaN counts as a wrong energy */
 }
 
 static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_t count,

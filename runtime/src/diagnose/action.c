@@ -99,7 +99,7 @@ static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q,
     }
     ahead = pk_well_march(w, q, U, direction);
     if (ahead.turns) {
-        a->error = PK_EPSILON * w->most / w->least; /* the same as in doubt() */
+        a->error = PK_EPSILON * w->most / w->least; /* relative error of T, as in doubt() */
         return U > 0 && a->error <= LOST ? PK_ORBIT_ROTATION : PK_ORBIT_SEPARATRIX;
     }
     if (U > 0 && ahead.found)

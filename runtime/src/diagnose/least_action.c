@@ -14,7 +14,7 @@
 enum { NODES = 8 };
 
 struct layout {
-    size_t variation, integrator, path, matrix, scratch; /* sizes, in pk_real */
+    size_t variation, integrator, path, matrix, scratch; /* sizes of memory, in pk_real */
 };
 
 static struct layout layout_of(const struct pk_problem *problem, const struct pk_method *method,

@@ -83,7 +83,7 @@ static void take_column(struct parts *w, size_t j)
     pk_add_product(w->dp, w->J, dq, n);
     of->system->mass(of->params, w->it.t, q, v, inputs(w, w->it.t), w->J);
     pk_add_product(w->dp, w->J, dv, n);
-    memcpy(w->Q + n, dq, n * sizeof *dq); /* w->Q is free for scratch */
+    memcpy(w->Q + n, dq, n * sizeof *dq); /* w->Q is used as scratch memory */
     pk_metric_Q(&w->metric, w->Q + n);
     pk_metric_P(&w->metric, w->dp);
     for (size_t i = 0; i < n; i++) {

@@ -13,7 +13,7 @@ struct pk_well {
     pk_real t;
     const pk_real *u;
     pk_real longest;     /* longest panel of a march */
-    pk_real most, least; /* of h - W along the march: maximum; least minimum */
+    pk_real most, least; /* largest h - W on the march; least minimum of h - W */
 };
 
 /* A root of h - W, or a full turn, that a march has found. */

@@ -34,7 +34,7 @@ static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b
     }
 }
 
-/* Evaluates the quintic and its derivative at x in 0 .. 1; first-order variables have a quartic. */
+/* Evaluates the quintic (first-order variables: quartic) and its derivative at x in 0 .. 1. */
 static void between(const struct pk_screen *s, const struct pk_block *b, pk_real x)
 {
     const size_t m = b->n_q * b->lanes, all = b->n * b->lanes;

@@ -27,7 +27,7 @@ static size_t lay_out(struct corner *x, const struct pk_system *system, size_t n
                       pk_real *base)
 {
     const size_t c = system->constraints.n, k = system->switches.n;
-    const struct pk_problem problem = {.system = system}; /* families kept as loops have none */
+    const struct pk_problem problem = {.system = system}; /* families have no impulses */
     /* clang-format off */
     const struct pk_slot slots[] = {
         {w, pk_project_room(&problem, n)}, {&x->p0, n}, {&x->p, 2 * n}, {&x->v, n}, {&x->along, n},

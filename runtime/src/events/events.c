@@ -79,7 +79,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
     const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
-    events->proposes = dense && !exact; /* exact flows need a series per state */
+    events->proposes = dense && !exact; /* each state of an exact flow needs a series */
     events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
@@ -267,7 +267,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    const int clear = pk_events_ahead(e, it); /* then no event is at its start, either */
+    const int clear = pk_events_ahead(e, it); /* no event is at the start of such a step */
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || stop_beyond_limit(e, it, limit < it->t)))
         return it->status;
     for (int count = 0;; count++) {

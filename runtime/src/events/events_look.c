@@ -73,7 +73,7 @@ static int is_worthless(struct pk_events *e, struct pk_integrator *it)
             memcpy(a, known, e->n * sizeof *a);
         } else if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, a) < 0) {
             memset(e->bend, 0, bytes);
-            for (size_t i = e->n_q; i < e->n; i++) /* a straight line instead */
+            for (size_t i = e->n_q; i < e->n; i++) /* interpolates first-order variables linearly */
                 e->a0[i] = e->a1[i] = (it->v[i] - e->v0[i]) / h;
             return 0;
         }

@@ -57,7 +57,7 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
         pk_gather(Pi, w->p + at.rate, 3, at.step);
         pk_gather(Pi_end, w->p_end + at.rate, 3, at.step);
         const pk_real yy = w->h * w->h * pk_dot3(omega, omega) / 16;
-        const pk_real weight = w->h / 2 / (1 + yy); /* C C: (1 - yy, 2 y)/(1 + yy) */
+        const pk_real weight = w->h / 2 / (1 + yy); /* quaternion of C C: (1 - yy, 2 y)/(1 + yy) */
         const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
         pk_real G[3], G_end[3], before[3], turned[3], torque[3];

@@ -148,7 +148,7 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
     if (pk_project_factor(at, c, q, v))
         return PK_INFINITY;
     const pk_real found = of_ldl(w, at->A, c);
-    if (!at->system->constraints.multipliers) { /* assumes the worst without lambda */
+    if (!at->system->constraints.multipliers) { /* assumes the largest loss without lambda */
         for (size_t k = 0; k < m; k++)
             w->lost[k] += found * terms[k];
         return found;
