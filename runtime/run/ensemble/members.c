@@ -33,7 +33,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     }
     settings_assign(s, params, b->own, n_own);
     const int outside = system->prepare(params);
-    if (outside && !s->asked.lenient) { /* a lenient run lets this member fail later */
+    if (outside && !s->asked.lenient) { /* if lenient, the member's integrator reports it */
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
         settings_refused(run, params, outside, who);
         return PK_RUN_USAGE;

@@ -10,7 +10,7 @@
 
 #define AHEAD PK_C(2.0)   /* an adaptive method crosses a root of sigma within so many steps */
 #define EARLY PK_C(0.1)   /* it also crosses below this sigma, since its steps may be short */
-#define LESS PK_C(0.6)    /* a crossing is tried again when sigma is below this fraction */
+#define LESS PK_C(0.6)    /* a crossing is tried again when sigma has fallen to this fraction */
 #define LONG PK_C(1.25)   /* fixed steps cross a root of sigma within so many steps */
 #define MIDDLE PK_C(0.75) /* for a root farther than so many steps, the crossing has two */
 #define LITTLE PK_C(1e-4) /* step for the slope of sigma, as a fraction of the time to the root */

@@ -79,7 +79,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
     const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
-    events->proposes = dense && !exact; /* each state of an exact flow needs a series */
+    events->proposes = dense && !exact; /* exact flows compute each state by a series */
     events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
