@@ -196,7 +196,7 @@ static int goes_on(struct search *s)
     }
     s->slack = slack;
     const int goes = off <= 1e-4 && back < way / 4;
-    for (size_t i = 0; i < s->n && !goes; i++) /* the root is uncertain along the null direction */
+    for (size_t i = 0; i < s->n && !goes; i++) /* marks the root as uncertain in this direction */
         s->step[i] = step[i] / 100;
     return goes;
 }

@@ -23,7 +23,7 @@
 #include "equilibria_search.h"
 
 enum { ITERATIONS = 100, NEWTON = 6 };
-static const double DEPENDENT = 1e-7; /* of the largest singular value: less counts as 0 */
+static const double DEPENDENT = 1e-7; /* relative singular values below it count as 0 */
 static const double BESIDE = 1e-6;    /* step of central differences, relative to reach() */
 
 int pk_bound_equations(struct search *s)

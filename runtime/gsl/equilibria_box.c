@@ -43,7 +43,7 @@ void pk_equilibria_place(struct search *s, size_t k)
  * magnitude. */
 static int is_turn(struct search *s, size_t i)
 {
-    double *size = s->p_q, *change = s->F_q; /* of each momentum, force or residual */
+    double *size = s->p_q, *change = s->F_q; /* largest size and change of each number */
     double *copy = s->M;
     const size_t n = s->n;
     const struct {
@@ -82,7 +82,7 @@ static int is_turn(struct search *s, size_t i)
 }
 
 /* Sets box to the extent of the motion in some steps of dop853: the largest |q - q0|, or |v| for
- * unknowns v_i. Steps count after the first one that is not twice as long as the step before. The
+ * unknowns v_i. Steps count from the first one that is not twice as long as the step before. The
  * motion is cut off where an unknown is RUNAWAY times as large as after the first counted step. */
 static void extent(struct search *s, const double *q0, const double *v0)
 {
@@ -119,8 +119,8 @@ static void extent(struct search *s, const double *q0, const double *v0)
 }
 
 /* Sets the box of each unknown: twice the extent of the motion or 2 |q0| (2 |v0|), whichever is
- * larger; if both are 0, the largest box of the other coordinates, or 1. Angles have pi,
- * quaternions 1. */
+ * larger; if both are 0, the largest box of the other coordinates, or 1. The box of an angle is pi,
+ * of a quaternion 1. */
 static void choose_box(struct search *s, const double *q0, const double *v0)
 {
     double others = 0;

@@ -9,8 +9,9 @@
 
 /* Returns the part of unknown i in the squared distance between the state and root k, in units of
  * the box. An angle contributes a squared sine, so that all its turns are deflated. A quaternion
- * contributes the squared sine of half its angle from the root's, in its first component. Sets
- * *half to half the derivative of the squared distance by the unknown. */
+ * contributes the squared sine of half the angle from the root's quaternion, in its first
+ * component. Sets *half to half the derivative of the squared distance with respect to the
+ * unknown. */
 static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
                     double *half)
 {

@@ -23,7 +23,7 @@ static int is_continued(struct search *s, double h, double size, const struct pk
         return 1;
     if (kept->n == kept->n_holonomic)
         return 0;
-    double *const here = s->p_q, *const there = s->F_v, most = 0; /* 4 n numbers each */
+    double *const here = s->p_q, *const there = s->F_v, most = 0; /* arrays of 4 n numbers */
     size_t count, other;
     if (pk_gsl_rates(s->problem, 0, s->q, s->v, here, here + 2 * s->n, &count) != PK_DONE ||
         pk_gsl_rates(s->problem, 0, q, v, there, there + 2 * s->n, &other) != PK_DONE)
@@ -51,7 +51,7 @@ int pk_equilibria_known(struct search *s, const struct pk_equilibria *found)
         int same = 1;
         if (s->slack && found->slack && found->slack[k] && is_continued(s, h, size, found, k))
             return 1;
-        for (size_t r = 0; r < s->problem->system->n_rotations; r++) { /* Q and -Q are equal */
+        for (size_t r = 0; r < s->problem->system->n_rotations; r++) { /* Q and -Q: same rotation */
             const size_t i = quaternions(s) + 4 * r;
             same = same && turned(s->v + i, found->v + k * s->n + i) <= 1e-8;
         }

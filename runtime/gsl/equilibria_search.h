@@ -29,7 +29,7 @@ struct search {
     size_t rows;                 /* number of equations: n, or more with constraints */
     double *p, *pdot, *pivot;    /* n */
     double *F, *scale;           /* residual and scale of each equation */
-    double *rest, *r_t;          /* n each; `rest` is 0 */
+    double *rest, *r_t;          /* n numbers each; `rest` holds zeros */
     double *M, *p_q, *F_q, *F_v; /* work arrays of rows by n numbers */
     double *J;                   /* rows by n: dF/d(unknowns) */
     unsigned char *turns;        /* whether q_i + 2 pi is the same position */
@@ -124,7 +124,7 @@ static inline int equations(struct search *s)
 }
 
 /* Sets the box, the angles, the initial momenta and the scale of each equation. Entries of the
- * state that are no unknowns become the initial positions, and rates 0. */
+ * state that are no unknowns become initial positions or rates of 0. */
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0);
 /* Scales quaternions to length 1. */
 void pk_equilibria_normalise(struct search *s);

@@ -12,8 +12,8 @@
 #include "pencil.h"
 
 enum {
-    LARGEST = 1000, /* a transform takes time p^2 for a prime factor p */
-    ROUNDINGS = 4,  /* units in the last place: rounding of a sample */
+    LARGEST = 1000, /* largest prime factor p of a length; it takes time p^2 */
+    ROUNDINGS = 4,  /* rounding of a sample, in units in the last place */
     FEW = 4
 }; /* FEW: least number of harmonics in a mean square */
 

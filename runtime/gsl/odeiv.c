@@ -26,7 +26,7 @@
 struct foreign {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver;
-    enum pk_status status; /* status of the right-hand side; GSL only gets that it failed */
+    enum pk_status status; /* status of the right-hand side; GSL only knows whether it failed */
     double h;              /* step size that GSL proposes; 0: none yet */
     double *linear;        /* work for the Jacobian; NULL if it is not used */
 };
@@ -88,7 +88,7 @@ static void release(struct pk_integrator *it)
 }
 
 /* Step size control by the formulas of GSL's standard control ("Adaptive Step-size Control" in its
- * manual), with the core's tolerances pk_tolerance(). */
+ * manual), with the tolerances of pk_tolerance(). */
 static int errlevel(void *context, double y, double dy, double h, size_t i, double *level)
 {
     struct pk_integrator *it = (struct pk_integrator *)context;
@@ -122,7 +122,7 @@ static int hadjust(void *context, size_t dim, unsigned int order, const double y
 static void *control_alloc(void)
 {
     static char none;
-    return &none; /* GSL takes NULL for a failed allocation; init() sets the integrator */
+    return &none; /* not NULL, which GSL takes for a failed allocation; set by init() */
 }
 
 static int control_init(void *context, double eps_abs, double eps_rel, double a_y, double a_dydt)

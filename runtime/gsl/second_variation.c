@@ -28,7 +28,7 @@ enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t m
     double *B = C + m * m, *U = B + m * m;
     part(found, found->C, modes, C);
     part(found, found->B, modes, B);
-    const enum pk_status status = pk_gsl_pencil(m, C, B, lambda, U); /* B is singular if M is */
+    const enum pk_status status = pk_gsl_pencil(m, C, B, lambda, U); /* fails if M is singular */
     for (size_t i = 0; status >= 0 && lowest && i < m; i++)
         lowest[i] = U[i * m];
     free(C);

@@ -150,7 +150,7 @@ static int count(struct program *p, const struct option *o, const char *text)
     const unsigned long x = strtoul(text, &end, 10);
     if (!isdigit((unsigned char)*text) || *end || !x)
         return usage(o->name, text, "not a positive whole number");
-    memcpy((char *)&p->settings + o->offset, &x, sizeof x); /* size_t has the size of x */
+    memcpy((char *)&p->settings + o->offset, &x, sizeof x); /* size_t has the same size as x */
     return 0;
 }
 

@@ -17,7 +17,7 @@ struct program {
     int json, shows;    /* flags: report on standard output; progress on the terminal */
     const char *shard, *starts, *to; /* a shard of a sweep: its JSON; its input and output file */
     unsigned long first;             /* number of the shard's first member, from 0 */
-    void *lists[16];                 /* allocated by keep() */
+    void *lists[16];                 /* memory allocated by keep() */
     size_t n_lists;
 };
 

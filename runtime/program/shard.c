@@ -51,7 +51,7 @@ static int block(const struct program *p, size_t first, size_t count, const doub
     return code;
 }
 
-/* Runs all blocks, then writes the line of JSON. */
+/* Runs all blocks, then writes a line of JSON. */
 static int blocks(const struct program *p, FILE *in, FILE *out)
 {
     const size_t n = p->settings.n_member_columns;
@@ -72,7 +72,7 @@ static int blocks(const struct program *p, FILE *in, FILE *out)
         fclose(reports);
     if (!code)
         fprintf(out, "\n{%s, \"blocks\": [%s], \"reports\": [", p->shard, texts[0]);
-    for (const char *c = code ? "" : texts[1]; *c; c++) /* line breaks become blanks */
+    for (const char *c = code ? "" : texts[1]; *c; c++) /* line breaks in reports become blanks */
         fputc(*c == '\n' ? ' ' : *c, out);
     if (!code)
         fputs("]}\n", out);

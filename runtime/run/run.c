@@ -5,7 +5,7 @@
 #include "settings/settings.h"
 #include "steps/steps.h"
 
-#define LAP_SECONDS 1e-3 /* least duration of a lap: the time to read the clock is negligible */
+#define LAP_SECONDS 1e-3 /* least duration of a lap; reading the clock is much faster */
 
 static void tell_failure(struct pk_run *run)
 {
@@ -23,7 +23,7 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     char reason[640];
     code = rows_end(run, code);
     if (run->write_failed == EPIPE)
-        return PK_RUN_DONE; /* the reader of the pipe has ended */
+        return PK_RUN_DONE; /* the program that reads the rows has ended */
     if (!run->settings.asked.bare && !run->settings.asked.compared) {
         trust_judge(run);
         watch_warn(run);
@@ -156,7 +156,7 @@ size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *
     return run->members ? run->settings.asked.members : 0;
 }
 
-/* Returns *text; the first call makes it by write(). */
+/* Returns *text, which the first call writes. */
 static const char *once(struct pk_run *run, char **text,
                         void (*write)(struct pk_run *run, FILE *file))
 {
@@ -169,17 +169,17 @@ static const char *once(struct pk_run *run, char **text,
     return *text ? *text : "{}";
 }
 
-const char *pk_run_report(struct pk_run *run) /* ensembles set run->report */
+const char *pk_run_report(struct pk_run *run) /* an ensemble sets run->report */
 {
     const int known = (run->report || run->it.method) && !run->checkpoint.refused;
-    return known ? once(run, &run->report, report_run) : "{}"; /* a refused checkpoint: no state */
+    return known ? once(run, &run->report, report_run) : "{}"; /* no report without a state */
 }
 
 const char *pk_run_given(struct pk_run *run) { return once(run, &run->told, settings_tell); }
 
 const char *pk_run_messages(const struct pk_run *run)
 {
-    const int none = run->code == PK_RUN_FAILED; /* other failures have messages */
+    const int none = run->code == PK_RUN_FAILED; /* failures with other codes have messages */
     return run->said ? run->said : none ? "out of memory\n" : "";
 }
 

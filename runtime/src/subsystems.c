@@ -153,11 +153,11 @@ static enum pk_status start(struct pk_subsystems *a, size_t k, const struct pk_c
     struct pk_subsystem *part = &a->parts[k];
     const struct pk_system *system = part->of.system;
     const size_t n_q = coordinates(system), n = system->n;
-    pk_real *q = a->state, *v = q + n_q; /* not in use until all parts have started */
+    pk_real *q = a->state, *v = q + n_q; /* scratch memory until all parts have started */
     struct pk_problem problem = {.system = system, .params = part->params};
     a->failed = k + 1;
     const int outside = take_parameters(part, &a->whole, (unsigned char *)block);
-    if (outside) { /* reported as an integrator would */
+    if (outside) { /* reports it as an integrator would */
         part->it.problem = problem;
         part->it.method = choice->method;
         part->it.reason.index = pk_refused_parameter(system, outside);

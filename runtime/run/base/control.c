@@ -6,8 +6,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SELDOM 64u  /* steps between two readings of the clock, if they take less */
-#define SHORT 1e-3  /* than so many seconds */
+#define SELDOM 64u  /* steps between two readings of the clock, for short steps */
+#define SHORT 1e-3  /* if SELDOM steps take more seconds, each step reads the clock */
 #define BETWEEN 0.1 /* seconds between two calls of `poll` */
 
 static double seconds_of(clockid_t clock)
@@ -20,7 +20,7 @@ static double seconds_of(clockid_t clock)
 double run_now(void) { return seconds_of(CLOCK_MONOTONIC); }
 double run_processor(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
-static volatile sig_atomic_t stops; /* whether all runs of the process are to end */
+static volatile sig_atomic_t stops; /* whether all runs of the process must end */
 
 void pk_run_stop(int whether) { stops = whether; }
 

@@ -1,4 +1,4 @@
-/* See json.h. */
+/* Writes JSON; see json.h. */
 #include "json.h"
 
 #include "numbers.h"

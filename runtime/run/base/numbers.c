@@ -1,4 +1,4 @@
-/* Writes a number with the fewest digits that read back as it; see numbers.h. */
+/* Writes the fewest digits that read back as the same number; see numbers.h. */
 #include "numbers.h"
 
 #include <float.h>
@@ -37,7 +37,7 @@ static size_t rounded(char text[], const char *exact, int n, double x)
     const int sign = exact[0] == '-';
     int first = 1, e = atoi(exact + sign + DIGITS + 2);
     const int asked = n;
-    d[0] = '0'; /* for a carry if nines are rounded up */
+    d[0] = '0'; /* takes the carry if nines are rounded up */
     d[1] = exact[sign];
     memcpy(d + 2, exact + sign + 2, DIGITS - 1);
     if (n < DIGITS && d[n + 1] >= '5') {
@@ -102,5 +102,5 @@ void numbers_write(FILE *file, double x)
     if (x > 0 || x <= 0)
         fwrite(text, 1, numbers_text(text, x), file);
     else
-        fputs("nan", file); /* no sign: libraries differ in its output */
+        fputs("nan", file); /* no sign: libraries print it differently */
 }

@@ -54,7 +54,7 @@ struct expected {
 /* An output, or the energy, whose drift is requested; in an ensemble, the worst of the members. */
 struct drifting {
     int energy;
-    size_t output, member, members; /* the member with the largest drift; the number that ended */
+    size_t output, member, members; /* which member drifts most; how many have ended */
     struct pk_drift drift;
     pk_real max, last; /* largest drift of all members; drift of the member that ended last */
 };
@@ -115,12 +115,12 @@ struct moment {
     const pk_real *q, *v;
 };
 
-/* The crossings of one event or switch, with the times of the first WATCH_TIMES. */
+/* The crossings of one event or switch, and the times of the first WATCH_TIMES crossings. */
 struct crossed {
     unsigned long count;
     pk_real *t;
     unsigned long states; /* number of ends of steps at which g was evaluated */
-    unsigned long doubts; /* parts of steps in which crossings may be missed */
+    unsigned long doubts; /* number of parts of steps in which crossings may be missed */
     pk_real doubtful_t;   /* time of the first such part */
     int leaves;           /* whether |g| has exceeded WATCH_NOISE times `parts` */
     pk_real parts;        /* scale of g: largest |dg/dx_i| |x_i| so far */
@@ -133,9 +133,9 @@ struct pk_run {
     struct memory memory;
     struct control control;
     char *said;
-    char *report, *told; /* JSON of pk_run_report() and pk_run_given(); to free() */
-    char *csv;           /* CSV rows of an ensemble member; to free() */
-    char *equilibria;    /* JSON of pk_stability_equilibria(); to free() */
+    char *report, *told; /* JSON of pk_run_report(), of pk_run_given(); must be freed */
+    char *csv;           /* CSV rows of an ensemble member; must be freed */
+    char *equilibria;    /* JSON of pk_stability_equilibria(); must be freed */
     enum pk_run_code code;
     int refused;           /* result of prepare() on the parameters */
     struct pk_system bare; /* copy of the system, without events in a bare run */
@@ -148,8 +148,8 @@ struct pk_run {
     void *block, *monitor_block;
     struct pk_events events;
     struct crossed *crossed; /* for each event, then each switch; NULL if there are none */
-    pk_real *event_values;   /* work of crossings.c */
-    pk_real *expected;       /* outputs; work of expect.c */
+    pk_real *event_values;   /* scratch memory of crossings.c */
+    pk_real *expected;       /* values of outputs, in expect.c */
     size_t member;           /* the current ensemble member */
     pk_real *row, *cells;    /* q, v and outputs at a row; the values of its columns */
     FILE *out;               /* CSV file of the rows; NULL: rows are kept in memory */
@@ -163,7 +163,7 @@ struct pk_run {
     size_t stops;               /* number of settings.stops that t has passed */
     pk_real count, next;        /* index of the last row by time; index of the next one */
     pk_real expecting;          /* expectations within fixed steps are checked up to this time */
-    struct pk_integrator aside; /* reaches states within fixed steps; made at first use */
+    struct pk_integrator aside; /* integrates to states within fixed steps; made at first use */
     void *aside_block;
     pk_real last_row; /* time of the last row */
     int at_event;     /* whether the row being written is at an event */
@@ -178,7 +178,7 @@ struct pk_run {
     pk_real ends;  /* end of the motion according to dop853 */
     int beyond;    /* whether the steps have gone on past `ends` */
     int goes_on;   /* whether dop853 continues past the failure of the run */
-    char *besides; /* text to append to the reason of a failure, or NULL; to free() */
+    char *besides; /* text to append to the reason of a failure, or NULL; must be freed */
     int interrupted;
     int write_failed;                       /* errno of a failed write of rows, or 0 */
     const struct pk_run_column *not_finite; /* first column that was not finite, or NULL */

@@ -1,5 +1,5 @@
-/* The action of a run of one degree of freedom, at the start and at rows. It is that of the orbit
- * with the row's energy, with t in L held constant; if L depends slowly on t, it is an adiabatic
+/* The action of a run of one degree of freedom, at the start and at rows: that of the orbit with
+ * the energy of the row, if t in L is held constant. If L depends slowly on t, it is an adiabatic
  * invariant. */
 
 #include "parts.h"
@@ -26,7 +26,7 @@ static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit,
     pk_drift_init(&drift);
     json_open(j, "rows", '[');
     for (size_t k = 0; k < count && at.orbit == orbit; k++) {
-        const pk_real *x = diagnose_row(d, k, count); /* t, q, v */
+        const pk_real *x = diagnose_row(d, k, count); /* t, then q, v */
         at = action_at(run, x[0], x + 1, x + 2, u);
         if (run_stopped(run, (double)k / (double)count))
             break;

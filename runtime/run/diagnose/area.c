@@ -73,7 +73,7 @@ void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v
         return;
     const size_t member = run->member, row = l->came[member];
     const double now = (double)t;
-    if (row >= l->rows || now < l->t[row] || now > l->t[row]) /* an extra row at an event */
+    if (row >= l->rows || now < l->t[row] || now > l->t[row]) /* ignores extra rows at events */
         return;
     pk_real *p = l->work + 2 * l->whole * member;
     run->settings.system->canonical(run->settings.params, t, q, v, run->settings.u, p,

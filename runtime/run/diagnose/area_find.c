@@ -18,7 +18,7 @@
 #include <pk/gsl.h>
 
 #define RESOLVED 1e-12 /* largest weighted tail of a resolved loop */
-#define NOISY 1e-6     /* of a noisy loop; a loop torn at a separatrix has more */
+#define NOISY 1e-6     /* largest weighted tail of a noisy loop; a torn loop has more */
 
 enum quality { GOOD, NOISE, COVERED, FINER };
 
@@ -231,7 +231,7 @@ static void write_rows(struct pk_run *run, struct diagnostics *d, const struct f
     const struct loop *l = f->l;
     struct json *j = &d->json;
     struct pk_drift drift;
-    double until = -1, size = 0; /* first nonzero size: if all start at rest it is 0 */
+    double until = -1, size = 0; /* first nonzero size of the loop, which may begin at rest */
     char ends[400] = "", apart[400] = "";
     int resolved = 1;
     if (parted(run, f, apart, sizeof apart)) {

@@ -7,8 +7,7 @@ static const struct {
     const char *name;
     unsigned flag;
     void (*make)(struct pk_run *run, struct diagnostics *d); /* called in this order */
-} names[] = {DIAGNOSTICS(ROW){"all", DIAGNOSE_ALL, NULL},
-             {"area", DIAGNOSE_AREA, NULL}}; /* see area.h */
+} names[] = {DIAGNOSTICS(ROW){"all", DIAGNOSE_ALL, NULL}, {"area", DIAGNOSE_AREA, NULL}};
 
 unsigned pk_run_diagnostic(const char *name)
 {

@@ -12,8 +12,7 @@
 #define DIAGNOSE_PLACE(name, of, kernels) DIAGNOSE_PLACE_##name,
 enum {
     DIAGNOSTICS(DIAGNOSE_PLACE) DIAGNOSE_PLACES,
-    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1, /* all, and one more bit: a diagnostic that
-                                                         does not apply is no error */
+    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1, /* all; what does not apply is no error */
     DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1)       /* the only diagnostic of an ensemble */
 };
 

@@ -5,7 +5,8 @@
  * Kinds: MOTION is made by diagnose_NAME() in NAME.c after the run, in this order. OF_ROWS and
  * REDUCED also read rows kept during the run. REDUCED, if requested alone, is made of the system
  * without the coordinates that a scene eliminates. MEMBERS is made of an ensemble. Additional
- * kernels: LINEAR (linearised equations), PARTICLES (their positions), EVERY (all kernels), NONE.
+ * kernels: LINEAR for linearised equations, PARTICLES for positions of particles, EVERY for all
+ * kernels, NONE.
  */
 #ifndef RUN_DIAGNOSTICS_H
 #define RUN_DIAGNOSTICS_H

@@ -1,7 +1,7 @@
 /* The Laplace-Runge-Lenz vector along a run, and the rotation of the pericentre. */
 #include "bodies.h"
 
-static const double ROUND = 1e-8; /* below it the orbit is a circle, without a direction */
+static const double ROUND = 1e-8; /* eccentricity below which an orbit counts as a circle */
 static const double AGAIN = 1e-6; /* times r/|r'|: a pericentre so soon after another is the same */
 
 struct apsides {

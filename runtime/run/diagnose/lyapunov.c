@@ -12,10 +12,10 @@
 #include "parts.h"
 
 enum { BLOCKS = 1000 };
-#define REST 1e-8 /* relative to the largest coordinate; below it nothing moves */
-#define LEAVING 8 /* ratio of excursions in second and first half; t^3 has 8 */
+#define REST 1e-8 /* of the largest coordinate: a smaller excursion counts as rest */
+#define LEAVING 8 /* ratio of excursions in the second and first half; t^3 gives 8 */
 
-/* Largest |x - x(0)| of each coordinate and rate in the first and in the second half. */
+/* Largest |x - x(0)| of each coordinate and rate in the first and in the second half of the run. */
 struct excursion {
     size_t count;
     pk_real *most[2];

@@ -58,7 +58,7 @@ static int rests(const struct modes *m, const double *q, double share)
         off[i] = q[i] + PART * (m->run->settings.q[i] - q[i]);
     problem->system->canonical(problem->params, 0, off, rest, NULL, p, moved);
     for (size_t i = 0; i < n; i++) {
-        if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* e.g. two bodies in one position */
+        if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* e.g. two bodies at one position */
             return 0;
         force = fmax(force, fabs(pdot[i]));
         change = fmax(change, fabs(moved[i] - pdot[i]));
@@ -163,7 +163,7 @@ static enum fitness consider(struct modes *m, double *q, enum fitness best)
 }
 
 /* Sets m->q to the best equilibrium and returns its rank. Candidates are q = 0, if no force acts
- * there, and the roots found from the start and, for few coordinates, from other points. */
+ * there, and the equilibria found from the start and, for few coordinates, from other points. */
 static enum fitness choose(struct modes *m)
 {
     struct pk_run *run = m->run;
@@ -179,7 +179,7 @@ static enum fitness choose(struct modes *m)
     enum fitness best = NOTHING;
     const enum pk_status status =
         pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
-    if (rests(m, rest, 1e-12)) /* tests q = 0 */
+    if (rests(m, rest, 1e-12)) /* tests whether q = 0 is an equilibrium */
         best = consider(m, rest, best);
     for (size_t k = 0; status >= 0 && k < found.count; k++)
         best = consider(m, q + k * m->n, best);
@@ -262,7 +262,7 @@ void diagnose_modes(struct pk_run *run, struct diagnostics *d)
     m.squares = m.p + n;
     m.E = m.squares + n;
     m.x = m.E + n;
-    m.work = m.x + n; /* 5 n numbers */
+    m.work = m.x + n; /* work memory of 5 n numbers */
     m.h = m.work + 5 * n;
     m.turns = memory_take(&run->memory, n, 1);
     const enum fitness best = choose(&m);

@@ -79,7 +79,7 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
         return status >= 0;
     run_say(d->run, "diagnose %s: %s", d->name, reason);
     if (d->code == 0 && status == PK_REFUSED)
-        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* `all` skips what does not apply */
+        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* with `all`, refusals are no errors */
     else if (d->code == 0)
         d->code = PK_RUN_FAILED;
     return 0;

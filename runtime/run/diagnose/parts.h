@@ -24,7 +24,7 @@ void diagnose_close(struct diagnostics *d);
 /* Writes a member of the object by make(), which writes status and reason first. */
 void diagnose_one(struct diagnostics *d, const char *name,
                   void (*make)(struct pk_run *run, struct diagnostics *d));
-/* Returns kept row k of `count`, spread evenly from the first kept row to the last. */
+/* Returns row k of `count` rows that are spread evenly over all kept rows. */
 const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count);
 /* Writes status and reason. If `reason` is NULL, it is that of the failed integrator `it`, or else
  * the text of the status. Returns 1 if the diagnostic succeeded and its numbers must follow. */

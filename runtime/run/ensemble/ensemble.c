@@ -11,7 +11,7 @@ static int stop(void *context)
     return pk_thread() ? run->control.stop : run_stopped(run, run->part);
 }
 
-/* Passes a state of a member to the observers, also as a row if has_row. */
+/* Passes a state of a member to the observers and, if has_row, writes it as a row. */
 static void show(struct pk_run *run, int has_row, const struct moment *at)
 {
     if (has_row)
@@ -42,7 +42,8 @@ static void show_all(const struct batch *b, struct pk_run *run, size_t i)
     reduce_end(run, run, run->member, e->status[i], &at);
 }
 
-/* Sets the settings, from which observers read parameters and inputs, to the member's meanwhile. */
+/* Writes a member. Meanwhile its parameters and inputs are in the settings, which observers
+ * read. */
 static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t member)
 {
     const struct pk_ensemble *e = &b->e;
@@ -69,7 +70,7 @@ static int is_astray(const struct batch *b, const struct pk_run *run, size_t i)
     if (!run->monitor_block || !member_fixed(&run->settings) || b->e.done[i] == 0)
         return 0;
     const pk_real final = pk_drift_final(&run->monitor.energy);
-    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* also true for NaN */
+    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* NaN counts as a wrong energy */
 }
 
 static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_t count,
@@ -85,7 +86,7 @@ static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_
     }
 }
 
-/* Writes the count and the first of the members that failed with one status. */
+/* Reports how many members failed with one status, and the first of them. */
 static void report_failed(const struct settings *s, struct json *j, const char *key,
                           const struct failed *of)
 {

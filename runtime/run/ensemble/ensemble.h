@@ -40,14 +40,15 @@ struct failed {
 struct tally {
     size_t done, failed;
     struct failed *first_failed, failures[-PK_STATUS_LAST];
-    size_t astray, first_astray; /* members whose final energy is wrong */
+    size_t astray, first_astray; /* members whose final energy is wrong: number, first */
     unsigned long *crossings;    /* per event and switch: crossings of all members */
-    unsigned long *never;        /* number of members without crossings */
-    unsigned long *doubts;       /* number of members that may have missed crossings */
+    unsigned long *never;        /* per event and switch: members without crossings */
+    unsigned long *doubts;       /* per event and switch: members that may have missed some */
     pk_real *first; /* time of first crossing by event and member, or infinity; or NULL */
 };
-/* Ensembles with watched events or switches, whose members run one by one: allocates the tally;
- * runs `count` members; writes "events" and "switches" of the report. */
+/* Ensembles with watched events or switches, whose members run one by one: watched_begin()
+ * allocates the tally; watched_batch() runs members; watched_report() writes "events" and
+ * "switches". */
 enum { WATCHED_AT_ONCE = 1024, WHOLE_BLOCKS = 64 };
 void watched_begin(struct tally *tally, struct pk_run *run);
 /* Returns 0 if the run must end; a resumed run repeats these members. */

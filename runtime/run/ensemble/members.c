@@ -1,4 +1,4 @@
-/* Members of an ensemble: their memory, and their parameters from the settings and their table. */
+/* Members of an ensemble: memory, and parameters from the settings and the caller's table. */
 #include "../settings/settings.h"
 #include "ensemble.h"
 
@@ -33,7 +33,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     }
     settings_assign(s, params, b->own, n_own);
     const int outside = system->prepare(params);
-    if (outside && !s->asked.lenient) { /* its integrator then fails */
+    if (outside && !s->asked.lenient) { /* if lenient, the member's integrator reports it */
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
         settings_refused(run, params, outside, who);
         return PK_RUN_USAGE;

@@ -15,7 +15,7 @@ struct work {
     const struct batch *b;
     const struct pk_run *run; /* the run of the whole ensemble, whose settings the members share */
     size_t first, count, group, lanes, bytes; /* `group`: number of members per call of make() */
-    struct pk_run *runs;                      /* one per member, kept until merged */
+    struct pk_run *runs;                      /* one per member, until its results are merged */
     char *block;                              /* `bytes` of memory per thread, for its lanes */
 };
 

@@ -5,11 +5,11 @@
 #include "condition.h"
 
 #define LOST PK_C(1e5) /* amplification of rounding in accelerations that gives a warning */
-#define NEAR PK_C(1e3) /* condition number; below it forces cancel, as at rest */
+#define NEAR PK_C(1e3) /* no warning below this condition number: forces only cancel there */
 #define FASTER 2       /* a state is examined if |dv/dt| grows by this factor */
 enum {
-    LOOKS = 64, /* states over the whole duration */
-    STEPS = 64, /* least steps between two states; more above FEW unknowns */
+    LOOKS = 64, /* number of states examined over the whole duration */
+    STEPS = 64, /* least number of steps between two states; more above FEW unknowns */
     FEW = 16,
     MOST_RECORDS = 256, /* limit of states examined because a rate changes faster */
     ALL = 1024,         /* after so many steps only one in PART is examined */

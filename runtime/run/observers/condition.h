@@ -1,4 +1,4 @@
-/* Condition numbers along a run or a motion. `l` may be NULL, which disables a function. */
+/* Condition numbers along a run or a motion. Functions do nothing if `l` is NULL. */
 #ifndef RUN_CONDITION_H
 #define RUN_CONDITION_H
 
@@ -11,7 +11,7 @@ struct looking;
 /* Returns NULL if there are no matrices. memory_drop() frees it; `problem` must outlive it. */
 struct looking *condition_begin(struct memory *memory, const struct pk_problem *problem,
                                 const struct pk_method *method);
-/* Called at the start and after each step of `it`; NULL: matrices of steps are not examined. */
+/* Called at the start and after each step; with `it` NULL, matrices of steps are not examined. */
 void condition_step(struct looking *l, struct pk_integrator *it, pk_real until,
                     const struct moment *at);
 /* Returns the condition number of the equations that the last step solved; 0 if it solved none. */

@@ -1,7 +1,7 @@
 /* Drifts of constants of the motion: energy, momenta of cyclic coordinates, declared constants. */
 #include "observers.h"
 
-#define LARGE PK_C(0.1) /* relative to the scale of the quantity */
+#define LARGE PK_C(0.1) /* relative drift that counts as large */
 
 /* Drifts are measured at each of the first ALL steps, and later so rarely that this adds 5 % to the
  * time of the steps: one measurement costs about three evaluations of the forces. */

@@ -29,17 +29,18 @@ struct pk_run_diagnose {
     const struct observer *observers[2];
     /* Makes the requested diagnostics and their messages. Returns `code` unless one failed. */
     enum pk_run_code (*run)(struct pk_run *run, enum pk_run_code code);
-    void (*report)(const struct pk_run *run, struct json *j); /* writes "diagnostics" */
+    void (*report)(const struct pk_run *run, struct json *j); /* writes the member "diagnostics" */
     void (*free)(struct pk_run *run);
     /* Returns the largest Lyapunov exponent of a member that has its own pk_run, or NaN. */
     pk_real (*lyapunov)(struct pk_run *of);
     /* Prepares the area that an ensemble encloses whose initial states form a closed loop:
      * allocates memory for the members at the start and at `count` times. Returns the exit code. */
     enum pk_run_code (*area_begin)(struct pk_run *run, const pk_real *t, size_t count);
-    /* Stores a member's state if t is its next row; the settings hold its parameters. */
+    /* Stores a member's state if t is the time of its next row; the settings hold its
+     * parameters. */
     void (*area_note)(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
-    /* Computes the area for the report. Members may have ended early by `gone`, a text. Returns
-     * `code` unless that fails. */
+    /* Computes the area for the report. `gone` says why members may have ended early, for messages.
+     * Returns `code` unless that fails. */
     enum pk_run_code (*area_find)(struct pk_run *run, enum pk_run_code code, const char *gone);
 };
 
@@ -98,7 +99,7 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
 
 /* Events: times of crossings for the report, and warnings. */
 enum { WATCH_TIMES = 1000 };   /* limit of crossing times of an event in the report */
-#define WATCH_NOISE PK_C(1e-8) /* of the scale of g (struct crossed): g below it may be rounding */
+#define WATCH_NOISE PK_C(1e-8) /* relative to g's scale in struct crossed; less is rounding */
 
 /* Returns the name of event k. Events are numbered first, then switches. */
 const char *watch_name(const struct pk_system *system, size_t k);
@@ -109,7 +110,7 @@ const char *watch_name(const struct pk_system *system, size_t k);
 void watch_warn(struct pk_run *run);
 
 /* Whether the result of a run can be trusted. A status describes the computed path. If this path
- * has left the true motion earlier, the status says nothing about the motion. */
+ * left the true motion earlier, the status says nothing about the motion. */
 #define TRUST_WRONG PK_C(1e-2) /* energy drift, relative to the scale of the energy */
 /* Status in the report if the steps went on past the end of the motion. Only this layer detects it,
  * so that it is not in enum pk_status. */

@@ -100,7 +100,7 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
 }
 
 /* Sets outputs to NaN if round-off of the state changes them by more than the fraction LOST. Near
- * positions with dependent constraints these are accelerations and multipliers. */
+ * positions where constraints are dependent, these are accelerations and multipliers. */
 static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
 {
     const struct settings *s = &run->settings;

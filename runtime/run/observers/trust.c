@@ -15,7 +15,7 @@ static void step(struct pk_run *run, const struct moment *at)
 {
     if (!run->looked || !run->monitor.has_energy || run->distrusted)
         return;
-    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* true for NaN */
+    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* also if it is NaN */
     if (!run->distrusted)
         run->trusted = at->t;
 }
@@ -61,7 +61,7 @@ static void judge(struct pk_run *run, pk_real t, FILE *file)
         fprintf(file,
                 "; by %s at %.0e the motion goes on to t = %.9g at least: only these steps end",
                 JUDGE, (double)JUDGE_TOL, (double)t);
-        if (run->it.status != PK_STEP_TOO_LONG) /* whose reason has this advice */
+        if (run->it.status != PK_STEP_TOO_LONG) /* that reason has this advice, too */
             fprintf(file, ": make the step%s",
                     run_fixed(run) ? " shorter (--step)" : "s shorter (--step, --rtol)");
     }

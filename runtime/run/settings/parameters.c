@@ -3,7 +3,7 @@
 
 #include "../base/numbers.h"
 
-enum { MOST_TOLD = 12 }; /* most parameters listed in a message */
+enum { MOST_TOLD = 12 }; /* limit of parameters listed in a message */
 
 static void tell(FILE *file, const char *before, pk_real x)
 {
@@ -11,7 +11,7 @@ static void tell(FILE *file, const char *before, pk_real x)
     numbers_write(file, (double)x);
 }
 
-/* Returns the address of parameter i, or of the first member of a family that is kept as a loop. */
+/* Returns the address of parameter i, or of its first member if it is a family kept as a loop. */
 static const void *place(const struct pk_system *system, const void *params, size_t i,
                          struct pk_range *range)
 {

@@ -1,4 +1,4 @@
-/* Derived from the settings: the problem to integrate, computed inputs, numbers of members. */
+/* Values derived from the settings: the problem, computed inputs, numbers of members. */
 #include "settings.h"
 
 const struct pk_words run_options = {

@@ -89,7 +89,7 @@ void checkpoint_write(struct pk_run *run, checkpoint_keep *keep, void *context)
     of.rows = checkpoint_place(run->out);
     everything(run, keep, context, &k);
     k.size = k.used + sizeof of;
-    k.to = memory_ask(&run->memory, k.size, 1); /* if memory runs out the run goes on */
+    k.to = memory_ask(&run->memory, k.size, 1); /* NULL: the run goes on without a checkpoint */
     k.used = 0;
     pk_keep(&k, &of, sizeof of);
     if (k.to)

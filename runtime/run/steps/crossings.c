@@ -83,7 +83,7 @@ static void note_leaving(struct pk_run *run)
     int all = 1;
     for (size_t k = 0; k < m; k++)
         all &= run->crossed[k].leaves;
-    if (all) /* also if there are no events */
+    if (all) /* also true if the system has no events */
         return;
     memcpy(x, run->it.q, n_q * sizeof *x);
     memcpy(x + n_q, run->it.v, n * sizeof *x);

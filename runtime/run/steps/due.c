@@ -8,7 +8,7 @@
  */
 #include "steps.h"
 
-/* A quotient may exceed an integer by 1e-12 of it. From 1e9 intervals on, only round-off is
+/* A quotient may exceed an integer by 1e-12 of itself. From 1e9 intervals on, only round-off is
  * allowed, since 1e-12 of a huge number could be a whole interval. */
 pk_real run_intervals(pk_real whole, pk_real part)
 {
@@ -35,7 +35,7 @@ enum pk_status run_aside(struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const size_t size = pk_integrator_size(&it->problem, it->method);
     struct pk_problem problem = run->problem;
-    if (run->events.params) /* these have the current sides of switches */
+    if (run->events.params) /* these params have the current sides of the switches */
         problem.params = run->events.params;
     run->aside_block = memory_take(&run->memory, size, 1);
     return pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,

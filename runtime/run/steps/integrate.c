@@ -18,7 +18,7 @@ static enum pk_status many(struct pk_run *run, pk_real end)
     const unsigned long most = singular(run) ? CLOSE : (unsigned long)(50000000 / it->n) + 2;
     const pk_real next = run_wanted(run, it->t, run->settings.until);
     const pk_real whole = PK_F(floor)((next - it->t) / it->options.h);
-    if (end > next && !(whole >= 2)) /* the row is less than two steps away */
+    if (end > next && !(whole >= 2)) /* the next row is less than two steps away */
         return pk_integrator_step(it, end);
     return pk_integrator_steps(it, end,
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
@@ -86,7 +86,7 @@ static int step(struct pk_run *run)
         return 0;
     if (pk_waits(it))
         return 1;
-    const pk_real h = it->t - it->last_t; /* 0 at an event that stopped the run */
+    const pk_real h = it->t - it->last_t; /* h is 0 after a stop at an event */
     /* A step at most half of the next one was limited by a start, event or row, not by its
      * error. */
     if (before > 0 && h < 2 * before && (!(run->h_min > 0) || before < run->h_min))
@@ -137,7 +137,7 @@ int run_starts(struct pk_run *run)
         return 0;
     if (!run->checkpoint.resumed) {
         stop(run);
-        if (by_time(run) && (s->has_every || !s->asked.members)) /* else only a final row */
+        if (by_time(run) && (s->has_every || !s->asked.members)) /* otherwise only a final row */
             observe_row(run, run_moment(run));
         observe_step(run, run_moment(run));
     }

@@ -1,4 +1,4 @@
-/* One trajectory: its settings, start, steps and end. */
+/* One trajectory: its settings, initial state, steps and end. */
 #ifndef RUN_STEPS_H
 #define RUN_STEPS_H
 
@@ -35,10 +35,11 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit);
 pk_real run_limit(const struct pk_run *run);
 /* Returns the current time and state. */
 const struct moment *run_moment(struct pk_run *run);
-/* Returns the number of intervals of length `part` that cover `whole`, at least 1. A quotient that
- * is an integer up to round-off counts as this integer. */
+/* Returns the number of intervals of length `part` that cover `whole`, at least 1. An integer
+ * quotient may have round-off. */
 pk_real run_intervals(pk_real whole, pk_real part);
-/* Returns h, rounded to an exact fraction 1/k of the interval if it is one up to round-off. */
+/* Returns h or, if 1/k of the interval equals it up to round-off for an integer k, this
+ * fraction. */
 pk_real run_step(pk_real interval, pk_real h);
 /* Returns the time of row k of `count`: a double in every precision, since it is written as one. */
 pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count);

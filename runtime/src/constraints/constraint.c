@@ -199,7 +199,7 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
     const size_t last = w.whole ? pk_index(w.depends[0] - 1, w.c) : w.c;
     for (size_t i = 0; i < last && used < size; i++)
         if (pk_abs(w.depends[1 + i]) > SHARE) {
-            if (count == SHOWN) { /* the list would be too long */
+            if (count == SHOWN) { /* lists no more than SHOWN rows */
                 snprintf(text + used, size - used, ", ...");
                 break;
             }

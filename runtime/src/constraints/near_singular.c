@@ -8,13 +8,13 @@
 #include "../core/tableau.h"
 #include "singular_crossing.h"
 
-#define AHEAD PK_C(2.0)   /* adaptive methods cross a root of sigma within so many steps, */
-#define EARLY PK_C(0.1)   /* or if sigma is below this, since their steps may be short */
-#define LESS PK_C(0.6)    /* sigma must fall by this factor before a crossing is tried again */
-#define LONG PK_C(1.25)   /* fixed steps cross a root within so many steps, */
-#define MIDDLE PK_C(0.75) /* by a step of double length if it is farther than this */
-#define LITTLE PK_C(1e-4) /* step for the slope of sigma, as a fraction of the time left */
-#define TURN PK_C(0.3) /* a step that deviates more, relative to its length, is on another branch */
+#define AHEAD PK_C(2.0)   /* an adaptive method crosses a root of sigma within so many steps */
+#define EARLY PK_C(0.1)   /* it also crosses below this sigma, since its steps may be short */
+#define LESS PK_C(0.6)    /* a crossing is tried again when sigma has fallen to this fraction */
+#define LONG PK_C(1.25)   /* fixed steps cross a root of sigma within so many steps */
+#define MIDDLE PK_C(0.75) /* for a root farther than so many steps, the crossing has two */
+#define LITTLE PK_C(1e-4) /* step for the slope of sigma, as a fraction of the time to the root */
+#define TURN PK_C(0.3)    /* of the length of a step: a larger deviation means another branch */
 
 static size_t lay_out(struct pk_singular_crossing_parts *x, size_t n_q, size_t n, pk_real *base)
 {

@@ -21,11 +21,11 @@
 #include "../core/attitude.h"
 #include "../core/project.h"
 
-#define ROUND (PK_EPS / 2) /* of the terms: counts as 0; a larger residual would drift */
-#define STALLED (PK_C(1024.0) * PK_EPS) /* of the terms: rounding, if it stops shrinking */
-#define NOTICED (PK_C(1e5) * PK_EPS)    /* of the terms: a larger residual is not rounding */
-#define MOST_OFF PK_C(10.0)             /* in tolerances, as for errors of Gauss steps */
-enum { MOST = 20 };                     /* limit of corrections */
+#define ROUND (PK_EPS / 2) /* relative residual that counts as 0; a larger one would drift */
+#define STALLED (PK_C(1024.0) * PK_EPS) /* relative residual: rounding, if it stops shrinking */
+#define NOTICED (PK_C(1e5) * PK_EPS)    /* a larger relative residual is not rounding */
+#define MOST_OFF PK_C(10.0) /* limit of a correction, in tolerances, as in Gauss steps */
+enum { MOST = 20 };         /* limit of the number of corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
 {
@@ -38,7 +38,7 @@ int pk_project_dependent(struct pk_integrator *it)
         return 0;
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c, it->q, it->v))
-        return 0; /* steps report this case */
+        return 0; /* a step reports singular factors itself */
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
         if (w.sines[row] < PK_DEPENDENT) {
@@ -61,7 +61,7 @@ pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t r
         if (!(x > 0) && pk_finite(x))
             continue;
         const pk_real ratio = x / (terms[i] + PK_EPS * largest + PK_TINY);
-        if (!(ratio <= most)) /* true for NaN */
+        if (!(ratio <= most)) /* the condition is true for NaN */
             most = ratio, *which = i;
     }
     return most;
@@ -123,7 +123,7 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
         pk_real way = 0;
         for (size_t j = 0; j < w->m; j++) {
             pk_real x = ends[end][j];
-            if (!w->whole) { /* only the diagonal of M */
+            if (!w->whole) { /* uses only the diagonal of M */
                 way += w->M[j] * (h * x) * (h * x);
                 continue;
             }
@@ -229,7 +229,7 @@ enum pk_status pk_project_step(struct pk_integrator *it)
     int moved = 0;
     if (!it->own->project)
         return PK_DONE;
-    if (!(it->method->traits & PK_HOLONOMIC)) /* PK_HOLONOMIC methods project themselves */
+    if (!(it->method->traits & PK_HOLONOMIC)) /* methods with PK_HOLONOMIC project by themselves */
         PK_TRY(pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved));
     PK_TRY(pk_project_redundant(it, it->own->next_t, q, v, PK_NO_PROJECTION));
     if (!moved || !it->p)

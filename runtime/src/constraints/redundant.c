@@ -6,8 +6,8 @@
  */
 #include "../core/project.h"
 
-#define SHORT PK_C(1e-6)     /* of the time: least step for a rate */
-#define DEBRIS (64 * PK_EPS) /* rounding, relative to the largest number */
+#define SHORT PK_C(1e-6) /* least step, as a fraction of t, by which pk_project_rest() divides */
+#define DEBRIS (64 * PK_EPS) /* relative rounding errors of the largest number */
 
 static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_rates)
 {
@@ -22,7 +22,7 @@ static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_r
 pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
                         const pk_real *q)
 {
-    const pk_real t = it->own->next_t; /* SHORT: a tiny step would give a huge rate */
+    const pk_real t = it->own->next_t; /* SHORT bounds the result for tiny steps */
     const pk_real way = pk_max(pk_abs(t - it->t), SHORT * pk_abs(t));
     return way > 0 ? DEBRIS * largest(w, q, 0) / way : 0;
 }

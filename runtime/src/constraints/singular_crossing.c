@@ -22,11 +22,11 @@
 
 enum { FEWEST = 6, ROUNDS = 60 };
 #define SURE PK_C(1e-3)    /* limit of the shift by projection, relative to the distance covered */
-#define SETTLED PK_C(1e-9) /* a change below this that stops shrinking is rounding */
+#define SETTLED PK_C(1e-9) /* a smaller change that stops shrinking is rounding */
 #define ROUND (64 * PK_EPS)
-#define LAST PK_C(0.01) /* below this sigma, rounding forbids to go nearer */
+#define LAST PK_C(0.01) /* at smaller sigma, rounding forbids to go nearer */
 #define SHORTER PK_C(0.8)
-#define ACCEPT PK_C(10.0) /* in tolerances, as for the adaptive Gauss method */
+#define ACCEPT PK_C(10.0) /* limit of the error in tolerances, as in the adaptive Gauss method */
 
 /* Computes weights of the stages for the integral over the fraction `to` of the step. */
 static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_real *w)
@@ -74,7 +74,7 @@ static pk_real relative_distance(const struct pk_projection *w, const pk_real *a
     return off / way;
 }
 
-/* Projects q and v onto the constraints; raises *off to the relative shift. */
+/* Projects q and v onto the constraints; raises *off to the relative shift that this causes. */
 static enum pk_status put(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                           pk_real t, pk_real *q, pk_real *v, pk_real *off)
 {
@@ -112,7 +112,7 @@ static void choose(struct pk_singular_crossing_parts *x)
         pk_gauss_nodes(s, x->c, x->b);
         for (int j = 0; j < s; j++)
             next = pk_min(next, pk_abs(x->c[j] - place));
-        if (next * (pk_real)s > best) /* relative to the spacing of stages */
+        if (next * (pk_real)s > best) /* distance in units of the spacing of stages */
             best = next * (pk_real)s, stages = s;
     }
     x->is->stages = (pk_real)stages;
@@ -196,7 +196,7 @@ enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
     memset(it->own->next, 0, pk_state_offset(it->n_q, n, PK_PARTS) * sizeof *q);
     if (!(x.is->passing > 0)) {
-        it->own->next_t = it->t; /* stages are not judged as ends of steps */
+        it->own->next_t = it->t; /* the projection of stages is not judged as that of a step */
         choose(&x);
         const enum pk_status status = solve(it, &x, &off);
         const int sure = status >= 0 && off < SURE;

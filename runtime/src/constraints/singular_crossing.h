@@ -23,7 +23,7 @@ struct pk_singular_crossing {
 struct pk_singular_crossing_parts {
     struct pk_singular_crossing *is;
     pk_real *q, *v;     /* state at the start of the crossing */
-    pk_real *Q, *V, *A; /* states and accelerations at its stages */
+    pk_real *Q, *V, *A; /* states and accelerations at the stages of the crossing */
     pk_real *q_here, *v_here, *a_here;
     pk_real c[PK_SINGULAR_CROSSING_STAGES], b[PK_SINGULAR_CROSSING_STAGES];
 };
@@ -32,7 +32,7 @@ struct pk_singular_crossing_parts pk_singular_crossing_parts(const struct pk_int
 
 static inline struct pk_singular_crossing *pk_singular_crossing_of(const struct pk_integrator *it)
 {
-    return (struct pk_singular_crossing *)(void *)it->own->crossing; /* is first in this memory */
+    return (struct pk_singular_crossing *)(void *)it->own->crossing; /* first item of the memory */
 }
 
 /* Returns sigma at (t, q, v); 1 if M is singular. */

@@ -68,7 +68,7 @@ static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_rea
         const int whole = turns ? round_once(w, q, U, direction, nodes, &J, &T)
                                 : half(w, q + a->lo, 1, amplitude, nodes, &J, &T) &&
                                       half(w, q + a->hi, -1, amplitude, nodes, &J, &T);
-        if (!whole) /* nodes are too far apart */
+        if (!whole) /* too few nodes */
             continue;
         J /= (pk_real)nodes;
         T *= PK_TURN / (pk_real)nodes;
@@ -99,7 +99,7 @@ static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q,
     }
     ahead = pk_well_march(w, q, U, direction);
     if (ahead.turns) {
-        a->error = PK_EPSILON * w->most / w->least; /* error as in doubt() */
+        a->error = PK_EPSILON * w->most / w->least; /* relative error of T, as in doubt() */
         return U > 0 && a->error <= LOST ? PK_ORBIT_ROTATION : PK_ORBIT_SEPARATRIX;
     }
     if (U > 0 && ahead.found)

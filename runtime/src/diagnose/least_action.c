@@ -14,7 +14,7 @@
 enum { NODES = 8 };
 
 struct layout {
-    size_t variation, integrator, path, matrix, scratch; /* numbers of pk_real */
+    size_t variation, integrator, path, matrix, scratch; /* sizes of memory, in pk_real */
 };
 
 static struct layout layout_of(const struct pk_problem *problem, const struct pk_method *method,
@@ -44,7 +44,7 @@ size_t pk_least_action_size(const struct pk_problem *problem, const struct pk_me
 /* Values of kernels at one node, and the modes there. */
 struct node {
     pk_real *p, *g, *M, *p_q, *g_q, *g_v; /* g: dL/dq at the node */
-    pk_real *sine, *rate;                 /* of the modes, per mode */
+    pk_real *sine, *rate;                 /* sine and slope of each mode */
     pk_real *u, *q, *v;
 };
 
@@ -131,7 +131,7 @@ static pk_real determinant(const struct pk_least_action *found, pk_real *J, pk_r
 
 struct search {
     struct pk_least_action *found;
-    pk_real from; /* a time, at which q and v are the state */
+    pk_real from; /* a time; q and v below are the state there */
     const pk_real *q, *v;
     pk_real *J, *pivot;
 };

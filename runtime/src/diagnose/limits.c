@@ -15,7 +15,7 @@ struct question {
     pk_real blind;        /* growth that counts as rounding */
     int shears;           /* whether the determinant is 1 up to rounding */
     pk_real spacing, end; /* grid */
-    pk_real near;         /* grid maxima above -near are refined */
+    pk_real near;         /* maxima on the grid above -near are refined */
     int failed;           /* whether a step failed, so that there is no answer */
 };
 
@@ -68,7 +68,7 @@ static pk_real crest(struct question *ask, pk_real a, pk_real b)
     const pk_real golden = PK_C(0.618033988749894848204586834365638118);
     pk_real c = b - golden * (b - a), d = a + golden * (b - a);
     pk_real fc = excess(ask, c), fd = excess(ask, d);
-    for (int i = 0; i < 30; i++) { /* to 1e-6 of the interval: maxima are flat */
+    for (int i = 0; i < 30; i++) { /* accurate to 1e-6 of the interval, as maxima are flat */
         if (fc > fd) {
             b = d, d = c, fd = fc;
             c = b - golden * (b - a);
@@ -150,7 +150,7 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
     ask.end = polynomial ? 1000 : PK_C(1e4);
     ask.blind = polynomial ? 0 : pk_max(PK_C(1e-10), PK_EPS * 10000);
     first_growth(&ask, from, growth);
-    if (ask.failed && growth[0] < PK_INFINITY) { /* steps may fail where they grow */
+    if (ask.failed && growth[0] < PK_INFINITY) { /* a failure where steps grow does not matter */
         ask.failed = 0;
         excess(&ask, growth[0] * (1 + PK_C(1e-6)));
     }

@@ -83,7 +83,7 @@ static enum pk_status run(const struct pk_method *method, struct spring params, 
         return PK_BLOCK_TOO_SMALL;
     if (params.damping > 0 || params.damping < 0)
         system.facts = DAMPED;
-    options.h = options.h_max = h; /* one step, even of an adaptive method */
+    options.h = options.h_max = h; /* allows one step of any method */
     options.rtol = options.atol = PK_C(1e10);
     enum pk_status status =
         pk_integrator_init(&it, &problem, method, &options, 0, q, v, block, sizeof block);
@@ -198,7 +198,7 @@ enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_rea
     }
     if (varies(f) || method->needs & PK_SEPARABLE)
         return PK_REFUSED;
-    if (pk_splitting_table(f)) { /* substeps of the wrong sign may overflow, unlike their product */
+    if (pk_splitting_table(f)) { /* a substep of negative length may overflow */
         *factor = PK_F(exp)(-z);
         return PK_DONE;
     }

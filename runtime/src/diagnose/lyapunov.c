@@ -31,7 +31,7 @@ static pk_real length(const struct pk_lyapunov *l, const pk_real *Q, const pk_re
     return pk_metric_length(&metric, Q + l->variation.n_q, l->variation.v);
 }
 
-/* Normalises the displacement in q and v into the scratch memory, where q and v may be themselves.
+/* Normalises the displacement in q and v, which may be the scratch memory, into the scratch memory.
  * Returns the logarithm of its length, which may not be finite. */
 static pk_real normalise(struct pk_lyapunov *l, const pk_real *q, const pk_real *v)
 {
@@ -89,7 +89,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
         part -= part >= 1 ? 1 : 0;
         (i < n ? dq : dv)[i % n] = part + PK_C(0.1);
     }
-    pk_metric_dq(&metric, dq); /* components of similar length in any units */
+    pk_metric_dq(&metric, dq); /* gives components of similar length in any units */
     pk_metric_dq(&metric, dv);
     for (size_t i = 0; i < n; i++) {
         dq[i] *= PK_F(sqrt)(metric.tau);
@@ -122,7 +122,7 @@ static enum pk_status renew(struct pk_lyapunov *l)
 
 static void mark(struct pk_lyapunov *l)
 {
-    if (l->n_marks == PK_LYAPUNOV_MARKS) { /* marks 1, 3, 5, ... fit the new stride */
+    if (l->n_marks == PK_LYAPUNOV_MARKS) { /* every second mark fits the new stride */
         for (unsigned long k = 0; k < PK_LYAPUNOV_MARKS / 2; k++)
             l->marks[k] = l->marks[2 * k + 1];
         l->n_marks /= 2;

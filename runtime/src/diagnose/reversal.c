@@ -15,7 +15,7 @@ struct trial {
     const struct pk_options *options;
     pk_real t0;
     const pk_real *q0, *v0;
-    pk_real *reach; /* 2 n largest distances from the start */
+    pk_real *reach; /* for each q_i, v_i: largest distance from its start */
     void *block;
     size_t size;
 };

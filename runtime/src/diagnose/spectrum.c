@@ -86,7 +86,7 @@ static int turn(const pk_real *x, size_t count, size_t lines, pk_real *z, int he
                 A[i * m + k] += weight * by[i] * by[k];
         }
     }
-    for (size_t k = 0; held && k < lines; k++) { /* keeps the frequency */
+    for (size_t k = 0; held && k < lines; k++) { /* fixes the frequency w */
         const size_t w = 4 + 3 * k;
         for (size_t i = 0; i < m; i++)
             *(i < w ? &A[w * m + i] : &A[i * m + w]) = 0;
@@ -113,7 +113,7 @@ static void take(struct pk_spectrum *spectrum, const pk_real *z, pk_real half)
         struct pk_line *to = &spectrum->lines[k];
         to->frequency = w / half;
         to->amplitude = PK_F(sqrt)(line[0] * line[0] + line[1] * line[1]);
-        to->phase = PK_F(atan2)(-line[1], line[0]) - w; /* at t = 0, which is s = -1 */
+        to->phase = PK_F(atan2)(-line[1], line[0]) - w; /* at t = 0, where scaled time s is -1 */
         to->phase -= 2 * PK_PI * PK_F(floor)(to->phase / (2 * PK_PI) + PK_C(0.5));
     }
 }
@@ -166,7 +166,7 @@ void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t co
 {
     const size_t half = count / 2;
     for (size_t k = 0; k < spectrum->count; k++)
-        spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* least error */
+        spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* round-off */
     for (int part = 0; part < 2; part++) {
         struct pk_spectrum of_half = *spectrum;
         /* The last lines, found in rounding, may not exist in half of the samples, and are dropped

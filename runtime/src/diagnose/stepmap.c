@@ -63,7 +63,7 @@ static void displace(struct parts *w, pk_real t, size_t j)
     memset(dv, 0, n * sizeof *dv);
     (j < n ? dq : dv)[j % n] = 1;
     pk_metric_dq(&w->metric, dq);
-    pk_metric_dp(&w->metric, dv); /* is dp until now */
+    pk_metric_dp(&w->metric, dv); /* at this point dv holds dp */
     momentum_slope(w, t, w->Q, w->V);
     memset(w->dp, 0, n * sizeof *w->dp);
     pk_add_product(w->dp, w->J, dq, n);
@@ -83,7 +83,7 @@ static void take_column(struct parts *w, size_t j)
     pk_add_product(w->dp, w->J, dq, n);
     of->system->mass(of->params, w->it.t, q, v, inputs(w, w->it.t), w->J);
     pk_add_product(w->dp, w->J, dv, n);
-    memcpy(w->Q + n, dq, n * sizeof *dq); /* w->Q is not needed any more */
+    memcpy(w->Q + n, dq, n * sizeof *dq); /* w->Q is used as scratch memory */
     pk_metric_Q(&w->metric, w->Q + n);
     pk_metric_P(&w->metric, w->dp);
     for (size_t i = 0; i < n; i++) {
@@ -107,7 +107,7 @@ static void measure(struct parts *w, struct pk_stepmap *map)
                 form += a - b;
                 sum += pk_abs(a) + pk_abs(b);
             }
-            if (!(pk_abs(form) <= map->defect)) /* true for NaN */
+            if (!(pk_abs(form) <= map->defect)) /* the condition is true for NaN */
                 map->defect = pk_abs(form);
             size = pk_max(size, sum);
         }
@@ -146,10 +146,10 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
     const size_t size = pk_stepmap_size(problem, method);
     if (map && method && method->traits & PK_ADAPTIVE && method->traits & PK_LINEAR &&
         !(method->traits & PK_IMPLICIT))
-        return PK_REFUSED; /* its step size depends on the state */
+        return PK_REFUSED; /* step sizes depend on the state */
     if (map && problem && problem->system &&
         (problem->system->n_first_order || problem->system->constraints.n))
-        return PK_REFUSED; /* no momenta, or dependent q and p */
+        return PK_REFUSED; /* there are no momenta, or q and p are dependent */
     if (!map || !options || !q0 || !v0 || !size || !(h > 0))
         return PK_BAD_ARGUMENT;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))

@@ -143,7 +143,7 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
         if (k == w->columns)
             return;
         pk_variation_take(w, V, k + 1, w->v);
-        memset(w->a, 0, 2 * n * sizeof *w->a); /* clears w->b too, which follows */
+        memset(w->a, 0, 2 * n * sizeof *w->a); /* also clears w->b, which follows w->a */
         pk_add_product(w->a, M, w->v, n);
         add_by_q(w, w->a, p_q, q + (k + 1) * n_q);
         add_by_q(w, w->b, pdot_q, q + (k + 1) * n_q);
@@ -161,7 +161,7 @@ static void singularity(ARGS, pk_real *out)
 
 size_t pk_variation_size(const struct pk_problem *of, size_t columns)
 {
-    (void)columns; /* displacements share all work on the motion */
+    (void)columns; /* displacements share the work memory */
     if (!of || !of->system || of->system->abi != PK_ABI)
         return 0;
     const size_t n = pk_system_count(of->system, of->params);

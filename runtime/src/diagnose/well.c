@@ -5,7 +5,7 @@
 #include "../core/root.h"
 
 enum { PANELS = 20000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
-#define FOLLOWED (1024 * PK_EPSILON) /* largest relative error of the work in a panel */
+#define FOLLOWED (1024 * PK_EPSILON) /* largest error of the work in a panel, relative to w->most */
 
 pk_real pk_well_force(const struct pk_well *w, pk_real q)
 {
@@ -105,7 +105,7 @@ static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least,
 }
 
 /* Returns whether M, F and b have period 2 pi in q and a full turn takes no work. Returns 0 if
- * nothing depends on q, since q may then be an angle or not. */
+ * nothing depends on q, since it is then unknown whether q is an angle. */
 static int is_angle(const struct pk_well *w, pk_real q)
 {
     pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY, round = 0;

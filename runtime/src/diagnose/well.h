@@ -13,12 +13,12 @@ struct pk_well {
     pk_real t;
     const pk_real *u;
     pk_real longest;     /* longest panel of a march */
-    pk_real most, least; /* maximum of h - W on the way; its least minimum */
+    pk_real most, least; /* largest h - W on the march; least minimum of h - W */
 };
 
 /* A root of h - W, or a full turn, that a march has found. */
 struct pk_end {
-    pk_real y; /* distance from the start */
+    pk_real y; /* distance from the start of the march */
     int turns, found;
 };
 

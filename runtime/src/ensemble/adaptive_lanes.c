@@ -15,21 +15,21 @@
 #include "lanes.h"
 
 enum {
-    FEW = 8,  /* if at most 1/8 of the lanes are used, they do not pay */
-    MANY = 32 /* most steps per call */
+    FEW = 8,  /* lanes are not used if at most 1/8 of them have a step */
+    MANY = 32 /* limit of steps per call */
 };
 
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const struct pk_system *system = problem->system;
-#ifdef PK_ONE_BY_ONE /* measures the gain of lanes */
+#ifdef PK_ONE_BY_ONE /* for measuring the speed without lanes */
     const struct pk_block_stepper *s = NULL;
 #else
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
 #endif
     struct pk_block b;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt) ||
-        system->constraints.n) /* projection has no lanes and is most of a step */
+        system->constraints.n) /* projection has no lanes and dominates a step */
         return 0;
     const size_t block = pk_block_lay_out(&b, problem, method, 0, NULL);
     return (block + pk_screen_size(&b)) * sizeof(pk_real);
@@ -93,7 +93,7 @@ static void load(struct pk_lanes *a, const struct pk_lane *lane, size_t l)
     struct pk_integrator *it = lane->it;
     const int switched = lane->events && lane->events->params;
     pk_block_load(b, it, switched ? lane->events->params : it->problem.params, l);
-    if (a->method->traits & PK_ADAPTIVE) { /* slope of the first stage */
+    if (a->method->traits & PK_ADAPTIVE) { /* loads the slope of the first stage */
         const struct pk_tableau *table = pk_explicit_table(a->method);
         const struct pk_embedded_work w = pk_embedded_parts(it, table, b->n_q, b->n);
         const pk_real *slope = it->own->flags & PK_HAVE_STEP ? w.last : w.k;
@@ -278,7 +278,7 @@ static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned 
             if (ahead->many == most[l])
                 going &= ~(1ull << l);
         }
-        if (known && !splitting) { /* first stage of the next step */
+        if (known && !splitting) { /* copies the first stage of the next step */
             memcpy(b->work, b->state + n_q * W, n_q * W * sizeof *b->work);
             memcpy(b->work + m, a->screen.a1, m * sizeof *b->work);
         }

@@ -80,7 +80,7 @@ static unsigned long long aside(const struct pk_block *of, const struct pk_block
                                 const struct pk_integrator *clock, pk_real t)
 {
     struct pk_block b = *of;
-    b.state = of->next; /* start of that step */
+    b.state = of->next; /* state at the start of the step */
     b.next = of->spare;
     b.have_a = 0;
     together(&b, clock->last_t, t, t - clock->last_t);

@@ -29,8 +29,8 @@ size_t pk_member_count(const struct pk_ensemble *e, size_t W);
 enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member,
                                     struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
-/* Passes the step made in a lane, next[i * W], to the member's integrator; `status` if it failed.
- * Returns PK_DONE or the failure, which is a singularity if that is the cause. */
+/* Passes a step made in a lane, at next[i * W], to the member's integrator, or its failure
+ * `status`. Returns PK_DONE or the failure, which is a singularity if that is the cause. */
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
                               const pk_real *next, size_t W, enum pk_status status);
 

@@ -34,7 +34,7 @@ static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b
     }
 }
 
-/* Evaluates the quintic and its derivative at x in 0 .. 1; for states in v the quartic. */
+/* Evaluates the quintic (first-order variables: quartic) and its derivative at x in 0 .. 1. */
 static void between(const struct pk_screen *s, const struct pk_block *b, pk_real x)
 {
     const size_t m = b->n_q * b->lanes, all = b->n * b->lanes;
@@ -80,7 +80,7 @@ static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *
     const unsigned long long failed = s->members(b, s->trial, s->trial + first, s->a_between);
     for (size_t l = 0; l < W; l++)
         bad[l] |= failed >> l & 1 ? ~(pk_bits)0 : 0;
-    for (size_t k = first; k < end - first; k += LANES) { /* first-order variables */
+    for (size_t k = first; k < end - first; k += LANES) { /* first-order variables in v */
         const pk_real *v0 = b->state + first + k, *v1 = b->next + first + k;
         const pk_real *a0 = s->a0 + k, *a1 = s->a1 + k, *a = s->a_between + k;
         const pk_real *length = b->h + k % W;
@@ -191,7 +191,7 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
         const pk_real x = (1 - pk_events_cosines[j * STRIDE]) / 2;
         if (j > 0 && j < N)
             between(s, b, x);
-        if (j == 0 && !(of & ~known)) /* known from the end of the last step */
+        if (j == 0 && !(of & ~known)) /* values are known from the last step */
             continue;
         const pk_real *state = j == 0 ? b->state : j < N ? s->trial : b->next;
         for (size_t l = 0; l < W; l++)

@@ -5,7 +5,7 @@
 
 #include <pk/adaptive_lanes.h>
 
-/* Returns the size of its memory, in pk_real. */
+/* Returns the memory size of a screen, in pk_real. */
 size_t pk_screen_size(const struct pk_block *b);
 void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
                     const struct pk_block_stepper *stepper, pk_real *base);

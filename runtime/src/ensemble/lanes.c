@@ -150,7 +150,7 @@ void pk_block_copy_lane(struct pk_block *b, size_t from, size_t to)
                                {b->next, parts},
                                {b->P, pk_params_reals(b->system)},
                                {b->u, b->system->n_inputs},
-                               {b->work, 2 * b->n}}; /* of the first stage */
+                               {b->work, 2 * b->n}}; /* slopes of the first stage */
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         for (size_t i = 0; i < all[k].rows; i++)
             all[k].x[i * W + to] = all[k].x[i * W + from];

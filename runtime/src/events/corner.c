@@ -1,6 +1,7 @@
 /* The impulse at a switch s(q, t) = 0 across which L or a constraint jumps: the corner condition of
- * Weierstrass and Erdmann. Momenta and energy are p-, h- before it. After it, with an impulse alpha
- * along the gradient s_q, and Lambda along the constraint rows J v + j0 = 0 of the new side,
+ * Weierstrass and Erdmann. Before it, momenta are p- and the energy is h-. After it, rates are v+,
+ * with an impulse alpha along the gradient s_q, and impulses Lambda along the constraint rows J v +
+ * j0 = 0 of the new side:
  *
  *     p(v+) = p- + alpha s_q + J^T Lambda,   J v+ + j0 = 0,
  *     E = h(v+) - h- + alpha s_t + Lambda.j0 = 0.
@@ -26,7 +27,7 @@ static size_t lay_out(struct corner *x, const struct pk_system *system, size_t n
                       pk_real *base)
 {
     const size_t c = system->constraints.n, k = system->switches.n;
-    const struct pk_problem problem = {.system = system}; /* kept loops have no impulses */
+    const struct pk_problem problem = {.system = system}; /* families have no impulses */
     /* clang-format off */
     const struct pk_slot slots[] = {
         {w, pk_project_room(&problem, n)}, {&x->p0, n}, {&x->p, 2 * n}, {&x->v, n}, {&x->along, n},
@@ -95,7 +96,7 @@ static int rates(struct corner *x, pk_real alpha)
     for (int count = 0; count < MOST; count++) {
         pk_real change = 0, size = 0;
         pk_corner_momenta(x, x->v);
-        if (count && !pk_all_finite(x->p, w->m)) { /* outside the domain of L: undo part of d */
+        if (count && !pk_all_finite(x->p, w->m)) { /* undoes part of d outside the domain of L */
             part /= 2;
             for (size_t i = 0; i < w->m; i++)
                 x->v[i] -= part * d[i];

@@ -6,7 +6,7 @@
 #include "../core/project.h"
 
 #define PK_CORNER_ALONG \
-    (PK_C(1024.0) * PK_EPS) /* of s_q: a smaller part outside the span of the rows counts as 0 */
+    (PK_C(1024.0) * PK_EPS) /* relative part of s_q outside the span of the rows that counts as 0 */
 #define PK_CORNER_WHOLE \
     PK_F(sqrt)(PK_EPS) /* relative change above which a position or a row has jumped */
 

@@ -9,8 +9,8 @@
 #include "../core/root.h"
 
 enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, PIECES = 3 };
-#define MARGIN PK_C(0.03125) /* of the range of g: possible error of an interpolant */
-#define TURNED PK_C(1e-7)    /* accuracy of the angle of an extremum, which may be a kink */
+#define MARGIN PK_C(0.03125) /* error of an interpolant, relative to the range of g */
+#define TURNED PK_C(1e-7)    /* accuracy of the Chebyshev angle of an extremum */
 
 /* Returns the value below which g may be 0: errors of interpolant and, at a kink, polynomial. */
 static pk_real near_zero(const struct pk_shape *shape)
@@ -24,7 +24,7 @@ struct along {
     struct pk_integrator *it;
     const struct pk_shape *shape;
     size_t k;
-    pk_real x[MOST_NODES], g[MOST_NODES]; /* nodes and exact values, in order */
+    pk_real x[MOST_NODES], g[MOST_NODES]; /* nodes: times and exact values, in order */
     int count;
 };
 
@@ -97,7 +97,7 @@ static struct point at_angle(const struct along *a, pk_real angle)
 {
     const pk_real c = PK_F(cos)(angle);
     struct point found = {a->e->at + a->e->width * (1 - c) / 2, a->shape->c[0], 0};
-    pk_real T = c, T_before = 1, U = 1, U_before = 0; /* Chebyshev, first and second kind */
+    pk_real T = c, T_before = 1, U = 1, U_before = 0; /* Chebyshev polynomials */
     for (int i = 1; i <= a->shape->order; i++) {
         const pk_real next_T = 2 * c * T - T_before, next_U = 2 * c * U - U_before;
         found.g += a->shape->c[i] * T;
@@ -145,7 +145,7 @@ static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real
         if (!(next > x[0] && next < x[2]) || !(next < x[1] || next > x[1]))
             break;
         PK_TRY(truth(a, next, &y));
-        const int outer = next < x[1] ? 2 : 0; /* the end that it replaces */
+        const int outer = next < x[1] ? 2 : 0; /* the new point replaces this end */
         if (opposite(y, g[1]) || pk_abs(y) < pk_abs(g[1])) {
             x[outer] = x[1];
             g[outer] = g[1];
@@ -263,7 +263,7 @@ static enum pk_status nodes(struct along *a)
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
     const struct pk_event *events = a->it->problem.system->events.table;
-    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* direction along the motion */
+    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* direction: along the motion */
     const int asked = (a->k < e->n_events ? events[a->k].direction : 0) *
                       (limit ? a->it->own->direction : 1);
     if ((asked && asked != direction) || x > e->near)

@@ -14,10 +14,10 @@
 
 #include "events.h"
 
-enum { HALVINGS = 20 }; /* of the time to a singularity, down to 2^-20 of it */
+enum { HALVINGS = 20 }; /* halvings of the time to a singularity */
 enum { SHORTER = 17 };  /* retries of a step, each 8 times shorter */
 #define GROWTH PK_C(64.0)
-enum { ROUNDINGS = 16 }; /* units in the last place that count as 0 */
+enum { ROUNDINGS = 16 }; /* so many units in the last place count as 0 */
 
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
@@ -79,7 +79,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
     const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
-    events->proposes = dense && !exact; /* exact flows need a series per state */
+    events->proposes = dense && !exact; /* exact flows compute each state by a series */
     events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
@@ -95,7 +95,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               block, scout);
 }
 
-/* Saves or restores all but the parameters, which are last: but for the sides, the caller's. */
+/* Saves or restores all but the parameters at the end: except for sides, they are the caller's. */
 enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
 {
     struct pk_events shape;
@@ -210,7 +210,7 @@ static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int 
  * off by some units in the last place. */
 static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, size_t k)
 {
-    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* of mixed signs */
+    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* signs of the changes */
     enum { OFF = sizeof off / sizeof *off };
     const pk_real small = PK_C(1e-6);
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -232,7 +232,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     int found = 0, at_rest = -1;
     if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->progress.passed - h))
         return 0;
-    /* After a switch, its function begins with rounding errors of 0. */
+    /* After a switch, the value of its function is only the rounding error of 0. */
     if (e->at_switch || h <= PK_C(64.0) * PK_EPS * pk_abs(e->from))
         return 0;
     for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
@@ -267,7 +267,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    const int clear = pk_events_ahead(e, it); /* then no event is at its start */
+    const int clear = pk_events_ahead(e, it); /* no event is at the start of such a step */
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || stop_beyond_limit(e, it, limit < it->t)))
         return it->status;
     for (int count = 0;; count++) {

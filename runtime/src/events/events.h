@@ -49,7 +49,7 @@ static inline pk_real *pk_events_end(const struct pk_events *e, int end)
     return e->ends + (end ? pk_events_count(e) : 0);
 }
 
-/* Returns the time at the distance x from the start of the step. */
+/* Returns the time at the distance x from the start of the step, along the motion. */
 static inline pk_real pk_events_time(const struct pk_events *e, const struct pk_integrator *it,
                                      pk_real x)
 {

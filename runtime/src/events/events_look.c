@@ -12,7 +12,7 @@
 #include "events.h"
 
 enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
-enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* most windows; most if g is NaN */
+enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* limit of windows; limit where g is NaN */
 enum { NOISE = 8 }; /* g is noise after so many unresolved narrowest windows */
 
 /* Evaluates the quintic Hermite interpolant through q, v and accelerations at the ends, and its
@@ -73,7 +73,7 @@ static int is_worthless(struct pk_events *e, struct pk_integrator *it)
             memcpy(a, known, e->n * sizeof *a);
         } else if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, a) < 0) {
             memset(e->bend, 0, bytes);
-            for (size_t i = e->n_q; i < e->n; i++) /* a straight line */
+            for (size_t i = e->n_q; i < e->n; i++) /* interpolates first-order variables linearly */
                 e->a0[i] = e->a1[i] = (it->v[i] - e->v0[i]) / h;
             return 0;
         }
@@ -131,14 +131,14 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         most = pk_max(most, g);
         finite &= pk_finite(g);
     }
-    const int far = pk_max(least, -most) > 4 * (most - least); /* g stays far from zero */
+    const int far = pk_max(least, -most) > 4 * (most - least); /* all g are far from zero */
     shape->order = N;
     shape->range = most - least;
     shape->clear = far;
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* only being nonzero matters */
+    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* makes |c_0| exceed the other terms */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {

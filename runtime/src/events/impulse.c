@@ -130,7 +130,7 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
     memcpy(x.sides, e->sides, e->n_switches * sizeof *x.sides);
     for (size_t i = 0; i < count && count > 1 && status >= 0; i++)
         status = one(&x, which[count - 1 - i], side[count - 1 - i]);
-    if (count > 1) { /* repeats in the other order */
+    if (count > 1) { /* repeats the impulses in the other order */
         memcpy(x.first + e->n, x.start, bytes);
         memcpy(x.start, x.first, bytes);
         memcpy(e->sides, x.sides, e->n_switches * sizeof *x.sides);

@@ -57,7 +57,7 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
         pk_gather(Pi, w->p + at.rate, 3, at.step);
         pk_gather(Pi_end, w->p_end + at.rate, 3, at.step);
         const pk_real yy = w->h * w->h * pk_dot3(omega, omega) / 16;
-        const pk_real weight = w->h / 2 / (1 + yy); /* C C: (1 - yy, 2 y)/(1 + yy) */
+        const pk_real weight = w->h / 2 / (1 + yy); /* quaternion of C C: (1 - yy, 2 y)/(1 + yy) */
         const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
         pk_real G[3], G_end[3], before[3], turned[3], torque[3];
@@ -82,10 +82,10 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
 /* Guesses V, on a line through the rates at middle and end of the last part, and the kick. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
-    const int before = it->own->flags & PK_HAVE_STEP; /* else last_V is not set */
+    const int before = it->own->flags & PK_HAVE_STEP; /* otherwise last_V is not set */
     const pk_real ratio = before && pk_abs(w->h / *w->last_h) <= 64 ? w->h / *w->last_h : 0;
     for (size_t k = 0; k < w->n; k++) {
-        const int turns = k >= w->m && k < w->states; /* no unknowns */
+        const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
         w->V[k] = k < w->m ? v[k] : turns || !before ? 0 : w->last_V[k];
         if (before && k < w->m)
             w->V[k] += ratio * (v[k] - w->last_V[k]);

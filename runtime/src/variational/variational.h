@@ -26,10 +26,10 @@ struct pk_variational {
 struct pk_variational_work {
     const struct pk_variational *table;
     size_t n, m, c;          /* c: number of constraint rows */
-    size_t rotation, states; /* first body rate; first other variable */
+    size_t rotation, states; /* indices of the first body rate, first state */
     size_t turned;           /* number of rotations */
     pk_real t, end, h;       /* start, end and size of this part of the step */
-    pk_real *to;             /* a state like it->own->next: first the start, in the end the end */
+    pk_real *to;             /* a state like it->own->next: the start of the part, later its end */
     pk_real jump, worst; /* size of the first correction; largest ratio of corrections above FAR */
     /* `at` holds M: of the start, and after pk_variational_rates() of the end, factored. Its other
      * members are constraints at the end. */
@@ -42,8 +42,8 @@ struct pk_variational_work {
     pk_real *q_end, *v_end, *low_q, *low_v; /* state at the end, and its low parts */
     pk_real *kick, *pull, *root, *spare;    /* mu, J^T mu; roots of M's diagonal */
     pk_real *last_V, *last_h;               /* V and h of the last part, for the guess */
-    pk_real *kept, *kept_kick, *slope;      /* for follow(): last V and kick, dV/d(part) */
-    pk_real *pivot, *A_pivot;               /* pivots of lu; pivots of at.A within the step */
+    pk_real *kept, *kept_kick, *slope; /* in follow(): last V, last kick, dV/d(part of the step) */
+    pk_real *pivot, *A_pivot;          /* pivots of lu; pivots of at.A within the step */
     /* n by n: J at the start; factored Newton matrix. Families have none: their matrix is M or,
      * with constraints, [M J^T; J 0], in the memory of the system. */
     pk_real *J, *lu;

@@ -57,7 +57,7 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     pk_project_spread(at, w->q_end, w->v_end, at->J, w->c, w->spare, size);
     for (size_t i = 0; i < w->c; i++) {
         const pk_real ratio = pk_abs(at->phi[i]) / (PK_EPS * (at->phi_size[i] + PK_TINY + size[i]));
-        worst = ratio <= worst ? worst : ratio; /* true for NaN */
+        worst = ratio <= worst ? worst : ratio; /* NaN is kept as the worst */
     }
     return worst;
 }
@@ -78,7 +78,7 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
         w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
     }
-    if (w->c && !w->whole) { /* the shortest motion in the metric of M */
+    if (w->c && !w->whole) { /* uses the shortest motion in the metric of M */
         w->at.system->constraints.solve(w->at.params, NULL, w->at.phi_size, w->spare, w->at.mu);
         for (size_t k = 0; k < w->m; k++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->spare[k] / w->h));
@@ -121,7 +121,7 @@ static pk_real corrected(const struct pk_variational_work *w, pk_real share)
     pk_real size = 0;
     for (size_t k = 0; k < w->n; k++) {
         const pk_real x = pk_abs(w->dV[k]) / (w->scale[k] + more);
-        if (!(x <= size)) /* true for NaN */
+        if (!(x <= size)) /* the condition is true for NaN */
             size = x;
     }
     return size;
@@ -151,7 +151,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
             return 0;
         pk_variational_residual(w, w->dV);
         const pk_real off = w->c ? broken(it, w) : 0;
-        if (small && off <= ROUND) /* all results are those of the current V */
+        if (small && off <= ROUND) /* all results belong to this V */
             return 1;
         if (count == 0)
             set_scale(w);

@@ -58,7 +58,7 @@ size_t pk_condition_size(const struct pk_problem *problem, const struct pk_metho
 
 static void most(struct pk_condition_most *most, pk_real x, pk_real t)
 {
-    if (!(x <= most->x)) /* true for NaN */
+    if (!(x <= most->x)) /* the condition is true for NaN */
         *most = (struct pk_condition_most){pk_finite(x) ? x : PK_INFINITY, t};
 }
 
@@ -110,7 +110,7 @@ static pk_real of_ldl(struct parts *w, const pk_real *factors, size_t m)
         w->A[i * m + i] = pk_ldl_diagonal(factors, m, i);
         for (size_t j = i + 1; j < m; j++)
             w->A[i * m + j] = w->A[j * m + i] = factors[i * m + j];
-        pk_real *row = w->inverse + i * m; /* also column i, since A is symmetric */
+        pk_real *row = w->inverse + i * m; /* row i is also column i of the symmetric inverse */
         memset(row, 0, m * sizeof *row);
         row[i] = 1;
         pk_ldl_solve(factors, m, row);
@@ -118,7 +118,7 @@ static pk_real of_ldl(struct parts *w, const pk_real *factors, size_t m)
     return scaled(w, m);
 }
 
-/* Returns the condition number of A = L U, whose permuted rows do not change it. */
+/* Returns the condition number of A = L U. The permutation of its rows does not change it. */
 static pk_real of_lu(struct parts *w, const pk_real *factors, size_t m)
 {
     memset(w->A, 0, m * m * sizeof *w->A);
@@ -148,7 +148,7 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
     if (pk_project_factor(at, c, q, v))
         return PK_INFINITY;
     const pk_real found = of_ldl(w, at->A, c);
-    if (!at->system->constraints.multipliers) { /* without lambda: assumes the worst */
+    if (!at->system->constraints.multipliers) { /* assumes the largest loss without lambda */
         for (size_t k = 0; k < m; k++)
             w->lost[k] += found * terms[k];
         return found;
@@ -223,7 +223,7 @@ void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
         most(&c->lost, PK_INFINITY, t);
         return;
     }
-    pk_real *const terms = w.pivot; /* not in use yet */
+    pk_real *const terms = w.pivot; /* the pivots are not in use yet */
     most(&c->mass, of_ldl(&w, at.M, m), t);
     for (size_t i = 0; i < m; i++) {
         w.lost[i] = terms[i] = 0;

@@ -271,7 +271,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
     unsigned long samples = 0;
     for (size_t i = 0; i < momenta_of(problem) + system->n_conserved; i++)
         samples |= monitor->momenta[i].samples;
-    if (samples && (samples & (samples - 1)) == 0) /* samples 1, 2, 4, 8, ... */
+    if (samples && (samples & (samples - 1)) == 0) /* at samples 1, 2, 4, 8, ... */
         widen(monitor, t, q, v, u, c + system->n_conserved);
 }
 
