@@ -93,7 +93,7 @@ def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
 
 
 def of_a_map(parser: argparse.ArgumentParser) -> None:
-    """Adds options for drawing the results of a parameter sweep over two of its axes."""
+    """Adds options that draw a result of a parameter sweep over two of the parameters."""
     add = parser.add_argument
     add("--map", metavar="a,b", help="the axes of a sweep's map (default: the first two)")
     add("--columns", metavar="NAME", help="what is kept that it shows (default: the first)")
@@ -123,7 +123,7 @@ def of_a_run(parser: argparse.ArgumentParser) -> None:
 
 def of_an_integration(parser: argparse.ArgumentParser) -> None:
     """Adds all options of `pkgen run` except those for its output."""
-    from ..run.diagnostics import NAMES  # slow; `pkgen methods` does not need it
+    from ..run.diagnostics import NAMES  # slow import, which `pkgen methods` does not need
 
     add = parser.add_argument
     of_a_motion(parser)

@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         print(note, file=sys.stderr)
     settings = what.settings
     if not what.spaced:
-        settings = replace(settings, every=None)  # The program computes it from the duration.
+        settings = replace(settings, every=None)  # The program computes `every` from the duration.
     library = load(library_of(what.compilation, settings, None))
     build_program(
         what.compilation.files,

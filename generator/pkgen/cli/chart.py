@@ -69,15 +69,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--quick", action="store_true", help=help_)
     help_ = f"processor time of all but drawing (default {FULL[2]:g})"
     add("--seconds", type=float, metavar="S", help=help_)
-    parser.set_defaults(others=None, **OF_CHART)  # An add-on may set `others`.
+    parser.set_defaults(others=None, **OF_CHART)  # An add-on may set `others`, a function.
 
 
 def run(options: argparse.Namespace) -> int:
-    """Chart accuracy against cost, by every method that applies."""
+    """Chart accuracy against cost, for every integration method that can run the model."""
     began, effort, look = time.monotonic(), _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
-    others = options.others and options.others(options)  # other packages to measure
+    others = options.others and options.others(options)  # other solvers to compare with
     chosen = _methods(options, compilation, others.methods if others else [])
     chosen_scene = scene.of(options, compilation.declared)
     settings = parsing.settings(options, compilation, chosen=chosen_scene)

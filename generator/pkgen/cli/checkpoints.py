@@ -61,7 +61,7 @@ def refuse(options: argparse.Namespace, output: Path | None, drawn: bool) -> Non
 
 
 def written(output: Path) -> set[Path]:
-    """Returns all files of a run with rows in `output`: table and sidecar, also if unfinished."""
+    """Returns all files of a run with rows in `output`: table and JSON file, also if unfinished."""
     growing = partial(output)
     return {output, beside(output), growing, beside(growing)}
 
@@ -79,7 +79,7 @@ def _seconds(options: argparse.Namespace) -> float:
 
 def chosen(options: argparse.Namespace) -> dict[str, Any] | None:
     """Returns the method and settings that a resumed run chose for its accuracy, or None."""
-    resume = getattr(options, "resume", None)  # `pkgen plot` has no such option
+    resume = getattr(options, "resume", None)  # `pkgen plot` has no attribute `resume`
     return resume["chosen"] if resume else None
 
 

@@ -2,8 +2,8 @@
 
 A row has a command's name, its arguments, and a description. The module of the command, in this
 folder, has `arguments()`, which adds its options, `run()`, and EXAMPLES for its help. A command
-whose first argument is MODEL.lag also has the common options of models. Add-ons define such rows in
-COMMANDS of their package (system/addons.py).
+whose first argument is MODEL.lag also has the options of arguments.of_a_model(). Add-ons define
+such rows in COMMANDS of their package (system/addons.py).
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ pkgen itself
 """
 COMMON = ("-q", "--quiet", "-v", "--verbose", "--json")
 OVERVIEW_WIDTH = 80
-USUAL = "compile"  # the command if the command line names none
+USUAL = "compile"  # default command, if the command line names none
 
 
 @record
@@ -202,8 +202,8 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
 
 
 def model_file(name: str) -> str:
-    """Returns the path of a model's file. If there is no file `heavy_top`, this name stands for
-    heavy_top.lag in the working directory or in models/."""
+    """Returns the path of a model's file. A name such as `heavy_top` means heavy_top.lag in the
+    working directory or in models/, unless a file `heavy_top` exists."""
     if not name.isidentifier() or os.path.exists(name):
         return name
     below = (f"models/{name}.lag", *sorted(glob(f"models/*/{name}.lag")))

@@ -115,7 +115,7 @@ def _kernels(options: argparse.Namespace) -> frozenset[str] | None:
 
 
 def _depends(made: list[Path]) -> str:
-    """Returns a make rule: the files `made` depend on all files read. ninja uses the first one."""
+    """Returns a make rule: `made` depend on all files read. ninja reads only the first target."""
     left, right = (
         " ".join(re.sub(r"([ #\\])", r"\\\1", str(path)).replace("$", "$$") for path in paths)
         for paths in (made, READ)

@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _whole(shtab) -> argparse.ArgumentParser:
-    """Returns a parser of all commands. Arguments that are files or folders are marked so."""
+    """Returns a parser of all commands, in which arguments that are files are marked."""
     parser = argparse.ArgumentParser(prog="pkgen", description=overview(), add_help=False)
     parser.add_argument("-h", "--help", action="store_true", help="all commands, a line each")
     parser.add_argument("-V", "--version", action="store_true", help="the version")

@@ -64,7 +64,7 @@ def _shown(compilation: Compilation) -> Compilation:
 def _scenes(
     options: argparse.Namespace, compilation: Compilation, only: str | None = None
 ) -> list[SceneShown]:
-    """Compiles each scene, or only the scene `only`; each has the full limits of time."""
+    """Compiles each scene, or only the scene `only`; limits of time apply to each."""
     scenes = [s for s in compilation.declared.scenes if only in (None, s.name)]
     made = []
     for scene in scenes:

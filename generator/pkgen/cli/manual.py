@@ -39,7 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write pages for man: pkgen.1, and one of each command."""
+    """Write man pages: pkgen.1, and one for each command."""
     pages = {"pkgen.1": _of_all()}
     pages |= {f"pkgen-{c.name}.1": _of_command(c) for c in commands().values()}
     directory = Path(options.directory)

@@ -158,7 +158,7 @@ def _constants(made: Prepared) -> list[str]:
 
 
 def rows_of(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """Returns the rows of a run as a table, or None if it has at most the start."""
+    """Returns the rows of a run as a table, or None if it has less than two rows."""
     from ..plot.table import rows
 
     return rows(path, label, json.loads(json.dumps(told)))

@@ -115,7 +115,7 @@ def to_scratch(what: Prepared, path: Path) -> Outcome:
 
 
 def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table | None:
-    """Returns the rows of a finished run as a table, or None if it has at most the start."""
+    """Returns the rows of a finished run as a table, or None if it has less than two rows."""
     if not path.exists() or not path.stat().st_size:
         return None
     return pictures.rows_of(path, label, _describe(what, outcome, path.name))
@@ -301,7 +301,7 @@ def _whole(outcome: Outcome) -> bool:
 
 
 def _crossings(event: dict) -> str:
-    """Returns text for the summary: how often an event occurred, first and last time."""
+    """Returns text for the summary: how often an event occurred, and when first and last."""
     times, count = event["times"], event["count"]
     if count < 2:
         return f"once, at t = {times[0]:.12g}" if count else "never"

@@ -54,11 +54,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--seconds", metavar="S", help=f"of all but drawing ({usual}): fewer points")
     shared.of_a_look(parser)
     shared.of_implicit_methods(parser)
-    parser.set_defaults(method="rk4")  # required by the settings; maps ignore it
+    parser.set_defaults(method="rk4")  # Settings need a method; maps do not use it.
 
 
 def run(options: argparse.Namespace) -> int:
-    """Map where each method fails, over the step size and a start or parameter, and predictions."""
+    """Map where each method fails, over the step and a start or parameter, with predictions."""
     if not find_toolchain().has_gsl:
         raise BuildError(
             "stability finds equilibria and modes by GSL, which is not here: install libgsl-dev"

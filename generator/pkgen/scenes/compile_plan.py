@@ -66,7 +66,7 @@ class Overrides:
 
 
 def of_run(options: argparse.Namespace) -> Use:
-    """Returns the restrictions of a model in a run: without a scene, nothing is removed."""
+    """Returns the restrictions of a model in a run. Only a scene removes parts of the model."""
     off = switched_off(options.no_reduce) if options.scene else EVERY
     if options.diagnose:
         off |= {APART}
@@ -108,8 +108,8 @@ def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePla
 def _asked(
     options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str]
 ) -> Overrides:
-    """Returns the overrides in options. `off` are reductions to switch off; the exact flow is
-    switched off only by --no-reduce and --diagnose."""
+    """Returns the overrides in options. `off` are reductions to switch off; the method by exact
+    flow is switched off only by --no-reduce and --diagnose."""
     exact = EXACT in switched_off(options.no_reduce) or options.diagnose
     return Overrides(
         columns=columns,
@@ -239,8 +239,8 @@ def of_compile(options: argparse.Namespace) -> Use | None:
 def of_scene(
     name: str, off: frozenset[str] = frozenset(), more: frozenset[str] = frozenset()
 ) -> Use:
-    """Returns the restrictions of a model for C without a runtime. The C has only kernels of the
-    scene's method and columns, and those in `more`; its name is that of model and scene."""
+    """Returns the restrictions of a model for C without a runtime. The C, named MODEL_SCENE, has
+    only the kernels of the scene's method and columns, and the kernels `more`."""
     asked = Overrides(off=off, apart=True, judged=False)
     use = _use(
         name,

@@ -21,7 +21,7 @@ class Verdict:
     text: str
     span: Span
     met: bool
-    said: str  # reason for a miss
+    said: str  # reason why the expectation is not met
     value: float | None
     bound: float | None
     within: float | None
@@ -140,7 +140,7 @@ class Judge:
         return self._verdict(item, met, said, **keep)
 
     def _event(self, name: str) -> dict:
-        """Returns the report of an event, without times if the runtime refused the start."""
+        """Returns the report of an event, without times if the initial state was refused."""
         none = {"name": name, "times": []}
         return next((e for e in self.report["events"] if e["name"] == name), none)
 

@@ -67,7 +67,7 @@ def written_out(
         try:
             side = left_side(text, sizes(model))
         except OptionError:
-            found.append(text)  # The look-up of columns reports it later.
+            found.append(text)  # An invalid name is reported later.
             continue
         if side.name in quaternions and not side.order:
             found += (replace(side, name=name).text() for name in quaternions[side.name])
@@ -168,7 +168,7 @@ def columns(scene: Scene) -> list[str]:
 
 
 def needed(scene: Scene) -> frozenset[str]:
-    """Returns the columns that expectations need, also claimed constants whose drift they use."""
+    """Returns the columns that expectations need, also constants of motion whose drift they use."""
     return frozenset(expects.outputs(scene)) | expects.columns(scene) | expects.drifting(scene)
 
 
@@ -187,8 +187,8 @@ def _held(model: Model, scene: Scene) -> set[str]:
 
 
 def _is_column(model: Model, name: str) -> bool:
-    """Whether `name` is a column of every run. A family's members outside the range of coordinates
-    have a prescribed motion and are not columns."""
+    """Whether `name` is a column of every run. If a family x[1..n] has members x[0] and x[n+1] with
+    a prescribed motion, these are not columns."""
     once = name.removesuffix("'")
     base, index = parted(once)
     if any(item.rate and name == item.rate for item in model.coordinates):
