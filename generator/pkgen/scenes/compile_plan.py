@@ -79,7 +79,7 @@ def of_run(options: argparse.Namespace) -> Use:
     def kernels(
         used: Model, scene: Scene, plan: CompilePlan, made: Made | None
     ) -> frozenset[str] | None:
-        """Returns the kernels of the run; None (all) if it has diagnostics or tries methods."""
+        """Returns the kernels of the run. Diagnostics or a search for a method need all (None)."""
         if options.diagnose or promised(plan, scene) is not None:
             return None
         return _of_method(used, scene, asked, plan, made) | _of_driver(used, scene, asked, made)
@@ -179,7 +179,7 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: Made | None) 
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
     definite = structure and getattr(structure, "definite", True)
-    solved = made and getattr(made[0], "constraints", ())  # M is not checked with constraints
+    solved = made and getattr(made[0], "constraints", ())  # constraints use kernel `inertia`, not M
     needed = not definite or not (several or solved or structure.mass_diagonal)
     if needed and not (made and _without_mass(made[0])):
         found |= {"mass"}
