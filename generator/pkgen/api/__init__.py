@@ -1,5 +1,5 @@
-"""pkgen from Python: models as objects, runs as arrays, kernels on any number of states.
+"""The Python API: models as objects, results of runs as arrays, kernels on arrays of states.
 
-`prepare` compiles a model and settles the settings of a run from options; the command line uses it
-too. `cli` and users of the Python package call this package.
+`prepare` compiles a model and computes the settings of a run from options. `cli` and users of the
+Python package call this package.
 """

@@ -19,12 +19,12 @@ from .errors import ArrayError
 if TYPE_CHECKING:
     import numpy
 
-Value = str | float  # "2 [kg]", or a number in SI
+Value = str | float  # a text such as "2 [kg]", or a number in SI units
 Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 Names = str | Sequence[str]
 Weights = str | Sequence[str] | Sequence[float]
 NUMBERS = ("until", "every", "step", "max_step", "rtol", "atol")
-# Options that a call may leave out.
+# Options that a call may leave out, with their defaults.
 DEFAULTS = {**OPTIONS, "tableau": (), "composition": (), "output": None, "json": True}
 Check = Callable[[object], bool]
 
@@ -50,7 +50,7 @@ def _is_text(x: object) -> bool:
 
 
 def _some(one: Check) -> Check:
-    """Returns a check for one value, or a sequence of such values."""
+    """Returns a check that accepts one value, or a sequence of values, each checked by `one`."""
 
     def check(x: object) -> bool:
         if one(x) or not isinstance(x, Collection) or isinstance(x, Mapping | bytes):
@@ -74,7 +74,7 @@ def _is_input(x: object) -> bool:
 
 
 _VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"
-# For each argument: the check of its type, and the words for the type in messages.
+# For each argument: the check of its type, and the name of the type in messages.
 ALLOWED: dict[str, tuple[Check, str]] = {
     "path": (is_path, "a text or a path"),
     "sizes": (_named(_is_whole), "a dictionary of whole numbers by name, as {'N': 64}"),
@@ -95,7 +95,7 @@ REQUIRED = ("path", "iteration", "max_steps")  # arguments that must not be None
 
 
 def checked(**given: object) -> None:
-    """Raises UsageError for an argument of a wrong type."""
+    """Raises UsageError for an argument that has a wrong type."""
     for name, x in given.items():
         if name in ALLOWED and (x is not None or name in REQUIRED):
             allows, words = ALLOWED[name]
@@ -109,7 +109,7 @@ def brief(x: object) -> str:
 
 
 def text(value: Value) -> str:
-    """Returns a value as the text of an option. Raises UsageError."""
+    """Returns a value as the text of an option. Raises UsageError if it exceeds a double."""
     try:
         return value if isinstance(value, str) else repr(float(value))
     except OverflowError:
@@ -135,8 +135,8 @@ def several(given: Any) -> list[Any]:
 
 
 def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
-    """Returns the options of `pkgen run` for a call. Raises UsageError, or TypeError for an unknown
-    argument."""
+    """Converts arguments of Model.run() to options of `pkgen run`. Raises UsageError, or TypeError
+    for an unknown argument."""
     start, inputs = given.pop("start", None), given.pop("inputs", None)
     unknown = given.keys() - DEFAULTS.keys()
     if unknown:
@@ -157,8 +157,9 @@ def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
     return made
 
 
-# Options that have no argument of the same name, and options that are items of an argument.
+# Names in messages for options that are not arguments of the same name.
 _CALLS = {"ensemble": "ensemble()", "set": "params and inputs", "size": "sizes", "output": "rows"}
+# Dictionary arguments whose items are values of an option.
 _ITEMS = {"set": "inputs", "size": "sizes", "start": "start"}
 _ITEM = re.compile(r"--(set|start|size) ([A-Za-z_][\w.\[\]']*)")
 _OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)(?: (?=[^\s:]+(?: \[[^\]]*\])?(?::|$)))?")
@@ -172,7 +173,7 @@ def worded(said: str) -> str:
 
 @contextmanager
 def in_words() -> Iterator[None]:
-    """Within it, messages of errors name arguments of the API instead of options."""
+    """In this context, messages of errors name arguments of the API instead of options."""
     try:
         yield
     except ModelError as error:

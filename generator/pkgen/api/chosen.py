@@ -1,5 +1,5 @@
-"""The method and settings chosen for a promised accuracy, as plain data for checkpoints: a resumed
-run does not choose again."""
+"""Converts the method and settings that were chosen for a scene's accuracy to data for checkpoints.
+A resumed run reads them and does not choose again."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def data(settings: Settings) -> dict[str, Any]:
 
 
 def settled(settings: Settings, said: Any) -> Settings:
-    """Returns the settings with the choice in `said`, from data(). Raises UsageError if invalid."""
+    """Returns the settings with the values of `said`, a result of data(). Raises UsageError."""
     try:
         found = _checked(said, NAMES)
         parts = [PartSettings(**_checked(part, tuple(part))) for part in found["parts"]]
@@ -33,7 +33,7 @@ def settled(settings: Settings, said: Any) -> Settings:
 
 
 def _checked(said: Any, names: tuple[str, ...]) -> dict[str, Any]:
-    """Returns the values of these names. Raises TypeError for a value of another type."""
+    """Returns the values of `names` in `said`. Raises KeyError, or TypeError for a wrong type."""
     found = {name: said[name] for name in names}
     for name, x in found.items():
         types = TYPES.get(name, (int, float, type(None)))

@@ -1,4 +1,4 @@
-"""The exceptions of the Python API. All are also names in `pkgen`."""
+"""The exceptions of the Python API. All can be imported from `pkgen`."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class ArrayError(UsageError, ValueError):
 
 
 class RunError(NumericsFailed):
-    """The numerics of a run failed. `status` is the runtime's (PK_STEP_UNDERFLOW, ...),
-    `last_valid` the time up to which its rows are valid, `result` the rows up to there; None for an
-    integrator."""
+    """The integration failed. `status` is the status of the runtime, such as PK_STEP_UNDERFLOW;
+    `last_valid` is the time up to which rows are valid; `result` has these rows, or is None if an
+    Integrator failed."""
 
     def __init__(self, message: str, status: str, last_valid: float, result: Result | None):
         super().__init__(message)

@@ -19,27 +19,28 @@ if TYPE_CHECKING:
 
 Function = Callable[[float, Any, Any], float]
 Table = tuple[Any, ...]
-SMALL = 1e-12  # relative rounding of a stop
-MOST = 10_000_000  # most samples of an input
+SMALL = 1e-12  # relative rounding error of times at which steps end
+MOST = 10_000_000  # largest number of samples of an input
 
 
 @record(eq=False)
 class Law:
-    """An input as a function of time and state. Steps end at `stops`, where it jumps or has a kink.
-    `held`: it is evaluated only there."""
+    """An input as a function of time and state. Steps end at the times `stops`, at which it jumps
+    or has a kink. If `held` is true, it is evaluated only at these times."""
 
     at: Function
     stops: numpy.ndarray
     held: bool = False
 
 
-EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}  # families that keep their order if u depends on q, v
+EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}  # method families whose order holds for inputs f(t, q, v)
 
 
 class Computed:
-    """The inputs in `given`: functions f(t, q, v), tables (t, values) with linear interpolation, or
-    (t, values, "hold"), piecewise constant. `hold`: functions are sampled at its multiples and held
-    in between. `linear`: sampled at its multiples as f(t, None, None) and interpolated linearly."""
+    """Inputs that are functions f(t, q, v), tables (t, values) with linear interpolation, or tables
+    (t, values, "hold") that are piecewise constant. With `hold`, functions are called at multiples
+    of `hold`, and inputs are constant in between. With `linear`, f(t, None, None) is called at
+    multiples of `linear`, and inputs are interpolated linearly."""
 
     def __init__(self, given: Mapping[str, Any], hold: float | None, linear: float | None):
         if hold is not None and linear is not None:
@@ -49,12 +50,12 @@ class Computed:
         for name, step in (("hold", hold), ("linear", linear)):
             if step is not None and not (functions and step > 0):
                 raise UsageError(f"{name}={step!r}: a time between samples of an input's function")
-        # Whether inputs may depend on the state at every evaluation.
+        # Whether each evaluation of the method calls functions with the current state.
         self.needs_explicit = functions and hold is None and linear is None
 
     def settings(self, prepared: Prepared, errors: list[BaseException]) -> dict[str, Any]:
-        """Returns members of pk_run_settings. Exceptions of functions go to `errors`. Raises
-        UsageError."""
+        """Returns members of pk_run_settings for inputs. Exceptions in functions are appended to
+        `errors`. Raises UsageError."""
         import numpy
 
         compilation, settings = prepared.compilation, prepared.settings
@@ -102,7 +103,7 @@ class Computed:
         }
 
     def _law(self, name: str, until: float) -> Law:
-        """Returns the law of an input. Raises UsageError."""
+        """Returns the input `name` as a Law. Raises UsageError."""
         import numpy
 
         x = self.given[name]
@@ -128,7 +129,7 @@ class Computed:
             raise UsageError(f"inputs[{name!r}]: (t, values) or (t, values, 'hold')")
         if not x[2:]:
             return _joined(t, values)
-        places = t * (1 - SMALL)  # a stop may be off by rounding
+        places = t * (1 - SMALL)  # The times of steps have rounding errors.
         return Law(lambda at, _q, _v: values[places.searchsorted(at, "right") - 1], t, held=True)
 
 

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 class Integrator:
-    """A motion that calls of `to(t)` and `step()` advance. `t` is the time, `q` and `v` are the
-    coordinates and rates in the order of the model: arrays that change with each call. `u` holds
-    the inputs, constant during a call, to be set before it. `stopped`: an event of the model has
-    stopped the motion."""
+    """A motion that calls of `to(t)` and `step()` advance. `t` is the time. The arrays `q` and `v`
+    have the coordinates and rates in the order of the model; each call changes them. The caller
+    sets the inputs `u`, which are constant during a call. `stopped` is true after an event of the
+    model has stopped the motion."""
 
     def __init__(self, prepared: Prepared, run: Run):
         import numpy

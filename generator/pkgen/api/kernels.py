@@ -1,4 +1,4 @@
-"""The kernels of a model on arrays."""
+"""The kernels of a model, such as M and f, as functions of arrays."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class Kernels:
-    """Kernels at the values of `params`: a part of Model, which says what their arguments are."""
+    """The base class of Model that has its kernels. Model's docstring explains the arguments."""
 
     params: Parameters
     compilation: Compilation
@@ -37,7 +37,7 @@ class Kernels:
 
     @cached_property
     def _handle(self) -> Run:
-        """An idle run with the current parameters, through which kernels are called."""
+        """A run with the current parameters that is not started, but evaluates kernels."""
         compilation = self.compilation
         values = [f"{name}={value!r}" for name, value in self.params._set.items()]
         options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=values)
@@ -51,7 +51,7 @@ class Kernels:
         return tuple(named.inputs(self.compilation).names())
 
     def _inputs(self, u: U) -> NDArray[Any]:
-        """Returns the inputs, of shape (..., inputs); inputs that are not named are 0."""
+        """Returns the inputs as an array of shape (..., inputs). Inputs that u lacks are 0."""
         import numpy
 
         names = self.inputs
@@ -79,7 +79,7 @@ class Kernels:
             shape = numpy.broadcast_shapes(*others)
         except ValueError as error:
             raise ArrayError(f"q, v, t and u: {error}") from None
-        count = math.prod(shape)  # reshape(-1, n) fails for n = 0: rotations alone
+        count = math.prod(shape)  # reshape(-1, n) fails if n = 0, with only rotations
         found = self._handle.evaluate(
             what,
             numpy.broadcast_to(times, shape).reshape(-1),
@@ -116,21 +116,21 @@ class Kernels:
         return self._kernel("energy", q, v, t, u)[..., 0]
 
     def jacobian(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
-        """da/dq and da/dv, of shape (..., 2, n, n)."""
+        """The derivatives of the acceleration by q and by v, of shape (..., 2, n, n)."""
         found = self._kernel("jacobian", q, v, t, u)
         n = len(self.rates)
         return found.reshape(*found.shape[:-1], 2, n, found.shape[-1] // (2 * n))
 
     @property
     def start(self) -> NDArray[Any]:
-        """The model's start, coordinates then rates: the initial y of `rhs`."""
+        """The initial coordinates, then the initial rates: the initial y for `rhs`."""
         import numpy
 
         given = self._handle.given()
         return numpy.array([*given["q"], *given["v"]])
 
     def rhs(self, t: float, y: ArrayLike) -> NDArray[Any]:
-        """y' of y = (q, v), for solvers of first-order equations: `solve_ivp(m.rhs, ...)`. y has
+        """The time derivative of y = (q, v), for solvers such as `solve_ivp(m.rhs, ...)`. y has
         the shape (n,), or (n, count) for `vectorized=True`."""
         import numpy
 

@@ -1,4 +1,4 @@
-"""A model as an object: its parameters, runs of it, its kernels on arrays."""
+"""The class Model: the parameters, runs and kernels of a model."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ def load(
     sizes: Mapping[str, int] | None = None,
     allow_path: Sequence[str | os.PathLike[str]] = (),
 ) -> Model:
-    """Loads a model's file, with one of its scenes or none. `sizes` are lengths of families that
-    replace the file's; `allow_path` are folders, besides its own, whose files it may name. Raises
-    ModelError with the places of its errors."""
+    """Loads a model from its file, with one of its scenes or none. `sizes` are lengths of families
+    that replace those in the file. `allow_path` are folders, besides the model's own, whose files
+    the model may read. Raises ModelError with the positions of errors."""
     return Model(path, scene, {} if sizes is None else sizes, allow_path)
 
 
 class Model(Kernels):
-    """A model, and one scene of it or none. `params` are its parameters.
+    """A model, with one of its scenes or none. `params` has the values of its parameters.
 
     Kernels (`M`, `f`, `acceleration`, ...) are those of the whole model, without the scene's
     reductions, at the values of `params`. q and v have the model's coordinates and rates along
@@ -74,13 +74,13 @@ class Model(Kernels):
         self._made: dict[object, Compilation] = {}
         self._warned: set[str] = set()
         self.params = Parameters(self)
-        if scene is not None:  # raises errors of the scene now
+        if scene is not None:  # raises errors of the scene here, not in run()
             chosen(self.compilation.declared, scene)
         self.compilation  # noqa: B018
 
     @cached_property
     def compilation(self) -> Compilation:
-        """The compiled whole model."""
+        """The compiled model, without reductions by a scene."""
         return self._compiled(argparse.Namespace(scene=None), unroll=lengths.UNROLL)
 
     def _compiled(self, options: argparse.Namespace, **how: Any) -> Compilation:
@@ -109,7 +109,7 @@ class Model(Kernels):
 
     @property
     def rates(self) -> tuple[str, ...]:
-        """The rates of the coordinates, then the first-order variables."""
+        """The names of the rates, then the names of the first-order variables."""
         return tuple(named.coordinates(self.compilation, rates=True).names())
 
     @property
@@ -140,15 +140,16 @@ class Model(Kernels):
         tableau: Files = (),
         composition: Weights = (),
     ) -> Result:
-        """Integrates. Each argument is the option of `pkgen run` of that name; the scene's settings
-        are the defaults. Numbers are in SI, or have a unit: `until="2 [min]"`. `tableau` (one file
-        or several) and `composition` (weights) define methods; the first of them is the default of
-        `method`.
+        """Integrates the model. Arguments are the options of `pkgen run` of the same names; by
+        default, the scene's settings apply. Numbers are in SI units, or texts with a unit:
+        `until="2 [min]"`. `tableau` (one file or several) and `composition` (weights) define
+        methods; the first of them is the default of `method`.
 
         An input is a value, a table (t, values) with linear interpolation, a table (t, values,
-        "hold") that is piecewise constant, or a function of (t, q, v). Explicit methods (default
-        dop853) call it at each evaluation. With `hold`, it is called at multiples of `hold` and
-        held in between; with `linear`, as f(t, None, None) at multiples, and interpolated linearly.
+        "hold") that is piecewise constant, or a function f(t, q, v). Explicit methods (default
+        dop853) call f at each evaluation. With `hold`, f is called at multiples of `hold`, and the
+        input is constant in between. With `linear`, f(t, None, None) is called at multiples of
+        `linear`, and the input is interpolated linearly.
 
         Raises UsageError for invalid arguments, RunError if the numerics fail (its `result` has the
         rows up to the last valid time), and KeyboardInterrupt.
@@ -179,7 +180,7 @@ class Model(Kernels):
         self, options: argparse.Namespace, table: Any = None, computed: Computed | None = None
     ) -> Result:
         if computed is not None:
-            options.no_reduce = "all"  # functions get q and v of the whole model
+            options.no_reduce = "all"  # input functions read q and v of the whole model
         prepared = prepare(options, self._compiled, table).built()
         errors: list[BaseException] = []
         more = computed.settings(prepared, errors) if computed else {}
@@ -203,7 +204,7 @@ class Model(Kernels):
         return result
 
     def show(self, path: str | os.PathLike[str] | None = None) -> Page:
-        """Writes the model's live page, NAME.html or `path`: an animation with controls of its
+        """Writes an interactive HTML page, NAME.html or `path`: an animation with controls of its
         parameters (`pkgen show`). A notebook shows the page. Raises UsageError."""
         return shown(self, Path(path or f"{self.name}.html"))
 
@@ -218,7 +219,7 @@ class Model(Kernels):
         start: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Value] | None = None,
     ) -> Integrator:
-        """Returns an integrator at the start; arguments as in `run`. Raises UsageError."""
+        """Returns an Integrator at the initial state; arguments as in `run`. Raises UsageError."""
         given = {k: x for k, x in locals().items() if k != "self"}
         with in_words():
             options = arguments.options(self, {**given, "until": 1.0})
@@ -237,13 +238,13 @@ class Model(Kernels):
         return symbolic(self._compiled(argparse.Namespace(scene=None), unroll=None))
 
     def equations(self) -> Typeset:
-        """M a = f as LaTeX, which a notebook renders."""
+        """The equations of motion M a = f in LaTeX, which a notebook renders."""
         from .symbols import typeset
 
         return typeset(self.sympy())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles path, scene, sizes and parameters: a copy reads the same file again."""
+        """Pickles path, scene, sizes and parameters. Unpickling reads the model's file again."""
         given = self.path, self.scene, self._sizes, self._allowed, dict(self.params._set)
         return _again, given
 
@@ -265,7 +266,7 @@ def _again(
 
 
 def _members(compilation: Compilation, table: Any) -> Ensemble:
-    """Makes an ensemble of a table in memory, with columns by name. Raises UsageError."""
+    """Returns an ensemble from a table in memory with named columns. Raises UsageError."""
     import numpy
 
     from ..run import members_file

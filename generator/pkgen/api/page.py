@@ -1,4 +1,4 @@
-"""The live page of a model."""
+"""The HTML page with a model's animation."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Page:
 
 
 def shown(model: Any, target: Path) -> Page:
-    """Writes the page by `pkgen show`. Raises UsageError."""
+    """Writes a model's page to `target` by `pkgen show`. Raises UsageError."""
     command = [sys.executable, "-m", "pkgen", "show", os.fspath(model.path), "-o", str(target)]
     command += ["--scene", model.scene] if model.scene else []
     command += [f"--size={name}={length}" for name, length in model._sizes.items()]

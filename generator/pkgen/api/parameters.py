@@ -13,7 +13,7 @@ from .arguments import Value, in_words
 
 
 class Parameters(MutableMapping[str, float]):
-    """Values of parameters in SI, by name (`m1`, `k[2]`). Values to set may have units: `"2 [kg]"`.
+    """Values of parameters in SI units, by name (`m1`, `k[2]`). They can be set as texts: "2 [kg]".
     Raises KeyError for an unknown name, UsageError for an invalid value."""
 
     def __init__(self, model: Any):
@@ -41,7 +41,7 @@ class Parameters(MutableMapping[str, float]):
         self._model._forget()
 
     def __delitem__(self, name: str) -> None:
-        """Resets a parameter to the model's own value."""
+        """Resets a parameter to its value in the model's file."""
         self._known(name)
         self._set.pop(name, None)
         self._model._forget()

@@ -1,4 +1,4 @@
-"""Prepares a run from its options: compiles the model, settles the settings, chooses a method."""
+"""Prepares a run from options: compiles the model, computes settings, chooses a method."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from . import chosen as already
 
 @record
 class Prepared(Runnable):
-    """A prepared run of a scene, or of none."""
+    """A prepared run, and its scene or None."""
 
     scene: Scene | None = None
     notes: tuple[str, ...] = ()  # messages to print before the run
-    chosen: dict[str, Any] | None = None  # the choice for a scene's promised accuracy
+    chosen: dict[str, Any] | None = None  # method and settings chosen for the scene's accuracy
 
     @property
     def spaced(self) -> bool:
@@ -39,14 +39,14 @@ class Prepared(Runnable):
         return given is not None or bool(record and record.every)
 
     def verdicts(self, report: dict) -> list[Verdict]:
-        """Returns the verdicts on the scene's expectations."""
+        """Returns the verdicts on the scene's expectations, from the report of the run."""
         if self.scene is None or not report:
             return []
         made = self.compilation, self.scene, self.settings
         return scene_run.verdicts(*made, report, self.ensemble)
 
     def built(self) -> Prepared:
-        """Returns the run with the built library of the model. Raises BuildError."""
+        """Builds the model's library; returns the run with it. Raises BuildError."""
         return replace(self, library=build(self.compilation, self.settings, self.ensemble))
 
 
@@ -56,8 +56,8 @@ def prepare(
     table: Callable[[Compilation], Ensemble] | None = None,
     kept: dict[str, Any] | None = None,
 ) -> Prepared:
-    """Prepares a run. `compiled(options, **how)` compiles the model; `table` makes the members of
-    an ensemble that is not a file; `kept` is the choice in the checkpoint of a resumed run. Raises
+    """Prepares a run. `compiled(options, **how)` compiles the model; `table` returns an
+    ensemble that is not in a file; `kept` is Prepared.chosen of a run that is resumed. Raises
     UsageError, ModelError, BuildError or NumericsFailed."""
     options = taken(options)
     swarm = scene_run.is_swarm(options)

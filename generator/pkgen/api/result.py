@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-SHOWN = 5  # rows shown at either end of a table in a notebook
+SHOWN = 5  # number of first and of last rows that a notebook shows
 
 
 class Result:
@@ -71,8 +71,8 @@ class Result:
         return self._rows[:, self._index[name]]
 
     def plot(self, *names: str, kind: str = "") -> Figure:
-        """Draws columns (default: all) over time, or as `kind`: phase, path, spectrum or drift, as
-        the options of `pkgen plot`. Returns a matplotlib figure. Raises UsageError."""
+        """Draws columns (default: all) over time, or the `kind` "phase", "path", "spectrum" or
+        "drift" of `pkgen plot`. Returns a matplotlib figure. Raises UsageError."""
         from ..plot import compose, draw
         from ..plot.table import Table
         from ..plot.view import KINDS, View
@@ -115,8 +115,8 @@ class Result:
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
-        """A variable for each column with its unit, over `t`. In an ensemble they are over `member`
-        and `t`, or over `member` and `row` if members have different times. Needs xarray."""
+        """The columns as variables of dimension `t`, with units. The dimensions of an ensemble are
+        `member` and `t`, or `member` and `row` if members differ in times. Needs xarray."""
         import numpy
         import xarray
 

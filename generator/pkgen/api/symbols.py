@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     import sympy
 
 
-_LONGEST = 100_000  # most operations of an expression without shared subexpressions
+_LONGEST = 100_000  # largest number of operations of an expression written out in full
 
 
 class Symbolic(NamedTuple):
-    """M a = f. Symbols are named as in the model: `theta1`, `theta1'`, `m1`."""
+    """The equations M a = f. Symbols are named as in the model: `theta1`, `theta1'`, `m1`."""
 
     L: sympy.Expr
     M: sympy.Matrix
@@ -47,7 +47,7 @@ class Typeset:
 
 def symbolic(compilation: Compilation) -> Symbolic:
     """Returns the equations as SymPy objects. Raises UsageError for a model with constraints or
-    rotations, or with states alone."""
+    rotations, or without coordinates."""
     import sympy as sp
 
     e = compilation.equations

@@ -1,4 +1,4 @@
-"""The commands: they turn options of the command line into calls, and print the results.
+"""Commands of the command line: each calls pkgen with its options and prints the results.
 
-Only this package prints and exits. Only `__main__` imports it.
+Only this package prints text and ends the process. Only `__main__` imports it.
 """

@@ -1,4 +1,4 @@
-"""Options that several commands share, with the same meaning in all."""
+"""Command-line options that several commands share."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..defaults import GAUSS_RTOL, ITERATIONS, OPTIONS, RTOL, UNTIL
 
 
 def of_a_motion(parser: argparse.ArgumentParser, until: str = f"{UNTIL:g}") -> None:
-    """Adds options that select a motion; `until` is the text of its default duration."""
+    """Adds the options scene, parameters, start and duration. `until` is the default duration."""
     add = parser.add_argument
     add("--scene", metavar="NAME", help="one scene of the model; options override it")
     add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
@@ -17,7 +17,7 @@ def of_a_motion(parser: argparse.ArgumentParser, until: str = f"{UNTIL:g}") -> N
 
 
 def own_methods(parser: argparse.ArgumentParser) -> None:
-    """Adds options that define methods; each may be given several times."""
+    """Adds options that define integration methods; each option may be repeated."""
     add = parser.add_argument
     help_ = "a method by its tableau: rows of A, weights b, perhaps bhat"
     add("--tableau", action="append", default=[], metavar="FILE", help=help_)
@@ -73,7 +73,7 @@ def of_a_model(parser: argparse.ArgumentParser) -> None:
 
 
 def unrolling(parser: argparse.ArgumentParser) -> None:
-    """Adds the options for unrolling families; see lengths.unroll()."""
+    """Adds options for writing families of coordinates as straight-line code or as loops."""
     one = parser.add_mutually_exclusive_group()
     help_ = "write families out, of any size (default: up to 16 coordinates)"
     one.add_argument("--unroll", action="store_const", const="all", help=help_)
@@ -82,7 +82,7 @@ def unrolling(parser: argparse.ArgumentParser) -> None:
 
 
 def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
-    """Adds options that select what to draw; `by_itself` is the text of the default."""
+    """Adds options that select what to draw. `by_itself` describes the default in the help."""
     add = parser.add_argument
     add("--columns", metavar="a,b", help=f"these over time (default: {by_itself})")
     add("--phase", action="append", metavar="a,a'", help="phase plane; a alone: and its rate")
@@ -93,14 +93,14 @@ def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
 
 
 def of_a_map(parser: argparse.ArgumentParser) -> None:
-    """Adds options for the map of a sweep."""
+    """Adds options that draw a result of a parameter sweep over two of the parameters."""
     add = parser.add_argument
     add("--map", metavar="a,b", help="the axes of a sweep's map (default: the first two)")
     add("--columns", metavar="NAME", help="what is kept that it shows (default: the first)")
 
 
 def of_a_look(parser: argparse.ArgumentParser) -> None:
-    """Adds options for pictures of charts and maps; pictures.look_of() reads them."""
+    """Adds options for the width, format and colours of pictures."""
     add = parser.add_argument
     add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
     add("--format", default="svg,png", metavar="LIST", help="of the picture: svg,png,pdf,pgf")
@@ -122,8 +122,8 @@ def of_a_run(parser: argparse.ArgumentParser) -> None:
 
 
 def of_an_integration(parser: argparse.ArgumentParser) -> None:
-    """Adds all options of a run except those for its output."""
-    from ..run.diagnostics import NAMES  # slow import that `pkgen methods` does not need
+    """Adds all options of `pkgen run` except those for its output."""
+    from ..run.diagnostics import NAMES  # slow import, which `pkgen methods` does not need
 
     add = parser.add_argument
     of_a_motion(parser)
@@ -156,7 +156,7 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
 
 
 def as_of_a_run(parser: argparse.ArgumentParser) -> None:
-    """Sets the defaults of `pkgen run` for all of its options that the command lacks."""
+    """Sets default values for all options of `pkgen run`, also those that `parser` lacks."""
     of_run = argparse.ArgumentParser()
     of_a_run(of_run)
     parser.set_defaults(**vars(of_run.parse_args([])))

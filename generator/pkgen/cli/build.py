@@ -32,7 +32,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make a program that integrates the model, with the options of `pkgen run`: see its --help."""
+    """Make a program that integrates the model and has the options of `pkgen run`."""
     path = Path(options.program)
     if path.is_dir():
         raise UsageError(f"-o {path}: it is a directory; give the program's name")
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         print(note, file=sys.stderr)
     settings = what.settings
     if not what.spaced:
-        settings = replace(settings, every=None)  # default: a fraction of the duration
+        settings = replace(settings, every=None)  # The program computes `every` from the duration.
     library = load(library_of(what.compilation, settings, None))
     build_program(
         what.compilation.files,

@@ -1,4 +1,4 @@
-"""`pkgen chart`: charts of accuracy against cost."""
+"""`pkgen chart`: charts the accuracy of integration methods against their cost."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from .pictures import look_of, page_of
 
 STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
-# Options that --long does not take, with their defaults.
+# Options that cannot be combined with --long, with their defaults.
 OF_CHART = {
     "points": None,
     "error": "final",
@@ -69,15 +69,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--quick", action="store_true", help=help_)
     help_ = f"processor time of all but drawing (default {FULL[2]:g})"
     add("--seconds", type=float, metavar="S", help=help_)
-    parser.set_defaults(others=None, **OF_CHART)  # `others` is set by an add-on
+    parser.set_defaults(others=None, **OF_CHART)  # An add-on may set `others`, a function.
 
 
 def run(options: argparse.Namespace) -> int:
-    """Chart accuracy against cost, by every method that applies."""
+    """Chart accuracy against cost, for every integration method that can run the model."""
     began, effort, look = time.monotonic(), _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
-    others = options.others and options.others(options)  # of an add-on
+    others = options.others and options.others(options)  # other solvers to compare with
     chosen = _methods(options, compilation, others.methods if others else [])
     chosen_scene = scene.of(options, compilation.declared)
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
@@ -147,7 +147,7 @@ def _long(
 def _methods(
     options: argparse.Namespace, compilation: Compilation, more: list[str]
 ) -> list[ChartedMethod]:
-    """Returns the methods of --methods, those of options, and `more`; by default all."""
+    """Returns the methods of --methods, --tableau, --composition and `more`; by default all."""
     wanted, own = None, compilation.model.methods
     if options.methods is not None:
         wanted = [name.strip() for name in options.methods.split(",") if name.strip()]
@@ -179,7 +179,7 @@ def _effort(options: argparse.Namespace) -> Effort:
 
 
 def _given(options: argparse.Namespace) -> list[str]:
-    """Returns the options with which `pkgen run` repeats a point of the chart."""
+    """Returns the options by which `pkgen run` repeats a run of the chart."""
     words = [("--scene", options.scene)] if options.scene else []
     words += [("--set", text) for text in options.set]
     words += [("--start", text) for text in options.start]

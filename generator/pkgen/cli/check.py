@@ -1,4 +1,4 @@
-"""`pkgen check`: reports errors and warnings only."""
+"""`pkgen check`: reports the errors and warnings of a model."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
     with within_limits(options):
         unroll = 0 if options.unroll is None else lengths.unroll(options)
         model, warnings = check_model(source, sizes=sizes, unroll=unroll)
-        # Errors of a scene that --size causes are reported by commands that choose the scene.
+        # A scene that --size makes invalid is an error only in commands that run this scene.
         scenes = [item for item in model.scenes if not item.misfits]
         wrong = [d for item in scenes for d in scene_check.wrong(model, sizes, item)]
     if wrong:

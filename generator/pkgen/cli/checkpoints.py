@@ -1,6 +1,7 @@
-"""Checkpoints of `pkgen run`: checks of options, and the note that a checkpoint contains.
+"""Checkpoints of `pkgen run`: checks the options, makes and reads the JSON note in a checkpoint.
 
-The runtime writes the file (`runtime/run/base/checkpoint.c`); docs/dev/checkpoints.md explains it.
+The note has the command line of the run. The runtime writes the file
+(`runtime/run/base/checkpoint.c`); docs/dev/checkpoints.md explains it.
 """
 
 from __future__ import annotations
@@ -23,8 +24,9 @@ from ..version import __version__
 
 USUAL = 60.0  # default seconds between checkpoints
 MAGIC, VERSION = b"pkgen checkpoint", 2  # as in runtime/run/base/checkpoint.c
-HEAD = struct.Struct("=16sIIQQII")  # magic, version, CRC; byte order, file size, real, note size
-SUMMED = 24  # offset from which the CRC is taken
+# Magic, version, CRC, byte-order mark, file size, sizeof(pk_real), size of the note.
+HEAD = struct.Struct("=16sIIQQII")
+SUMMED = 24  # offset in bytes at which the data for the CRC begin
 ORDER = 0x0102030405060708  # byte order mark
 
 
@@ -36,8 +38,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def refuse(options: argparse.Namespace, output: Path | None, drawn: bool) -> None:
-    """Refuses runs that cannot have checkpoints, and an existing checkpoint file. Raises
-    UsageError."""
+    """Raises UsageError if the run cannot have checkpoints, or if the checkpoint file exists and
+    the run is not resumed."""
     if options.checkpoint is None:
         if options.checkpoint_every is not None:
             raise UsageError("--checkpoint-every is for --checkpoint FILE")
@@ -59,7 +61,7 @@ def refuse(options: argparse.Namespace, output: Path | None, drawn: bool) -> Non
 
 
 def written(output: Path) -> set[Path]:
-    """Returns all paths that a run writes for rows in a file."""
+    """Returns all files of a run with rows in `output`: table and JSON file, also if unfinished."""
     growing = partial(output)
     return {output, beside(output), growing, beside(growing)}
 
@@ -76,13 +78,13 @@ def _seconds(options: argparse.Namespace) -> float:
 
 
 def chosen(options: argparse.Namespace) -> dict[str, Any] | None:
-    """Returns the choice for a promised accuracy from the checkpoint of a resumed run, or None."""
-    resume = getattr(options, "resume", None)  # some commands run without checkpoints
+    """Returns the method and settings that a resumed run chose for its accuracy, or None."""
+    resume = getattr(options, "resume", None)  # `pkgen plot` has no attribute `resume`
     return resume["chosen"] if resume else None
 
 
 def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
-    """Returns members of pk_run_settings for checkpoints. Raises UsageError."""
+    """Returns the members of the C struct pk_run_settings for checkpoints. Raises UsageError."""
     if options.checkpoint is None:
         return {}
     assert what.library is not None
@@ -107,7 +109,7 @@ def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
 
 
 def over(options: argparse.Namespace, outcome: Outcome) -> None:
-    """Removes the checkpoint of a run that has ended or failed."""
+    """Removes the checkpoint of a run that is complete or whose numerics failed."""
     if (
         options.checkpoint is not None
         and outcome.report
@@ -117,7 +119,7 @@ def over(options: argparse.Namespace, outcome: Outcome) -> None:
 
 
 def note(path: Path) -> dict[str, object]:
-    """Reads the note of a checkpoint. Raises UsageError if the file is not a valid checkpoint."""
+    """Reads the JSON note of a checkpoint. Raises UsageError if the file is invalid."""
     bytes_ = path.read_bytes()
     if len(bytes_) < HEAD.size or not bytes_.startswith(MAGIC):
         raise UsageError(f"{path}: it is no checkpoint of pkgen")

@@ -1,9 +1,9 @@
 """The table of commands, from which the overview, the usage and the parsers are made.
 
-A row has a command's name, the form of its arguments, and a description. Its module in this folder
-has `arguments()`, which adds its options, `run()`, and EXAMPLES for its help. A command whose form
-begins with MODEL.lag takes a model and the common options of models. Add-ons define rows of the
-same form in COMMANDS of their package (system/addons.py).
+A row has a command's name, its arguments, and a description. The module of the command, in this
+folder, has `arguments()`, which adds its options, `run()`, and EXAMPLES for its help. A command
+whose first argument is MODEL.lag also has the options of arguments.of_a_model(). Add-ons define
+such rows in COMMANDS of their package (system/addons.py).
 """
 
 from __future__ import annotations
@@ -46,13 +46,13 @@ pkgen itself
 """
 COMMON = ("-q", "--quiet", "-v", "--verbose", "--json")
 OVERVIEW_WIDTH = 80
-USUAL = "compile"  # the command if the first word names no command
+USUAL = "compile"  # default command, if the command line names none
 
 
 @record
 class Command:
     name: str
-    form: str  # its arguments, for the usage
+    form: str  # the arguments in the usage line
     does: str
     group: str
 
@@ -82,7 +82,7 @@ OWN = {command.name: command for command in _rows(_TABLE)}
 
 
 def commands() -> dict[str, Command]:
-    """Returns all installed commands; those of add-ons are at the ends of their groups."""
+    """Returns all installed commands by name; in each group, commands of add-ons come last."""
     found = dict(OWN)
     for name, point in addons.here("commands").items():
         found[name] = _of_addon(name, addons.package(point))
@@ -96,7 +96,7 @@ def _of_addon(name: str, package: ModuleType) -> Command:
 
 
 def command_of(name: str) -> Command | None:
-    """Returns a command, or None. Raises UsageError if its add-on is not installed."""
+    """Returns the command `name`, or None. Raises UsageError if its add-on is not installed."""
     if name in OWN:
         return OWN[name]
     point = addons.points("commands").get(name) if name.isidentifier() else None
@@ -104,7 +104,7 @@ def command_of(name: str) -> Command | None:
 
 
 def overview() -> str:
-    """Returns the list of all commands, one per line."""
+    """Returns the help text that lists all commands, one per line."""
     lines = ["usage: pkgen COMMAND [options]", "       pkgen MODEL.lag          as pkgen compile"]
     group = ""
     for command in commands().values():
@@ -124,14 +124,14 @@ def overview() -> str:
 
 
 class _Help(argparse.HelpFormatter):
-    """Keeps the line breaks of lists."""
+    """Formats help; keeps the line breaks of a text that has several lines."""
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         return text if "\n" in text else super()._fill_text(text, width, indent)
 
 
 class Parser(argparse.ArgumentParser):
-    """Raises UsageError for errors in a command line, with hints."""
+    """A parser that raises UsageError, with a hint, for an invalid command line."""
 
     def error(self, message: str) -> None:
         raise UsageError(f"{message}; see {self.prog.replace(' ', ' help ', 1)}")
@@ -143,7 +143,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parser_of(name: str, whole: bool = True) -> Parser:
-    """Returns the parser of a command; with `whole`, also with options of add-ons."""
+    """Returns the parser of a command; with `whole`, it includes options that add-ons define."""
     command = command_of(name)
     module = command.module
     parser = Parser(
@@ -173,7 +173,7 @@ def parser_of(name: str, whole: bool = True) -> Parser:
 
 
 def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
-    """Parses the words of a command line to a command and its options. Raises UsageError."""
+    """Parses a command line into a command and its options. Raises UsageError."""
     leading = next((i for i, word in enumerate(words) if word not in COMMON), len(words))
     words = [*words[leading:], *words[:leading]]
     found = command_of(words[0])
@@ -190,7 +190,7 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
     if unknown:
         flag = unknown[0].partition("=")[0]
         if point := addons.points("options").get(f"{command.name}.{flag.removeprefix('--')}"):
-            addons.package(point)  # raises UsageError with the missing add-on
+            addons.package(point)  # Raises UsageError if the add-on is missing.
         if not flag.startswith("-"):
             raise UsageError(f"one file at a time: what is {flag}?")
         known = [name for name in parser._option_string_actions if name not in ("-h", "--help")]
@@ -202,8 +202,8 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
 
 
 def model_file(name: str) -> str:
-    """Returns the file of a model: `heavy_top` is heavy_top.lag, here or below models/, unless a
-    file `heavy_top` exists."""
+    """Returns the path of a model's file. A name such as `heavy_top` means heavy_top.lag in the
+    working directory or in models/, unless a file `heavy_top` exists."""
     if not name.isidentifier() or os.path.exists(name):
         return name
     below = (f"models/{name}.lag", *sorted(glob(f"models/*/{name}.lag")))

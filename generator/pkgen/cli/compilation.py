@@ -1,4 +1,4 @@
-"""Compiles the model of a command within limits, with warnings on standard error."""
+"""Compiles the model of a command within limits of time and memory, and prints warnings."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def within_limits(options: argparse.Namespace) -> AbstractContextManager[None]:
 def compile_within_limits(
     options: argparse.Namespace, source: Source | None = None, quiet: bool = False, **more: object
 ) -> Compilation:
-    """Compiles the model of the command line; prints warnings unless `quiet` or --json."""
+    """Compiles a model; prints its warnings unless `quiet` or --json is set."""
     source = source or read(options.model)
     with within_limits(options):
         compilation = compile_model(

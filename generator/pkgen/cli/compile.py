@@ -96,7 +96,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _made(compilation: Compilation, directory: Path, options: argparse.Namespace) -> str:
-    """Returns text for a terminal: the files, their size, and a command to compile them."""
+    """Returns a message: the written files, their size, and a command that compiles them."""
     files, name = compilation.files, compilation.model.name
     size = f"{sum(text.count(chr(10)) for text in files.values()):,} lines, "
     size += f"{sum(len(text.encode()) for text in files.values()) / 1000:.3g} kB"
@@ -107,7 +107,7 @@ def _made(compilation: Compilation, directory: Path, options: argparse.Namespace
 
 
 def _kernels(options: argparse.Namespace) -> frozenset[str] | None:
-    """Returns the plain kernels and those of --kernels; None: all, as for --runtime or a test."""
+    """Returns the kernels to write: those in PLAIN and in --kernels. None means all kernels."""
     if options.kernels == "all" or options.runtime or options.self_test:
         return None
     canonical = CANONICAL | {"canonical"} if options.canonical else frozenset()
@@ -115,7 +115,7 @@ def _kernels(options: argparse.Namespace) -> frozenset[str] | None:
 
 
 def _depends(made: list[Path]) -> str:
-    """Returns a rule of make: generated files and their sources. ninja uses the first file."""
+    """Returns a make rule: `made` depend on all files read. ninja reads only the first target."""
     left, right = (
         " ".join(re.sub(r"([ #\\])", r"\\\1", str(path)).replace("$", "$$") for path in paths)
         for paths in (made, READ)
@@ -124,7 +124,7 @@ def _depends(made: list[Path]) -> str:
 
 
 def _as_one(compilation: Compilation) -> str:
-    """Returns headers and C as one text without includes of its own files, ready for cc -c."""
+    """Returns the headers and the C file as one text that compiles alone. Raises UsageError."""
     if len(files := compilation.files) > 2:
         raise UsageError(f"-o -: several files are written: {', '.join(files)}; give a directory")
     files = sorted(compilation.files.items(), key=lambda file: not file[0].endswith(".h"))

@@ -1,4 +1,4 @@
-"""`pkgen completion`: scripts for completion in a shell."""
+"""`pkgen completion`: writes completion scripts for shells."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _whole(shtab) -> argparse.ArgumentParser:
-    """Returns one parser of all commands, with the kinds of files of their arguments."""
+    """Returns a parser of all commands, in which arguments that are files are marked."""
     parser = argparse.ArgumentParser(prog="pkgen", description=overview(), add_help=False)
     parser.add_argument("-h", "--help", action="store_true", help="all commands, a line each")
     parser.add_argument("-V", "--version", action="store_true", help="the version")

@@ -1,4 +1,4 @@
-"""`pkgen describe`: a model as data."""
+"""`pkgen describe`: prints the names in a model, or all its data as JSON."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..system.exits import DONE
 from .arguments import as_of_a_run, of_a_motion, own_methods
 from .compilation import compile_within_limits
 
-MOST = 12  # most names of one kind in the text
+MOST = 12  # largest number of names per line of text
 
 EXAMPLES = """
 pkgen describe models/double_pendulum.lag
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _lines(found: dict) -> list[str]:
-    """Returns the description as lines of text, with names only."""
+    """Returns lines of text with the names in a description."""
     lines = [f"{found['model']}: {found['description']}".rstrip(": ")]
     for what in ("parameters", "inputs", "coordinates", "states", "outputs", "constants", "events"):
         names = [item["name"] for item in found[what] if not item.get("hidden")]

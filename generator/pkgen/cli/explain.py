@@ -1,4 +1,4 @@
-"""`pkgen explain`: equations, structure, and their reductions by scenes."""
+"""`pkgen explain`: prints equations, their structure, and how scenes simplify them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ EXAMPLES = """
 pkgen explain models/double_pendulum.lag
 pkgen explain models/heavy_top.lag --scene nutation
 """
-PAGE = "explain.html"  # the entry point of the add-on that writes it
+PAGE = "explain.html"  # entry point of the add-on that writes HTML
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,8 +39,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def explained(options: argparse.Namespace) -> tuple[str, str]:
-    """Returns HTML about a model and its scenes, or the chosen scene, and its style; "" and ""
-    without SymPy or the add-on that writes pages."""
+    """Returns HTML about a model and its scenes (or the chosen scene), and the CSS of the HTML.
+    Both are "" if SymPy or the add-on that writes pages is missing."""
     if find_spec("sympy") is None:
         return "", ""
     if where := addons.missing(addons.points("pages").get(PAGE)):
@@ -54,7 +54,7 @@ def explained(options: argparse.Namespace) -> tuple[str, str]:
 
 
 def _shown(compilation: Compilation) -> Compilation:
-    """Returns the compilation with the shortest forms of M and f."""
+    """Returns the compilation with M and f (of M a = f) simplified for display."""
     e = compilation.equations
     if not isinstance(e, Equations):
         return compilation
@@ -64,7 +64,7 @@ def _shown(compilation: Compilation) -> Compilation:
 def _scenes(
     options: argparse.Namespace, compilation: Compilation, only: str | None = None
 ) -> list[SceneShown]:
-    """Compiles each scene, or only `only`, within limits of its own."""
+    """Compiles each scene, or only the scene `only`; limits of time apply to each."""
     scenes = [s for s in compilation.declared.scenes if only in (None, s.name)]
     made = []
     for scene in scenes:

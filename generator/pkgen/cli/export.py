@@ -1,4 +1,4 @@
-"""`pkgen export`: exports a model to other programs (hosts), which add-ons support."""
+"""`pkgen export`: exports a model for other programs (hosts). Add-ons define the hosts."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _listed() -> Iterator[str]:
 
 
 def _flags() -> dict[str, list[Host]]:
-    """Returns the hosts that have each option."""
+    """Returns, for each option of hosts, the hosts that have it."""
     found: dict[str, list[Host]] = {}
     for host in hosts().values():
         for flag, _ in host.options:
@@ -63,7 +63,7 @@ def _flags() -> dict[str, list[Host]]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write what another program needs to have the model: its C, what calls it, its description."""
+    """Write the files that another program needs to use the model: C, interface, description."""
     host = _host(options)
     found = describe(
         options,
@@ -96,12 +96,12 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _host(options: argparse.Namespace) -> Host:
-    """Returns the host of --as. Raises UsageError for an unknown one or options of other hosts."""
+    """Returns the host of --as. Raises UsageError if it is unknown or lacks a given option."""
     if options.host is None:
         raise UsageError("--as: name what it is made for:\n" + "\n".join(_listed()))
     if options.host not in hosts():
         if options.host in addons.points("exports"):
-            addons.load("exports", options.host)  # raises UsageError with the missing add-on
+            addons.load("exports", options.host)  # Raises UsageError if the add-on is missing.
         raise UsageError(f"--as {options.host}: {near(options.host, list(hosts()), 'host')}")
     host = hosts()[options.host]
     for flag, having in _flags().items():
@@ -118,8 +118,8 @@ def _folder(host: Host, name: str, path: str | None) -> Path:
 def _placed(
     host: Host, name: str, made: Mapping[str, bytes], path: str | None
 ) -> dict[Path, bytes]:
-    """Returns the files by path: a single file is `path` if that has its suffix, else it is in the
-    folder `path`. Raises UsageError."""
+    """Returns the exported files by path. `path` is a folder; for a host that writes a single file,
+    it may be the file. Raises UsageError."""
     if not host.suffix:
         folder = _folder(host, name, path)
         if folder.exists() and not folder.is_dir():

@@ -1,4 +1,4 @@
-"""`pkgen help`: prints the overview, or the options of a command."""
+"""`pkgen help`: prints the list of commands, or the options of a command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`pkgen manual`: writes man pages from the same tables as the help."""
+"""`pkgen manual`: writes man pages, from the parsers of the commands."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write pages for man: pkgen.1, and one of each command."""
+    """Write man pages: pkgen.1, and one for each command."""
     pages = {"pkgen.1": _of_all()}
     pages |= {f"pkgen-{c.name}.1": _of_command(c) for c in commands().values()}
     directory = Path(options.directory)
@@ -60,7 +60,7 @@ def _plain(text: str) -> str:
 
 
 def _broken(text: str) -> str:
-    """Escapes text as one line; roff may break a long list after commas."""
+    """Escapes text for roff, as one line that roff may break after commas."""
     return re.sub(r",(?=\S)", r",\\:", _plain(" ".join(text.split())))
 
 
@@ -110,7 +110,7 @@ def _of_command(command: Command) -> str:
 
 
 def _flags(action: argparse.Action) -> str:
-    """Returns an option with its value, or an argument."""
+    """Returns the text of an option and its value, or the name of a positional argument."""
     named = action.metavar or "|".join(map(str, action.choices or ()))
     takes = "" if action.nargs == 0 else f" {named or action.dest.upper()}"
     return ", ".join(action.option_strings) + takes if action.option_strings else takes.strip()

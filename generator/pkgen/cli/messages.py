@@ -16,7 +16,7 @@ from ..system import progress
 from ..system.exits import DONE, UsageError
 
 _RED, _MAGENTA, _CYAN, _GREEN = "1;31", "1;35", "36", "1;32"
-# Coloured parts of a message: its kind, the help, the carets.
+# Coloured parts of a message: error, warning, help, and the carets below source text.
 _PAINTED = (
     (re.compile(r"(?<=: )error(?=: )"), _RED),
     (re.compile(r"(?<=: )warning(?=: )"), _MAGENTA),
@@ -26,8 +26,8 @@ _PAINTED = (
 
 
 def coloured(stream: TextIO) -> bool:
-    """Whether a stream gets colours: with NO_COLOR none, with FORCE_COLOR any, else a terminal. See
-    https://no-color.org and https://force-color.org."""
+    """Whether text to a stream is coloured: no if NO_COLOR is set, yes if FORCE_COLOR is set, else
+    if it is a terminal. See https://no-color.org and https://force-color.org."""
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR"):
@@ -36,7 +36,7 @@ def coloured(stream: TextIO) -> bool:
 
 
 def findings(text: str) -> None:
-    """Prints errors and warnings of a model to standard error."""
+    """Prints the text of errors and warnings to standard error, with colours."""
     if coloured(sys.stderr):
         for what, colour in _PAINTED:
             text = what.sub(lambda found, c=colour: f"\x1b[{c}m{found[0]}\x1b[0m", text)
@@ -44,19 +44,19 @@ def findings(text: str) -> None:
 
 
 def refuse_both(options: argparse.Namespace, output: str | None) -> None:
-    """Raises UsageError if a result and its JSON would both go to standard output."""
+    """Raises UsageError if the result and --json would both go to standard output."""
     if options.json and output == "-":
         raise UsageError("-o - and --json both write to standard output; take one of them")
 
 
 def needs(module: str) -> None:
-    """Raises ModuleNotFoundError for a missing optional package before a long run."""
+    """Raises ModuleNotFoundError if a package is missing. Called before long computations."""
     if find_spec(module) is None:
         raise ModuleNotFoundError(name=module)
 
 
 def told(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    """Runs a command: -q suppresses messages of a successful command, -v prints progress."""
+    """Runs a command; returns its exit code. -q hides messages on success, -v shows progress."""
     if options.verbose:
         with progress.watched():
             return command(options)

@@ -1,4 +1,4 @@
-"""`pkgen methods`: lists the integration methods, or the properties of own methods."""
+"""`pkgen methods`: lists the integration methods, or properties of user-defined methods."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """List the integration methods; or say what a tableau or a composition is."""
+    """List the integration methods, or the properties of a tableau or composition."""
     if options.tableau or options.composition:
         found = _own(options)
         print(json.dumps(found, indent=1) if options.json else own_text(found))
@@ -42,8 +42,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _own(options: argparse.Namespace) -> list[dict[str, object]]:
-    """Returns the descriptions of own methods. Implicit ones do not run: these have only properties
-    of their coefficients."""
+    """Returns descriptions of the methods in options. pkgen cannot run implicit tableaux and
+    describes only their coefficients."""
     found, run = [], []
     for path in options.tableau:
         tableau = read_tableau(read(path, "a tableau file"))

@@ -1,4 +1,4 @@
-"""The pictures of --plot and --report: checks options before a run, makes files after it."""
+"""Pictures of --plot and --report: checks options before a run, writes files after the run."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from ..plot.table import Table
 
 MILLIMETRES = 25.4
-WIDTHS = (40.0, 1000.0)  # range of --width, mm
+WIDTHS = (40.0, 1000.0)  # smallest and largest --width in mm
 ENDS = tuple(f".{kind}" for kind in style.FORMATS)
 
 
 @record
 class Wanted:
-    """The requested files, and the view of the picture."""
+    """The picture files to write, and the columns and kind of plot to draw."""
 
     view: View
     width: float | None  # inches
@@ -43,7 +43,7 @@ class Wanted:
 
 
 def wanted(options: argparse.Namespace) -> Wanted | None:
-    """Returns the pictures that `pkgen run` is to make, or None. Raises UsageError."""
+    """Returns the pictures that options of `pkgen run` request, or None. Raises UsageError."""
     given = [name for name in (*views.KINDS, "columns", "width") if getattr(options, name)]
     if options.plot is None and options.report is None:
         if given:
@@ -55,7 +55,7 @@ def wanted(options: argparse.Namespace) -> Wanted | None:
     if options.report is not None:
         if not options.report.endswith(".html"):
             raise UsageError(f"--report {options.report}: the file's name must end in .html")
-        addons.load("pages", "run.report")  # raises UsageError before the run, not after it
+        addons.load("pages", "run.report")  # A missing add-on raises UsageError before the run.
         report = Path(options.report)
     files = [options.output, options.plot, options.report]
     if options.output not in (None, "-") and place(Path(options.output)) is None:
@@ -75,7 +75,7 @@ def picture_file(option: str, name: str) -> Path:
 
 
 def width(options: argparse.Namespace) -> float | None:
-    """Returns the width in inches, or None. Raises UsageError."""
+    """Returns the value of --width in inches, or None if it is not set. Raises UsageError."""
     if options.width is None:
         return None
     if not WIDTHS[0] <= options.width <= WIDTHS[1]:
@@ -84,7 +84,7 @@ def width(options: argparse.Namespace) -> float | None:
 
 
 def look_of(options: argparse.Namespace) -> style.Look:
-    """Returns the look from the options of arguments.of_a_look(). Raises UsageError."""
+    """Returns the requested width, formats and light or dark colours. Raises UsageError."""
     needs("matplotlib")
     formats = tuple(kind.strip() for kind in options.format.split(",") if kind.strip())
     known = (*style.FORMATS, style.OF_LATEX)
@@ -96,7 +96,8 @@ def look_of(options: argparse.Namespace) -> style.Look:
 
 
 def page_of(command: str) -> Callable[..., str] | None:
-    """Returns the writer of a command's page. Says it and returns None if its add-on is missing."""
+    """Returns a function that writes a command's HTML page. If the add-on with the function is
+    missing, prints a message and returns None."""
     if where := addons.missing(addons.points("pages").get(command)):
         say(f"no page: it is {where}")
         return None
@@ -106,15 +107,15 @@ def page_of(command: str) -> Callable[..., str] | None:
 def recorded(
     options: argparse.Namespace, view: View, prepared: Callable[[argparse.Namespace], Prepared]
 ) -> Prepared:
-    """Prepares a run that records all columns to be drawn, in addition to its own columns. Raises
-    UsageError if a column cannot be recorded."""
+    """Prepares a run that also records the columns to be drawn. Raises UsageError if this is not
+    possible."""
     made = prepared(options)
     names = [c.name for c in made.columns()]
     missing = [name for name in view.columns if not _has(names, name)]
     rows = names[1 + (made.ensemble is not None) :]
     if view.kind == "drift" and not view.names and options.scene is None:
         more = [n for n in _constants(made) if not _has(names, n)]
-        with suppress(UsageError):  # not every constant is the name of a column
+        with suppress(UsageError):  # Some constants cannot be columns.
             return _with(options, [*rows, *more], prepared) if more else made
     if not missing:
         return made
@@ -135,7 +136,7 @@ def _has(names: list[str], name: str) -> bool:
 
 
 def _members(made: Prepared, name: str) -> list[str]:
-    """Returns the members of a family; [name] for other names."""
+    """Returns the names of all members if `name` is a family of quantities, else [name]."""
     primes = name.count("'")
     for item in named.declared(made.compilation).declared:
         if item.lo is not None and item.quantity.name == name.rstrip("'"):
@@ -157,14 +158,14 @@ def _constants(made: Prepared) -> list[str]:
 
 
 def rows_of(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """Returns the rows that a run has written, or None if there are none."""
+    """Returns the rows of a run as a table, or None if it has less than two rows."""
     from ..plot.table import rows
 
     return rows(path, label, json.loads(json.dumps(told)))
 
 
 def draw(what: Wanted, tables: list[Table], file: Path) -> list[str]:
-    """Writes the picture; returns its notes."""
+    """Draws the tables, writes the picture to `file`, and returns messages about it."""
     from ..plot import compose
     from ..plot.draw import encoded
     from ..system.files import replace as write

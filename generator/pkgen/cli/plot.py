@@ -1,4 +1,4 @@
-"""`pkgen plot`: draws motions of models, which it runs, or rows from files."""
+"""`pkgen plot`: runs models and draws their motions, or draws rows from files."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from ..plot.table import Table
     from ..run.simulate import Outcome
 
-CLOSEST = 20_000  # most rows of a motion that is run for a picture
-A_STEP = 4  # rows per step
+CLOSEST = 20_000  # largest number of rows of a run made for a picture
+A_STEP = 4  # rows per integration step, if a run is repeated with more rows
 READ = (*ROWS, ".csv" + PARTIAL)
 
 EXAMPLES = """
@@ -49,8 +49,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Draw motions over time, in the phase plane or in space, their sections, spectra and drifts:
-    of models, which are run, and of rows that a run has left."""
+    """Draw motions over time, in the phase plane or in space, and their sections, spectra and
+    drifts. Models are run first; files have the rows of earlier runs."""
     needs("matplotlib")
     view, width = views.asked(options), pictures.width(options)
     folders = {name: addons.of_folder(name) for name in options.files}
@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _map(options: argparse.Namespace, view: View, folder: ModuleType) -> Picture:
-    """Returns the map of a sweep. Raises UsageError."""
+    """Returns a picture of a parameter sweep: a quantity over two axes. Raises UsageError."""
     if len(options.files) > 1:
         raise UsageError(f"{' and '.join(options.files)}: a sweep has a picture of its own")
     if view.kind:
@@ -99,7 +99,7 @@ def _map(options: argparse.Namespace, view: View, folder: ModuleType) -> Picture
 
 
 def _refuse(options: argparse.Namespace, swept: list[str]) -> None:
-    """Raises UsageError for an option without effect."""
+    """Raises UsageError for an option that has no effect on the given files."""
     if options.map is not None and not swept:
         raise UsageError("--map is of a sweep: give its folder")
     models = (f for f in options.files if not f.endswith(READ) and f not in swept)
@@ -116,7 +116,7 @@ def _refuse(options: argparse.Namespace, swept: list[str]) -> None:
 
 
 def _files(given: list[str]) -> list[str]:
-    """Replaces each directory by its *.csv, sorted. Raises UsageError if it has none."""
+    """Replaces each directory by its CSV files, sorted. Raises UsageError if it has none."""
     files: list[str] = []
     for name in given:
         if not Path(name).is_dir():
@@ -130,7 +130,7 @@ def _files(given: list[str]) -> list[str]:
 
 
 def _labels(files: list[str]) -> list[str]:
-    """Returns the file names as labels, or the paths if names are equal."""
+    """Returns labels of files: their names, or their paths if two names are equal."""
     names = [Path(file).name for file in files]
     return names if len(set(names)) == len(names) else files
 
@@ -142,7 +142,7 @@ def _read(name: str, label: str) -> Table:
 
 
 def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | None, int]:
-    """Runs a model; returns its rows as a table, and the exit code."""
+    """Runs a model, if needed again with more rows; returns the rows and the exit code."""
     what = prepared(options, view)
     with scratch() as folder:
         path = folder / "rows.csv"
@@ -158,8 +158,8 @@ def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | N
 
 
 def _closer(what: Prepared, outcome: Outcome, table: Table | None) -> float | None:
-    """Returns a shorter time between rows if they are too far apart to be joined by lines, and
-    no option or scene sets it; else None."""
+    """Returns a shorter time between rows if lines between the present rows would mislead. Returns
+    None if they would not, or if an option or scene sets the time."""
     settings = what.settings
     if what.spaced or outcome.code:
         return None
@@ -193,7 +193,7 @@ def _show(
 
 
 def _record(made: Picture, file: Path | None) -> dict[str, object]:
-    """Returns the content of a picture as data for JSON."""
+    """Returns the labels and curves of a picture as data for JSON."""
 
     def panel(p) -> dict[str, object]:
         axes = {name: axis.label for name, axis in zip("xyz", (p.x, p.y, p.z), strict=True) if axis}

@@ -21,8 +21,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Go on with a run that was stopped or killed, to the bit as if it had not been: its rows are
-    cut behind the checkpoint's last one, and those to come follow."""
+    """Continue a run that was stopped or killed. Rows after the checkpoint are removed and computed
+    again; the result is the same, to the bit, as without the interruption."""
     from .commands import parser_of
 
     path = Path(options.checkpoint).absolute()

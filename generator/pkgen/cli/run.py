@@ -1,6 +1,6 @@
 """`pkgen run`: compiles a model, integrates it, and reports the result.
 
-Rows go to standard output, or to a file with a sidecar. Messages go to standard error.
+Rows go to standard output, or to a file, which FILE.json describes. Messages go to standard error.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from ..plot.table import Table
     from ..plot.view import View
 
-# A message is printed if the iteration of a method limits more than this fraction of the steps.
+# If the method's iteration, not its error, limits more than this fraction of the steps, a message
+# is printed.
 HELD = 0.75
 
 EXAMPLES = """
@@ -51,7 +52,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
-    if options.instead is not None:  # an option of an add-on
+    if options.instead is not None:  # an add-on replaces the run
         return options.instead(options)
     output = parsing.output(options.output)
     wanted = pictures.wanted(options)
@@ -83,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
     checkpoints.over(options, outcome)
-    if outcome.code == DONE and not outcome.whole:  # the reader of the pipe has ended
+    if outcome.code == DONE and not outcome.whole:  # The program that reads the pipe has ended.
         return DONE
     tell(options, what, outcome)
     if left is not None and not options.json:
@@ -94,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def prepared(options: argparse.Namespace, view: View | None = None) -> Prepared:
-    """Compiles and builds the run; columns of `view` are recorded too."""
+    """Compiles the model and builds its library; the run also records the columns of `view`."""
 
     def made(options: argparse.Namespace) -> Prepared:
         return prepare(options, compile_within_limits, None, checkpoints.chosen(options))
@@ -106,7 +107,7 @@ def prepared(options: argparse.Namespace, view: View | None = None) -> Prepared:
 
 
 def to_scratch(what: Prepared, path: Path) -> Outcome:
-    """Runs with the rows in a file, which is cut after the last whole row."""
+    """Runs a model with the rows written to `path`; removes an incomplete last row."""
     with open(path, "wb") as file:
         outcome = _simulate(what, file)
     cut(path)
@@ -114,14 +115,14 @@ def to_scratch(what: Prepared, path: Path) -> Outcome:
 
 
 def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table | None:
-    """Returns the rows of a finished run, or None if there are none."""
+    """Returns the rows of a finished run as a table, or None if it has less than two rows."""
     if not path.exists() or not path.stat().st_size:
         return None
     return pictures.rows_of(path, label, _describe(what, outcome, path.name))
 
 
 def _some_rows(path: Path) -> str:
-    """Returns text for a terminal: ten rows, and a hint how to keep all."""
+    """Returns text: the first and last five rows, and options that save or draw all rows."""
     with open(path, newline="", encoding="utf-8") as file:
         head, *rows = list(csv.reader(file)) or [[]]
     some = rows if len(rows) <= 10 else [*rows[:5], ["…"] * len(head), *rows[-5:]]
@@ -136,7 +137,7 @@ def _some_rows(path: Path) -> str:
 def _pictures(
     options: argparse.Namespace, wanted: Wanted, what: Prepared, outcome: Outcome, path: Path
 ) -> None:
-    """Makes the files of --plot and --report after a run, also after a failed one."""
+    """Writes the files of --plot and --report after a run, even if the run failed."""
     table = table_of(what, outcome, path, what.compilation.model.name)
     if wanted.plot is not None and table is None:
         print(f"pkgen: {wanted.plot}: not written: there are no rows", file=sys.stderr)
@@ -154,7 +155,7 @@ def _pictures(
 
 
 def _hint(options: argparse.Namespace, model: Model) -> None:
-    """Prints the scenes of a model if none is chosen."""
+    """Prints the names of the model's scenes if no scene is chosen."""
     names = ", ".join(item.name for item in model.scenes if not hidden(item.name))
     if options.scene is None and names and not options.json:
         print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
@@ -163,10 +164,10 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
 def _to_file(
     options: argparse.Namespace, asked: Prepared, output: Path, wanted: Wanted | None
 ) -> tuple[Outcome, Path | None]:
-    """Runs with the rows in the file `output`; returns the outcome, and the path of unfinished rows
-    or None."""
+    """Runs a model with the rows written to `output`. Returns the outcome, and the path of the rows
+    if the run did not finish, else None."""
     left = None
-    unfinished = Outcome(INTERRUPTED, {}, "")  # stays in the sidecar if pkgen is killed
+    unfinished = Outcome(INTERRUPTED, {}, "")  # remains in the JSON file if pkgen is killed
     more = checkpoints.settings(options, asked)
     npy = output.suffix == ".npy"
     kept = "begun" if options.resume else "all" if more else ""
@@ -186,7 +187,7 @@ def _to_file(
 
 
 def _finishing(outcome: Outcome) -> None:
-    """Ignores interruptions from now on if all rows are written."""
+    """Ignores signals such as SIGINT from now on, if all rows are written."""
     if outcome.whole and outcome.code == DONE:
         children.finishing()
 
@@ -209,7 +210,7 @@ def _describe(asked: Prepared, outcome: Outcome, data: str) -> dict[str, object]
 
 
 def judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int:
-    """Prints missed expectations and the number of met ones; returns the exit code."""
+    """Prints missed expectations of the scene and how many are met; returns the exit code."""
     verdicts = asked.verdicts(outcome.report)
     missed = [verdict for verdict in verdicts if not verdict.met]
     if not options.json:
@@ -241,7 +242,7 @@ def _simulate(
 
 
 def _length(report: dict) -> str:
-    """Returns the text for step sizes: the fixed one, or the shortest and the longest."""
+    """Returns text for the summary: the fixed step size, or the shortest and longest step."""
     if report["step"] is not None:
         return f" of {report['step']:.6g}"
     shortest, longest = (f"{report[name]:.3g}" for name in ("step_min", "step_max"))
@@ -300,7 +301,7 @@ def _whole(outcome: Outcome) -> bool:
 
 
 def _crossings(event: dict) -> str:
-    """Returns the text for the number of crossings, with the first and the last time."""
+    """Returns text for the summary: how often an event occurred, and when first and last."""
     times, count = event["times"], event["count"]
     if count < 2:
         return f"once, at t = {times[0]:.12g}" if count else "never"

@@ -1,4 +1,4 @@
-"""`pkgen stability`: maps of the stability of methods."""
+"""`pkgen stability`: maps the step sizes at which integration methods are stable."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--seconds", metavar="S", help=f"of all but drawing ({usual}): fewer points")
     shared.of_a_look(parser)
     shared.of_implicit_methods(parser)
-    parser.set_defaults(method="rk4")  # settings need a method; maps use their own
+    parser.set_defaults(method="rk4")  # Settings need a method; maps do not use it.
 
 
 def run(options: argparse.Namespace) -> int:
-    """Map where each method fails over the step and a start or a parameter; predictions over it."""
+    """Map where each method fails, over the step and a start or parameter, with predictions."""
     if not find_toolchain().has_gsl:
         raise BuildError(
             "stability finds equilibria and modes by GSL, which is not here: install libgsl-dev"
@@ -82,8 +82,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_unmapped(compilation: Compilation) -> None:
-    """Raises UsageError for models with jumps of rates, at which steps would have to end, and for
-    redundant constraints."""
+    """Raises UsageError for redundant constraints, and for models whose rates jump: a step would
+    have to end at each jump."""
     model = compilation.model
     impulsive = getattr(compilation.equations, "impulsive", ())
     if impulsive:
@@ -146,7 +146,7 @@ def _write(directory: Path, made: StabilityMap, look: Look) -> list[Path]:
 
 
 def orbit(one: Orbit) -> dict[str, object]:
-    """Returns an orbit as data: multipliers as [real, imaginary], states as q, then v."""
+    """Returns a periodic orbit as data: multipliers as [real, imaginary], states as [*q, *v]."""
     multipliers = [[z.real, z.imag] for z in one.multipliers]
     return {"h": one.h, "states": one.states, "multipliers": multipliers}
 

@@ -1,4 +1,4 @@
-"""Scenes: the equations that a scene needs, settings of its run, and its expectations.
+"""Scenes, the named runs in a model's file: their equations, settings and expectations.
 
 `explain`, `analysis` and `cli` call this package.
 """

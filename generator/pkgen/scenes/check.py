@@ -1,5 +1,5 @@
-"""Errors of a scene that only its equations show: a method that does not fit them, a drift of a
-quantity that is not constant, a motion that cannot be prescribed."""
+"""Finds errors of a scene that only its equations reveal: a method that cannot integrate them, a
+quantity that is expected to be constant but is not, a motion that cannot be prescribed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from . import compile_plan as scene_use
 from . import expects, lengths
 from . import model as scene_model
 
-# Options that change the model which a scene alone would give, with their texts in messages.
+# Options that change the equations of a scene, with a text for messages.
 _OTHERWISE = {
     "no_reduce": "--no-reduce switches reductions off",
     "set": "--set leaves parameters to the run",
@@ -40,8 +40,8 @@ NOT_PROMISED = (
 
 
 def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagnostic]:
-    """Returns the errors of a scene without options; `given`: sizes that replace the file's."""
-    unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as in a run
+    """Returns the errors of a scene without options. `given` has the sizes set by --size."""
+    unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as in prepare()
     use = scene_use.as_written(scene.name)
     made = stages(declared.source, given, unroll=unroll, use=use)
     try:
@@ -73,7 +73,7 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
     as_written = wrong(declared, lengths.given(options.size), alone)
     if as_written:
         raise ModelError(declared.source, as_written)
-    # Without --set, drift errors do not count: the scene has the same motion without reductions.
+    # Without --set, the motion is that of the scene alone, which has no drift errors.
     for item in found if options.set else compiled:
         why = ", ".join(text for name, text in _OTHERWISE.items() if getattr(options, name))
         place = declared.source.place(item.span)
@@ -81,7 +81,7 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
 
 
 def refuse_method(compilation: Compilation, scene: Scene) -> None:
-    """Checks the method of a scene whose C is written. Raises ModelError."""
+    """Raises ModelError if the scene's method cannot integrate its equations."""
     found = [*_unfit(scene, compilation.structure, compilation.model.methods)]
     if found:
         raise ModelError(compilation.declared.source, found)

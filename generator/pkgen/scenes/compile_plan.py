@@ -1,4 +1,4 @@
-"""Plans a compile from a scene and options: part of the model, kernels, and the method."""
+"""Plans a compilation from a scene and options: the equations, the kernels and the method."""
 
 from __future__ import annotations
 
@@ -47,31 +47,31 @@ EVERY = frozenset((*REDUCTIONS, FOLD, APART, EXACT, UNREAD))
 class Overrides:
     """Options that override a scene."""
 
-    columns: tuple[str, ...] | None = None  # recorded columns; None: the scene's
+    columns: tuple[str, ...] | None = None  # recorded columns; None: those of the scene
     event: str | None = None
     run_time: frozenset[str] = frozenset()  # parameters that are set at run time
     off: frozenset[str] = frozenset()  # reductions that are switched off
     apart: bool = False  # whether blocks of coordinates may be integrated separately
     judged: bool = True  # whether the scene's expectations are checked
-    several: bool = False  # whether an ensemble file has members
-    options: argparse.Namespace | None = None  # those of a run, which set its numbers
+    several: bool = False  # whether the run has an ensemble file
+    options: argparse.Namespace | None = None  # all options of a run
 
     @property
     def method(self) -> str:
         return (self.options and self.options.method) or ""
 
     def event_of(self, scene: Scene) -> str:
-        """Returns the event whose occurrences are rows, or ""."""
+        """Returns the event at which rows are written, or ""."""
         return self.event or (scene.record.at if scene.record else "")
 
 
 def of_run(options: argparse.Namespace) -> Use:
-    """Returns the use for a run: what its rows need; without a scene, everything."""
+    """Returns the restrictions of a model in a run. Only a scene removes parts of the model."""
     off = switched_off(options.no_reduce) if options.scene else EVERY
     if options.diagnose:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
-        # Normal modes need an equilibrium, and cyclic coordinates do not rest: these are removed.
+        # Normal modes need an equilibrium, and cyclic coordinates can move there: they are removed.
         off |= {*REDUCTIONS} - ({"cyclic"} if options.diagnose == "modes" else set())
     asked = _asked(options, record_columns(options), off)
     asked = replace(asked, apart=not asked.several)
@@ -79,7 +79,7 @@ def of_run(options: argparse.Namespace) -> Use:
     def kernels(
         used: Model, scene: Scene, plan: CompilePlan, made: Made | None
     ) -> frozenset[str] | None:
-        """Returns the kernels of the run; None for diagnostics and trials of methods: all."""
+        """Returns the kernels of the run. Diagnostics or a search for a method need all (None)."""
         if options.diagnose or promised(plan, scene) is not None:
             return None
         return _of_method(used, scene, asked, plan, made) | _of_driver(used, scene, asked, made)
@@ -88,15 +88,15 @@ def of_run(options: argparse.Namespace) -> Use:
 
 
 def promised(plan: CompilePlan, scene: Scene) -> Expr | None:
-    """Returns the accuracy that a run of the scene promises: None if options set a method, a step
-    size or a tolerance."""
+    """Returns the accuracy that the scene requires, or None if options set a method, a step size or
+    a tolerance."""
     of = plan.numbers
     free = plan.source != OPTION and (of.step, of.rtol, of.atol) == (None, None, None)
     return scene.accuracy if free else None
 
 
 def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePlan:
-    """Returns the plan of a compiled model; makes it for a model that was compiled for no run."""
+    """Returns the plan in a compilation; makes a plan if the compilation was not for a run."""
     if compilation.plan.method:
         return compilation.plan
     declared = compilation.declared
@@ -108,8 +108,8 @@ def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePla
 def _asked(
     options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str]
 ) -> Overrides:
-    """Returns what options ask for; `off`: the reductions that are switched off. Only options and
-    diagnostics switch the exact flow off."""
+    """Returns the overrides in options. `off` are reductions to switch off; the method by exact
+    flow is switched off only by --no-reduce and --diagnose."""
     exact = EXACT in switched_off(options.no_reduce) or options.diagnose
     return Overrides(
         columns=columns,
@@ -122,8 +122,8 @@ def _asked(
 
 
 def _plan(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> CompilePlan:
-    """Returns the plan of a run without its kernels: its numbers, and its method, "" if that
-    depends on equations that are not known yet. Raises UsageError."""
+    """Returns a plan with the numbers and the method of a run, without kernels. The method is "" if
+    it depends on equations that are not derived yet. Raises UsageError."""
     given = Numbers(model).of_run(asked.options) if asked.options else RunNumbers()
     method, source = asked.method or scene.method, OPTION if asked.method else SCENE
     if method:
@@ -131,19 +131,19 @@ def _plan(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> Co
     elif made is not None:
         several = asked.several or scene.swarm is not None
         exact = EXACT not in asked.off and not several and (given.rtol or given.step) is None
-        # A scene with a tolerance has a method.
+        # The scene has no tolerance here: a scene that sets one also sets a method.
         method, source = default_method(made, given.else_of(DEFAULTS).rtol, exact), DEFAULT
     return CompilePlan(None, method, source, given)
 
 
 def _refuse_unfit(name: str, asked: Overrides, model: Model) -> None:
-    """Raises UsageError for an unknown method, and for options that do not fit it."""
+    """Raises UsageError for an unknown method, and for options that do not apply to it."""
     methods = known(model.methods)
     if name not in methods:
         raise UsageError(unknown("--method", name, methods, "method"))
     if asked.options is None or "adaptive" in methods[name].traits:
         return
-    inner = "fast" in methods[name].requires  # max_step bounds its inner steps
+    inner = "fast" in methods[name].requires  # respa: max_step bounds the inner steps
     for option in ("rtol", "atol", *(() if inner else ("max_step",))):
         if getattr(asked.options, option) is not None:
             shown = "--" + option.replace("_", "-")
@@ -153,7 +153,7 @@ def _refuse_unfit(name: str, asked: Overrides, model: Model) -> None:
 def _of_method(
     model: Model, scene: Scene, asked: Overrides, plan: CompilePlan, made: Made | None
 ) -> frozenset[str]:
-    """Returns the kernels of the run's method, or of all that it may be."""
+    """Returns the kernels that the run's method calls (if it is unknown, any default method)."""
     of = known(model.methods).get(plan.method)
     found = of.kernels if of else METHODS["gauss"].kernels | {"mass", LINEAR_OF_FEW}
     several = asked.several or scene.swarm is not None
@@ -162,14 +162,14 @@ def _of_method(
         or any(event.stop for event in model.events)
         or scene_model.events(scene)
     ):
-        found -= {"advance"}  # its many steps in one call would miss events
+        found -= {"advance"}  # `advance` makes many steps and detects no events
     if several and (made is None or _side_by_side(*made, of)):
         found |= {"members"}
     return found
 
 
 def _of_driver(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> frozenset[str]:
-    """Returns the other kernels of a run: for drifts of constants, and for a check of M."""
+    """Returns the kernels that a run calls outside its method: for drifts, energy, checks of M."""
     found = {"canonical", "conserve"}
     columns = asked.columns or scene_model.columns(scene)
     whole = asked.columns is None and scene.record is None
@@ -179,7 +179,7 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: Made | None) 
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
     definite = structure and getattr(structure, "definite", True)
-    solved = made and getattr(made[0], "constraints", ())  # constrained motion uses the inertia
+    solved = made and getattr(made[0], "constraints", ())  # constraints use kernel `inertia`, not M
     needed = not definite or not (several or solved or structure.mass_diagonal)
     if needed and not (made and _without_mass(made[0])):
         found |= {"mass"}
@@ -187,31 +187,31 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: Made | None) 
 
 
 def _without_mass(e: object) -> bool:
-    """Whether a tree of bodies has accelerations without M, whose code would be longer."""
+    """Whether the accelerations of a tree of bodies are computed without M, since M is large."""
     return isinstance(e, Equations) and e.acceleration is not None and looped(e.graph, e.mass)
 
 
 def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
-    """Whether members run in lanes (src/ensemble/adaptive_lanes.c); not if kept as loops."""
+    """Whether ensemble members run in SIMD lanes. Models with constraints or loops do not."""
     if not isinstance(equations, Equations) or equations.constraints:
         return False
     return in_lanes(method, structure)
 
 
 def whole(options: argparse.Namespace) -> Use | None:
-    """Returns the use for charts and maps: all parameters, all coordinates that are not held."""
+    """Returns the restrictions of a model in charts: only prescribed coordinates are removed."""
     return _of_options(options, None)
 
 
 def enclosed(options: argparse.Namespace) -> Use | None:
-    """Returns the use for rigorous bounds: everything, with a scene's settings as exact numbers."""
+    """Returns the restrictions of a model for rigorous bounds: a scene's parameters are exact."""
     return _of_options(options, record_columns(options), EVERY - {FOLD})
 
 
 def _of_options(
     options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str] = EVERY
 ) -> Use | None:
-    """Returns the use of a model with a scene, columns or input motions of options; else None."""
+    """Returns the restrictions of a model by scene, columns and inputs in options, or None."""
     if options.scene is None and columns is None and not any(map(is_motion, options.set)):
         return None
     asked = replace(_asked(options, columns, off), event=None)
@@ -219,28 +219,28 @@ def _of_options(
 
 
 def _run_time(options: argparse.Namespace) -> frozenset[str]:
-    """Returns the parameters and inputs that --set sets to numbers, at run time."""
+    """Returns the names of parameters and inputs that --set sets to numbers."""
     return frozenset(text.partition("=")[0].strip() for text in numbers(options))
 
 
 def as_written(name: str) -> Use:
-    """Returns the use for checks of a scene without options; no C is made of it."""
+    """Returns the restrictions of a model by a scene alone, for checks that generate no C."""
     return _use(name, Overrides(apart=True), lambda *_: ENOUGH)
 
 
 def of_compile(options: argparse.Namespace) -> Use | None:
-    """Returns the use for writing the C of a scene; None without a scene."""
+    """Returns the restrictions of a model that is compiled to C, or None without a scene."""
     if options.scene is None:
         return None
-    more = frozenset({"canonical"}) if options.canonical else frozenset()  # momenta at the start
+    more = frozenset({"canonical"}) if options.canonical else frozenset()  # for initial momenta
     return of_scene(options.scene, switched_off(options.no_reduce), more)
 
 
 def of_scene(
     name: str, off: frozenset[str] = frozenset(), more: frozenset[str] = frozenset()
 ) -> Use:
-    """Returns the use for embedded C: named after model and scene, with only the kernels of the
-    scene's method and columns, and `more`."""
+    """Returns the restrictions of a model for C without a runtime. The C, named MODEL_SCENE, has
+    only the kernels of the scene's method and columns, and the kernels `more`."""
     asked = Overrides(off=off, apart=True, judged=False)
     use = _use(
         name,
@@ -258,22 +258,22 @@ def of_scene(
 
 
 def shown(model: Model, scene: Scene) -> frozenset[str]:
-    """Returns the kernels of the scene's recorded columns; by default all columns."""
+    """Returns the kernels that compute the scene's columns (by default, all columns)."""
     if scene.record is None:
         return frozenset({"energy", "conserve"})
     return frozenset({"energy"} & set(scene_model.columns(scene)))
 
 
 def _divided(model: Model, scene: Scene, columns: Iterable[str]) -> bool:
-    """Whether blocks may be separate: an accuracy cannot be promised block by block for columns or
-    expectations that may combine several blocks."""
+    """Whether blocks of coordinates may be integrated separately. They may not if the scene sets an
+    accuracy, and columns or expectations may combine several blocks."""
     coordinates = {item.name for item in model.coordinates}
     plain = all(column.rstrip("'").split("[")[0] in coordinates for column in columns)
     return scene.accuracy is None or (plain and not scene.expects)
 
 
 def switched_off(text: str | None) -> frozenset[str]:
-    """Parses `--no-reduce` (all) or `--no-reduce=cyclic,fold`. Raises UsageError."""
+    """Returns the reductions in the value of --no-reduce: all, or a list. Raises UsageError."""
     if text is None:
         return frozenset()
     names = frozenset(name.strip() for name in text.split(","))

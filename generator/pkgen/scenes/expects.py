@@ -1,7 +1,7 @@
-"""`expect` statements of a scene, as outputs of the model and settings of the runtime.
+"""Converts `expect` statements of a scene to outputs of the model and settings of the runtime.
 
-Relations between columns are checked in C during the run: runtime/run/observers/expect.c. Relations
-of drift(X) and time(EVENT), numbers of a whole run, are checked after it: `scenes/judge.py`.
+The runtime checks relations between columns (runtime/run/observers/expect.c). Relations of drift(X)
+and time(EVENT), which need the whole motion, are checked after the run (`scenes/judge.py`).
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from ..tree import Expr, Name, Number, Prime
 def outputs(
     scene: Scene, has: Callable[[str], bool] = lambda _: False
 ) -> dict[str, tuple[Expr, Span]]:
-    """Returns the outputs that the model needs for expectations, by name; `has` tests for existing
-    columns."""
+    """Returns the additional outputs that expectations need, by name. `has(name)` tells whether a
+    column exists already."""
     found = {}
     for i, item in enumerate(scene.expects, 1):
         for k, call in enumerate(calls(item, "drift"), 1):
@@ -41,13 +41,13 @@ def columns(scene: Scene) -> frozenset[str]:
 
 
 def drifting(scene: Scene) -> frozenset[str]:
-    """Returns the names of columns whose drift is requested."""
+    """Returns the names of columns whose drift occurs in an expectation."""
     drifts = (call for item in scene.expects for call in calls(item, "drift"))
     return frozenset(column(call.arguments[0]) for call in drifts) - {""}
 
 
 def column(expr: Expr) -> str:
-    """Returns the column that an expression names, such as x, x', q[2]; "" for other ones."""
+    """Returns the column that an expression names, such as x, x', q[2], or "" if it names none."""
     if isinstance(expr, Prime):
         of = column(expr.of)
         return of and of + "'"
@@ -57,14 +57,14 @@ def column(expr: Expr) -> str:
 
 
 def events(scene: Scene) -> frozenset[str]:
-    """Returns the events at which a relation is expected, or whose time is compared."""
+    """Returns the events at which a relation is expected, or whose time occurs in a relation."""
     times = (call for item in scene.expects for call in calls(item, "time"))
     names = {item.event for item in scene.expects if item.event}
     return frozenset(names | {call.arguments[0].id for call in times})
 
 
 def written(source: Source, item: Expect) -> str:
-    """Returns the text of an expectation in the model."""
+    """Returns the text of an expectation in the model's file, on one line."""
     text = " ".join(source.text[item.span.start : item.span.end].split())
     return f"{text} ({item.component})" if item.component else text
 
@@ -77,8 +77,9 @@ def watched(
     times: tuple[float | None, ...],
     shown: Callable[[str], Shown],
 ) -> Watched:
-    """Returns the settings for expectations. `observed` and `events` are the names in the compiled
-    model, `shown` finds its columns; `times` has a time or None for each expectation."""
+    """Returns the settings for expectations. `observed` and `events` are the names of outputs and
+    events in the compiled model, `shown(name)` is a column; `times` has the time of each
+    expectation, or None."""
     index = {name: k for k, name in enumerate(observed)}
     compared, drifts = [], []
 

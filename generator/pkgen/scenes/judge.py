@@ -16,12 +16,12 @@ from .expects import of_run, written
 
 @record
 class Verdict:
-    """The verdict on one expectation; `value` and `bound` are from the worst case."""
+    """The verdict on one expectation; `value` and `bound` are its two sides at the largest miss."""
 
     text: str
     span: Span
     met: bool
-    said: str  # reason for a miss
+    said: str  # reason why the expectation is not met
     value: float | None
     bound: float | None
     within: float | None
@@ -37,7 +37,7 @@ class Verdict:
 
 
 class Judge:
-    """Judges a run of a scene; `values` has its parameters, `member` gives a member's name."""
+    """Evaluates expectations after a run. `values` has parameters, `member(k)` names a member."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class Judge:
     ):
         self.model, self.scene, self.values = model, scene, values
         self.report, self.member = report, member
-        self.constants: dict[Expr, float] = {}  # sides that are the same in all members
+        self.constants: dict[Expr, float] = {}  # values of sides that are equal in all members
 
     def verdicts(self) -> list[Verdict]:
         compared = iter(self.report["expects"])
@@ -110,7 +110,7 @@ class Judge:
         return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
 
     def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
-        """Returns the verdict of the case, a run or a member, with the largest miss."""
+        """Returns the verdict on the run, or on the ensemble member with the largest miss."""
         worst = None
         for numbers, member in cases:
             verdict = self._case(item, numbers, member)
@@ -140,12 +140,12 @@ class Judge:
         return self._verdict(item, met, said, **keep)
 
     def _event(self, name: str) -> dict:
-        """Returns the report of an event; without times if the start was refused."""
+        """Returns the report of an event, without times if the initial state was refused."""
         none = {"name": name, "times": []}
         return next((e for e in self.report["events"] if e["name"] == name), none)
 
     def _times(self, name: str) -> list[float | None]:
-        """Returns the first time of an event, in the run or in each member; None if never."""
+        """Returns the first time of an event, in the run or each member; None: it did not occur."""
         event = self._event(name)
         return event["first"] if "first" in event else [*event["times"][:1]] or [None]
 
@@ -172,7 +172,7 @@ class Judge:
         within: float | None = None,
         **_: object,
     ) -> str:
-        """Returns the message of a miss: the value, the bound, and their difference."""
+        """Returns the message about a missed expectation: value, bound and difference."""
         if value is None or bound is None:
             return f"no finite number{where}"
         off = abs(value - bound)

@@ -1,4 +1,4 @@
-"""Lengths of families: --size, and the limits up to which families are unrolled."""
+"""Lengths of families of quantities: the option --size, and limits for unrolled code."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from collections.abc import Iterable
 from .. import limits
 from ..system.exits import UsageError
 
-UNROLL = 16  # coordinates up to which a run is faster as straight-line code
-UNROLL_MEMBERS = 64  # the same for ensembles, whose straight-line code runs in SIMD lanes
+UNROLL = 16  # number of coordinates up to which straight-line code is faster than loops
+UNROLL_MEMBERS = 64  # limit for ensembles, whose straight-line code runs in SIMD lanes
 
 
 def unroll(options: argparse.Namespace, several: bool = False) -> int | None:
-    """Returns the number of coordinates up to which families are unrolled; None: no limit."""
+    """Returns the number of coordinates up to which families are unrolled; None if all are."""
     usual = UNROLL_MEMBERS if several else UNROLL
     return {"all": None, "none": 0}.get(getattr(options, "unroll", None), usual)
 
 
 def given(assignments: Iterable[str]) -> dict[str, int]:
-    """Parses `--size N=64`, repeatable. Raises UsageError."""
+    """Returns lengths by name from the values of --size, such as "N=64". Raises UsageError."""
     found = {}
     for text in assignments:
         name, equal, value = text.partition("=")

@@ -1,7 +1,7 @@
-"""Changes that a scene makes to its model before compiling: starts, driven inputs, outputs.
+"""Applies a scene to its model before compilation: starts, inputs that depend on t, outputs.
 
-Outputs for expectations alone are hidden: their names begin with a digit, unlike names in models,
-and rows have no column of them.
+Outputs that only expectations use are hidden: their names begin with a digit, which no name in a
+model does, and they are not columns of the rows.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from . import expects
 
 
 def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
-    """Returns the model with the scene's starts, driven inputs, and outputs that are not yet
-    columns. Inputs in `given` are set by an option and so not driven."""
+    """Returns the model with the scene's starts, its inputs that are functions of t, and additional
+    outputs for its columns. Inputs in `given` are set by options instead."""
     held = _held(model, scene)
     extra: dict[str, Definition] = {}
 
@@ -55,7 +55,7 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
 def written_out(
     model: Model, columns: Iterable[str], scene: Scene | None = None
 ) -> tuple[str, ...]:
-    """Returns the columns that an option names, with vectors and rotations as components."""
+    """Returns the names of columns, with vectors and rotations replaced by their components."""
     recorded = scene.record.columns if scene is not None and scene.record else ()
     known = {item.name.rstrip("'") for item in (*model.observed, *model.conserved, *recorded)}
     known |= {parted(item.name.rstrip("'"))[0] for item in recorded}
@@ -67,7 +67,7 @@ def written_out(
         try:
             side = left_side(text, sizes(model))
         except OptionError:
-            found.append(text)  # reported where columns are looked up
+            found.append(text)  # An invalid name is reported later.
             continue
         if side.name in quaternions and not side.order:
             found += (replace(side, name=name).text() for name in quaternions[side.name])
@@ -79,8 +79,8 @@ def written_out(
 
 
 def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
-    """Returns the scene with other columns. Invalid names are left out here, and reported when
-    columns of the run are looked up."""
+    """Returns the scene with these recorded columns. Invalid names are left out; the look-up of the
+    run's columns reports them later."""
     held = _held(model, scene)
     own = {item.name: item for item in (scene.record.columns if scene.record else ())}
     found: list[Definition] = []
@@ -107,7 +107,7 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
 
 
 def _unit(model: Model, side: LeftSide) -> str | None:
-    """Returns the unit of a possible column that is not an output; None for other names."""
+    """Returns the unit of a quantity that can be recorded but is no output, else None."""
     energies = ("L",) if model.lagrangian else ("L", "T", "V")
     if side.name in energies and side.index is None and not side.order:
         return "" if model.dimensionless else "J"
@@ -151,7 +151,7 @@ def _first(scene: Scene, start: Start) -> Start:
 
 
 def reads(model: Model, scene: Scene) -> frozenset[str]:
-    """Returns the names from which a run computes its settings, besides the compiled model."""
+    """Returns the names that occur in the scene's settings, directly or in definitions."""
     asked = [scene.until, scene.step, scene.rtol, scene.record.every if scene.record else None]
     asked += [item.value for item in (*scene.assignments, *scene.starts)]
     asked += [x for item in scene.expects for x in (item.a, item.b, item.within, item.at)]
@@ -168,7 +168,7 @@ def columns(scene: Scene) -> list[str]:
 
 
 def needed(scene: Scene) -> frozenset[str]:
-    """Returns the columns of expectations, also claims whose drift is expected."""
+    """Returns the columns that expectations need, also constants of motion whose drift they use."""
     return frozenset(expects.outputs(scene)) | expects.columns(scene) | expects.drifting(scene)
 
 
@@ -178,7 +178,7 @@ def events(scene: Scene) -> frozenset[str]:
 
 
 def _held(model: Model, scene: Scene) -> set[str]:
-    """Returns the coordinates whose motion is prescribed; they are recorded as outputs."""
+    """Returns the coordinates whose motion the scene prescribes; they are recorded as outputs."""
     known = sizes(model)
     return {
         indexed(item.name, None if item.index is None else integer(item.index, known))
@@ -187,8 +187,8 @@ def _held(model: Model, scene: Scene) -> set[str]:
 
 
 def _is_column(model: Model, name: str) -> bool:
-    """Whether each run has this column. A member beyond the ends of a family has a prescribed
-    motion: it is not a coordinate."""
+    """Whether `name` is a column of every run. If a family x[1..n] has members x[0] and x[n+1] with
+    a prescribed motion, these are not columns."""
     once = name.removesuffix("'")
     base, index = parted(once)
     if any(item.rate and name == item.rate for item in model.coordinates):
@@ -196,15 +196,15 @@ def _is_column(model: Model, name: str) -> bool:
     for item in model.coordinates:
         if item.name == base:
             return "'" not in once and _has(model, item, index)
-    for item in model.states:  # the rate of a state is an output
+    for item in model.states:  # the rate x' of a state x is an output
         if item.name == base:
             return "'" not in name and _has(model, item, index)
     return name == once and base in {"energy", *(o.name for o in model.observed)}
 
 
 def _claims(model: Model, value: Expr) -> Expr:
-    """Returns the expression with claimed constants replaced by their definitions, since claims
-    are not outputs."""
+    """Returns the expression with claimed constants, which are not outputs, replaced by their
+    definitions."""
     claims = {item.name: item for item in model.conserved}
 
     def written(part: Expr) -> Expr | None:
@@ -220,7 +220,7 @@ def _claims(model: Model, value: Expr) -> Expr:
 
 
 def _driven(model: Model, scene: Scene, given: Collection[str]) -> Model:
-    """Turns inputs that the scene drives into definitions, so that they have time derivatives."""
+    """Replaces inputs that are functions of t by definitions, which have time derivatives."""
     driven = {
         item.name: item
         for item in scene.assignments

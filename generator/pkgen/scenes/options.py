@@ -1,5 +1,5 @@
 """Options that act like clauses of a scene: `--set` of an input to a function of t, and `--record`
-of definitions. They are checked as a scene that is appended to the text of the model."""
+of defined quantities. They are checked as a scene that is appended to the text of the model."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ from ..source import ModelError, Source
 from ..system.exits import UsageError
 from . import scene as scenes
 
-OPTIONS = "0_options"  # name of the scene made of options if no scene is chosen
+OPTIONS = "0_options"  # name of the scene made from options if no scene is chosen
 _ACCELERATION = re.compile(r".*''|omega\(.*'")
 
 
 def is_motion(text: str) -> bool:
-    """Whether an assignment of the command line sets a function of t."""
+    """Whether the value of an assignment, such as `u=sin(t)`, is a function of t."""
     _, _, value = text.partition("=")
     return bool(re.search(r"\bt\b", re.sub(r"\[[^\]]*\]", "", value)))
 
 
 def _stems(column: str) -> set[str]:
-    """Returns the names of which a column may be a component or a rate: `leg.com.x` and `leg.com`
-    for `leg.com.x'`, and for the family member `leg[2].com.x`."""
+    """Returns the name of a column without indices and primes, with and without its last component:
+    `leg.com.x` and `leg.com` for `leg[2].com.x'`."""
     name = re.sub(r"\[[^\]]*\]", "", column).partition("'")[0]
     return {name, name.rpartition(".")[0]}
 
 
 def numbers(options: argparse.Namespace) -> list[str]:
-    """Returns the assignments of `--set` that are not functions of t, which the model contains."""
+    """Returns the assignments of `--set`, except those of functions of t."""
     return [text for text in options.set if not is_motion(text)]
 
 
 def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callable[[Model], Model]:
-    """Returns a function that adds the driven inputs and the columns of options to the chosen scene
-    of a model, or adds a scene OPTIONS if none is chosen."""
+    """Returns a function that extends the chosen scene of a model by functions of t and columns in
+    options. If no scene is chosen, it adds a scene OPTIONS."""
 
     def declared(model: Model) -> Model:
         lets = {item.name for item in (*model.definitions, *model.inputs)}
@@ -65,7 +65,7 @@ def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callabl
 
 
 def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
-    """Checks the clauses as a scene. Raises UsageError with their place on the command line."""
+    """Returns a scene of the clauses, and the model's source with it. Raises UsageError."""
     name = "_options"
     for text in clauses:
         if set(text) & {"\n", "#"}:
@@ -80,7 +80,7 @@ def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
 
 
 def record_columns(options: argparse.Namespace) -> tuple[str, ...] | None:
-    """Returns the columns of `--record`, or None."""
+    """Returns the names of columns in `--record`, or None if it is not set."""
     if options.record is None:
         return None
     names = (name.strip() for name in options.record.split(","))

@@ -1,4 +1,4 @@
-"""A scene's part in `pkgen run`: parameter values, members of a swarm, expectations."""
+"""Functions of `pkgen run` for scenes: parameters, members of a swarm, expectations."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _SWARM = re.compile(r"^\s*swarm\b", re.MULTILINE)
 
 
 def is_swarm(options: argparse.Namespace) -> bool:
-    """Whether the scene of the command line has a swarm; its model is compiled for SIMD lanes."""
+    """Whether the scene that --scene names has a swarm, an ensemble defined in the scene."""
     if options.scene is None:
         return False
     source = read(options.model)
@@ -38,7 +38,7 @@ def is_swarm(options: argparse.Namespace) -> bool:
 
 
 def refuse_swarm(options: argparse.Namespace, model: Model, scene: Scene) -> None:
-    """Refuses options that cannot be combined with a swarm. Raises UsageError."""
+    """Raises UsageError for options that cannot be combined with a swarm."""
     at = model.source.place(scene.swarm.span)
     if options.ensemble is not None:
         raise UsageError(f"--ensemble {options.ensemble}: {at}: the scene has a swarm already")
@@ -53,7 +53,7 @@ def count(model: Model, scene: Scene) -> int:
 
 
 def values(compilation: Compilation, scene: Scene, settings: Settings) -> Values:
-    """Returns the values of parameters in a run."""
+    """Returns the values of parameters and constants in a run of the scene."""
     given = named.set_parameters(compilation, settings.parameters, settings.members)
     return scenes.values(compilation.declared, scene, given)
 
@@ -72,7 +72,7 @@ def members(
 def watched(
     compilation: Compilation, scene: Scene, settings: Settings, several: bool
 ) -> expects.Watched:
-    """Returns the settings for the scene's expectations. Raises UsageError."""
+    """Returns the settings by which a run checks the scene's expectations. Raises UsageError."""
     found = values(compilation, scene, settings)
     try:
         times = tuple(found.not_negative("at", item.at) for item in scene.expects)
@@ -89,8 +89,8 @@ def watched(
 
 
 def watch(compilation: Compilation, scene: Scene | None, settings: Settings) -> str:
-    """Returns Settings.watch of an ensemble: whether members detect events, and report first times.
-    Members without event detection run in SIMD lanes."""
+    """Returns the value of Settings.watch for an ensemble: "times" if members report the first
+    times of events, "events" if they detect events without times, else ""."""
     if scene is not None and any(calls(item, "time") for item in scene.expects):
         return "times"
     stops = any(event.stop for event in compilation.model.events)
@@ -105,7 +105,7 @@ def verdicts(
     report: dict,
     ensemble: Ensemble | None,
 ) -> list[Verdict]:
-    """Returns the verdicts on expectations; [] for a run without a report."""
+    """Returns the verdicts on expectations; [] if the run has no report."""
     if not scene.expects or "expects" not in report:
         return []
     member = ensemble.named if ensemble else None

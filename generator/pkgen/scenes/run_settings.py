@@ -1,4 +1,4 @@
-"""Settings of a run from options of the command line, for a model. Every error is a UsageError."""
+"""Computes the settings of a run from command-line options. Every error is a UsageError."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _once(option: str, names: Iterable[str]) -> None:
 
 
 def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
-    """Parses `--kernels mass,force`."""
+    """Returns the kernels in a list such as "mass,force"; None if there is no list."""
     if text is None:
         return None
     wanted = [name.strip() for name in text.split(",")]
@@ -64,8 +64,8 @@ def settings(
     members: int | None = None,
     chosen: Scene | None = None,
 ) -> Settings:
-    """Returns the settings of `pkgen run` in SI units: from options, else from the scene, else
-    defaults. `members`: the size of an ensemble or swarm; None: one trajectory."""
+    """Returns the settings of `pkgen run` in SI units. Options override the scene, the scene
+    overrides defaults. `members` is the size of an ensemble, None for one trajectory."""
     values, plan = Values(compilation), scene_use.planned(options, compilation)
     starts, start_parameters = values.starts(options.start)
     sets = [assignment("--set", text) for text in scene_options.numbers(options)]
@@ -83,7 +83,7 @@ def settings(
         of_scene = {
             parameters[indexed(name, index)][0]: x
             for (name, index), x in said.parameters.items()
-            if indexed(name, index) in parameters  # others were replaced by constants
+            if indexed(name, index) in parameters  # else the parameter is a constant
         }
         parameters_set = {**of_scene, **parameters_set}
         of_scene = {inputs[n][0]: x for n, x in said.inputs.items() if n in inputs}
@@ -127,7 +127,7 @@ def settings(
 
 
 def unread(options: argparse.Namespace, compilation: Compilation) -> list[str]:
-    """Returns the names of parameters that are set, but that nothing reads."""
+    """Returns the names of parameters that --set sets without effect."""
     values, sets = Values(compilation), scene_options.numbers(options)
     names = (values.flat_name("--set", assignment("--set", text)[0]) for text in sets)
     return [name for name in names if values.unread(name) is not None]
@@ -136,8 +136,8 @@ def unread(options: argparse.Namespace, compilation: Compilation) -> list[str]:
 def _recorded(
     options: argparse.Namespace, values: Values, chosen: Scene | None
 ) -> tuple[tuple[Shown, ...], int | None]:
-    """Returns the columns of rows (empty: all), and the index of the event whose occurrences are
-    rows, or None."""
+    """Returns the columns to record (empty: all), and the index of the event at which rows are
+    written, or None."""
     compilation = values.compilation
     show = at = None
     if chosen is not None and chosen.record is not None:
@@ -162,7 +162,7 @@ def _recorded(
 
 
 def threads(options: argparse.Namespace, several: bool) -> int | None:
-    """Returns the number of threads of an ensemble; None: all processors."""
+    """Returns the number of threads of an ensemble; None means one for each processor."""
     if options.threads is None:
         return None
     if not several:
@@ -175,8 +175,8 @@ def threads(options: argparse.Namespace, several: bool) -> int | None:
 def _places(
     compilation: Compilation, parameters: named.Named, values: tuple[tuple[int, float], ...]
 ) -> tuple[tuple[tuple[int, float], ...], tuple[tuple[int, int, float], ...]]:
-    """Converts flat indices of parameters to those of the runtime: (index, value) of single ones,
-    (index, member, value) of members of families kept as loops."""
+    """Converts flat indices of parameters to indices of the runtime: (index, value) of a single
+    parameter, (index, member, value) of a member of a family that is kept as a loop."""
     if not compilation.looped:
         return values, ()
     single, members = [], []

@@ -1,7 +1,7 @@
-"""`--scene NAME`: the scene of that name, and the numbers that it sets for a run.
+"""Finds the scene that --scene names, and computes the numbers that it sets for a run.
 
-A scene's starts and its recorded expressions are compiled with the model. Its numbers are settings
-of the run, computed here from parameter values, so that options can override them.
+A scene's starts and recorded expressions are compiled with the model. Its numbers, such as the step
+size, are settings of the run, so that options can override them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..system.near import unknown
 
 
 def chosen(model: Model, name: str) -> Scene:
-    """Returns the scene of that name. Raises UsageError; ModelError if sizes do not fit it."""
+    """Returns a scene. Raises UsageError if unknown, ModelError if --size makes it invalid."""
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
         raise UsageError(unknown("--scene", name, scenes, "scene"))
@@ -30,18 +30,18 @@ def chosen(model: Model, name: str) -> Scene:
 
 
 def of(options: argparse.Namespace, model: Model) -> Scene | None:
-    """Returns the scene that options choose, or None."""
+    """Returns the scene that --scene chooses, or None."""
     return chosen(model, options.scene) if options.scene else None
 
 
 def wrong(model: Model, scene: Scene, span: Span, why: object) -> UsageError:
-    """Returns an error in a scene that options cause."""
+    """Returns a UsageError with the place in the scene and the reason `why`."""
     return UsageError(f"{model.source.place(span)}: scene '{scene.name}': {why}")
 
 
 @record
 class Numbers(RunNumbers):
-    """All numbers that a scene sets; None or empty for what it does not set."""
+    """All numbers that a scene sets. A number that it does not set is None or missing."""
 
     parameters: dict[Key, float] = field(default_factory=dict)
     inputs: dict[str, float] = field(default_factory=dict)
@@ -49,8 +49,8 @@ class Numbers(RunNumbers):
 
 
 def values(model: Model, scene: Scene, given: Mapping[Key, float]) -> Values:
-    """Returns the values of all parameters and constants in a run of the scene; `model` is the
-    declared model."""
+    """Returns the values of all parameters and constants in a run of the scene. `model` is the
+    model as declared, without reductions."""
     names = {p.name for p in model.parameters}
     found = Values(model, {key: x for key, x in given.items() if key[0] in names})
     numbers(model, scene, given, found)
@@ -60,8 +60,8 @@ def values(model: Model, scene: Scene, given: Mapping[Key, float]) -> Values:
 def numbers(
     model: Model, scene: Scene, given: Mapping[Key, float], found: Values | None = None
 ) -> Numbers:
-    """Returns the scene's settings; `given` holds parameters set by the command line. The values of
-    parameters are added to `found`."""
+    """Returns the numbers that the scene sets. `given` has the parameters set by options. The
+    values of parameters are added to `found`."""
     found = found or Values(model, given)
     try:
         return _numbers(found, scene, given)
@@ -74,7 +74,7 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
     inputs: dict[str, float] = {}
     names = {p.name for p in found.model.parameters}
     for item in scene.assignments:
-        if item.varies:  # a function of t is part of the model
+        if item.varies:  # A function of t is compiled with the model.
             continue
         for index, value in found.assigned(item):
             if item.name not in names:

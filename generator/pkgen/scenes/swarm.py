@@ -1,4 +1,4 @@
-"""`swarm k = 1..100000` in a scene: the starts of all members, computed at once.
+"""Computes the starts of a swarm, an ensemble that a scene defines by `swarm k = 1..100000`.
 
 Values that depend on k are arrays with a number per member; other values are computed exactly.
 """
@@ -26,7 +26,7 @@ Array = np.ndarray | float | tuple
 
 
 def _started(model: Model, item: Start, index: int | None) -> str:
-    """Returns the name of the started quantity; a body rate has a name of its own."""
+    """Returns the name of the quantity whose initial value the start statement `item` sets."""
     rate = next((c.rate for c in model.coordinates if c.name == item.name), "")
     return rate if rate and item.order else indexed(item.name, index) + "'" * item.order
 
@@ -34,13 +34,13 @@ def _started(model: Model, item: Start, index: int | None) -> str:
 def members(
     model: Model, scene: Scene, values: Values, known: Mapping[str, Column], given: Collection[str]
 ) -> Ensemble:
-    """Returns the members of a scene's swarm. `known` holds the quantities that members may set;
-    starts without effect are not in it. `given` holds starts that options set for all members."""
+    """Returns the ensemble of a scene's swarm. `known` has the quantities that may differ between
+    members and have an effect. `given` has starts that options set equally for all members."""
     swarm = scene.swarm
     first, last = (integer(end, values.sizes) for end in (swarm.lo, swarm.hi))
     count = np.arange(first, last + 1, dtype=float)
     starts: dict[str, tuple[Start, dict[str, int]]] = {}
-    for item in scene.starts:  # a later start overrides
+    for item in scene.starts:  # a later start overrides an earlier one
         for loop, index in _unrolled(item, values.sizes):
             starts[_started(model, item, index)] = item, loop
     chosen = {
@@ -77,7 +77,7 @@ def _unrolled(item: Start, sizes: Mapping[str, int]):
 
 
 class _Members(Evaluation):
-    """Evaluates expressions for all members: to a number if k does not occur, else to an array."""
+    """Evaluates expressions for all members: to arrays if the swarm's variable occurs in them."""
 
     def __init__(self, model: Model, scene: Scene, values: Mapping, count: np.ndarray) -> None:
         super().__init__(values)
