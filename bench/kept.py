@@ -32,7 +32,7 @@ from pkgen.analysis.choose.search import TIGHTEST
 from pkgen.analysis.choose.trials import Trials
 from pkgen.run import named
 from pkgen.run.build import build_library
-from pkgen.run.simulate import columns
+from pkgen.run.named import columns
 from pkgen.source import ModelError
 from pkgen.system.exits import NumericsFailed, UsageError
 

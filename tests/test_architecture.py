@@ -176,7 +176,7 @@ READ = {
         cli.arguments cli.compilation compiler defaults equations front.check.expects
         front.check.options_text front.read methods model plot.draw plot.picture plot.view
         run.build run.diagnostics run.ensemble run.header run.library run.named run.rows
-        run.settings run.simulate run.values scenes.compile_plan scenes.expects
+        run.settings run.values scenes.compile_plan scenes.expects
     """,
     "web": "cli.arguments cli.compilation cli.explain cli.messages",
 }

@@ -12,8 +12,8 @@ from pkgen.front.check.expects import calls
 from pkgen.model import Expect, Scene
 from pkgen.record import record
 from pkgen.run import named
+from pkgen.run.named import columns
 from pkgen.run.settings import Settings
-from pkgen.run.simulate import columns
 from pkgen.run.values import Values
 from pkgen.scenes.expects import column, of_run, written
 from pkgen.system.exits import UsageError
@@ -58,7 +58,7 @@ class _Keeper:
         self.plan, self.compilation, self.settings = plan, compilation, settings
         self.scene = scene
         self.values = Values(compilation)
-        names = [c.name for c in columns(compilation, None, settings.show, sys.maxsize)[1:]]
+        names = [c.name for c in columns(compilation, settings.show, sys.maxsize)[1:]]
         self.final = list(settings.show) or [self.values.shown(name) for name in names]
         whole = "final" in plan.keep or "rows" in plan.keep
         self.show = list(self.final) if whole else []
@@ -76,7 +76,7 @@ class _Keeper:
         for name in names:
             if names.count(name) > 1:
                 raise self.wrong(f"{name} is kept twice")
-        rows = columns(self.compilation, None, settings.show, sys.maxsize)
+        rows = columns(self.compilation, settings.show, sys.maxsize)
         return Kept(
             tuple((what.encode(), index) for what, index, _ in self.found),
             tuple(quantity for _, _, quantity in self.found),

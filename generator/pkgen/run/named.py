@@ -8,12 +8,14 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ..compiler import Compilation
 from ..equations import Quantity
-from ..indices import indexed, parted
+from ..indices import hidden, indexed, parted
 from ..middle.loops.indices import size_values
 from ..middle.quantities import families, single_rotations
 from ..model import Model, Parameter, State
 from ..record import record
+from .settings import Shown
 
+LISTED = 10_000  # largest family whose members are described singly
 SUGGESTED = 12  # most members of a family that a hint in a message considers
 
 
@@ -231,3 +233,16 @@ def _plain(model: Model, items: Sequence[Parameter | State]) -> list[Declared]:
 
 def _declared(quantity: Quantity, family) -> Declared:
     return Declared(quantity, family.first, family.lo, family.hi)
+
+
+def columns(
+    compilation: Compilation, show: tuple[Shown, ...] = (), listed: int = LISTED
+) -> list[Quantity]:
+    """Returns the CSV columns in order; a family of more than `listed` members has only one."""
+    time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
+    by_kind = kinds(compilation)
+    if show:
+        rows = [by_kind[c.kind][c.name][1] for c in show]
+    else:
+        rows = [c for kind in by_kind.values() for c in kind.columns(listed) if not hidden(c.name)]
+    return [time, *rows]

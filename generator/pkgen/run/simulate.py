@@ -13,17 +13,15 @@ from typing import IO
 from ..back.c.render import is_portable
 from ..compiler import Compilation
 from ..equations import Quantity
-from ..indices import hidden
 from ..record import record
 from ..system import children
 from ..version import __version__
-from . import named, not_finite
+from . import not_finite
 from .build import build_library
 from .ensemble import Ensemble
 from .library import Run, load
-from .settings import Settings, Shown
-
-LISTED = 10_000  # largest family whose members are described singly
+from .named import LISTED, columns
+from .settings import Settings
 
 
 @record
@@ -38,22 +36,6 @@ class Outcome:
     def whole(self) -> bool:
         """Whether all rows are written; even then a diagnostic may have failed."""
         return bool(self.report.get("whole"))
-
-
-def columns(
-    compilation: Compilation,
-    ensemble: Ensemble | None = None,
-    show: tuple[Shown, ...] = (),
-    listed: int = LISTED,
-) -> list[Quantity]:
-    """Returns the CSV columns in order; a family of more than `listed` members has only one."""
-    time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
-    kinds = named.kinds(compilation)
-    if show:
-        rows = [kinds[c.kind][c.name][1] for c in show]
-    else:
-        rows = [c for kind in kinds.values() for c in kind.columns(listed) if not hidden(c.name)]
-    return [*([ensemble.member] if ensemble else []), time, *rows]
 
 
 def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Path:
@@ -80,7 +62,8 @@ class Runnable:
     library: Path | None = None  # None: not built
 
     def columns(self, listed: int = sys.maxsize) -> list[Quantity]:
-        return columns(self.compilation, self.ensemble, self.settings.show, listed)
+        member = [self.ensemble.member] if self.ensemble else []
+        return [*member, *columns(self.compilation, self.settings.show, listed)]
 
 
 def simulate(

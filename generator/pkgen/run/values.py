@@ -22,8 +22,8 @@ from ..record import record
 from ..system.exits import UsageError
 from ..system.near import unknown
 from . import named
+from .named import columns
 from .settings import Shown
-from .simulate import columns
 
 
 @record

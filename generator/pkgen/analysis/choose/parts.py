@@ -9,8 +9,8 @@ from dataclasses import replace
 from ...compiler import Compilation, CompiledPart
 from ...run import named
 from ...run.ensemble import Ensemble
+from ...run.named import columns
 from ...run.settings import Settings, Shown
-from ...run.simulate import columns
 from ...run.values import Values
 from .choice import Choice
 from .prepared import Prepared
