@@ -54,8 +54,7 @@ def test_a_pendulum_and_a_damped_one() -> None:
 def test_of_states() -> None:
     """The Brusselator at x = 1, y = 3: trace and determinant are 1."""
     text = (
-        "model m\nstate x, y\nrate x = 1 + x^2*y - 4*x\nrate y = 3*x - x^2*y\n"
-        "start x = 1, y = 2\n"
+        "model m\nstate x, y\nrate x = 1 + x^2*y - 4*x\nrate y = 3*x - x^2*y\nstart x = 1, y = 2\n"
     )
     (place,) = asker(text).rest(8).equilibria
     assert place.v == pytest.approx((1, 3), rel=1e-12)

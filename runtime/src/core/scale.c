@@ -17,7 +17,7 @@
 #define LEAST (PK_C(1e4) * PK_EPS) /* relative to t: least time over which motion defines a scale */
 #define LONGER PK_C(4.0)
 #define LEAST_SCALE PK_F(sqrt)(PK_TINY) /* least scale of a number */
-enum { OFTEN = 64 }; /* steps between measurements of rounding */
+enum { OFTEN = 64 };                    /* steps between measurements of rounding */
 
 size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
                      size_t n)
