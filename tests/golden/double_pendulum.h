@@ -128,7 +128,7 @@ void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, co
 pk_real double_pendulum_energy(const struct double_pendulum_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* What the model's author called things. Only the names in C may differ: I is I_ there. */
+/* The names in the model. Names in C may differ: I is I_ there. */
 struct double_pendulum_quantity {
     const char *name;
     const char *unit; /* SI, "" if it has none */

@@ -6,11 +6,11 @@
  */
 #include "fput.h"
 
-/* Members that are gone through at once: a constant, so that compilers vectorise plain loops. */
+/* Members per chunk: a constant, so that compilers vectorise plain loops. */
 #define fput_CHUNK 64
-/* Those whose forces of bonds are kept. */
+/* Members whose bond forces are stored. */
 #define fput_BLOCK 1024
-/* A bond reaches over so many members at most where its force is computed once for both ends. */
+/* The longest bond, in members, whose force is computed once for both ends. */
 #define fput_BOND 8
 
 PK_INLINE static ptrdiff_t fput_most(ptrdiff_t a, ptrdiff_t b)
@@ -1144,7 +1144,7 @@ PK_INLINE static void fput_kick_q(const struct fput_params *p, pk_real t, pk_rea
         }
 }
 
-/* Those whose row reaches an end. */
+/* Kicks the members whose rows reach an end of the family. */
 static void fput_kick_ends(const struct fput_params *p, pk_real t, pk_real h,
                            const pk_real *PK_RESTRICT q, pk_real *PK_RESTRICT v, ptrdiff_t from,
                            ptrdiff_t to)
@@ -1231,7 +1231,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 {
     const ptrdiff_t first = 1;
     const ptrdiff_t last = p->N;
-    /* What a block holds needs no stages in flight. */
+    /* Members that fit in one block need one stage at a time. */
     const int most = last - first < fput_STEP - fput_TRAIL ? 1 : fput_STAGES;
     const pk_real ends = kick[stages] * h; /* the last kick of a step and the first of the next are one */
     pk_real time[fput_STAGES], delta[fput_STAGES], kappa[fput_STAGES];

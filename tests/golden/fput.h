@@ -298,7 +298,7 @@ static inline void fput_verlet(const struct fput_params *p, pk_real t, pk_real h
     fput_advance(p, 1, kick, drift, t, h, steps, q, v);
 }
 
-/* What the model's author called things. Only the names in C may differ: I is I_ there. */
+/* The names in the model. Names in C may differ: I is I_ there. */
 #ifdef PK_RUNTIME
 #define fput_quantity pk_quantity
 #define fput_parameter pk_parameter

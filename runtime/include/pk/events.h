@@ -21,7 +21,7 @@
  * much longer than all steps before it, such as the first, the step does not resolve the start of
  * g, and is repeated with an eighth of its length.
  *
- * Of an odd number of roots in a step at least one is always found; a pair of roots is found if the
+ * At least one root is found if a step has an odd number; a pair of roots is found if the
  * interpolant comes close to zero between them. If g is not resolved by 1/4096 of a step, roots may
  * be missed, and doubtful() is called. A feature of g that lies between two samples is missed. A
  * root without a sign change is no event, unless g is exactly zero at the end of a step. The

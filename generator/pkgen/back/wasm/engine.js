@@ -189,7 +189,7 @@ const Engine = (() => {
       return this.values(CLAIMS, this.claims, ...at) ?? new Float64Array(this.claims).fill(NaN);
     }
 
-    /* What the description proves constant, in its order. */
+    /* Values of the proved constants, in the order of the description. */
     constantsAt(params, t, q, v, u) {
       const kinds = new Set(this.constants.map((x) => x.kind));
       const claims = kinds.has("claim") ? this.claimed(params, t, q, v, u) : [];
