@@ -1,4 +1,4 @@
-"""Writes what a unit has beside its model as C: `struct unit_model` of c/unit.h."""
+"""Writes a unit's methods, defaults and token as C: `struct unit_model` of c/unit.h."""
 
 from __future__ import annotations
 
