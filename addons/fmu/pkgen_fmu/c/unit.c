@@ -269,7 +269,7 @@ void unit_serialise(const struct unit *unit, const double *state, unsigned char 
     memcpy(bytes + sizeof MARK + sizeof mark, state, unit->n_all * sizeof *state);
 }
 
-/* Returns the state, or NULL if the bytes are not a valid state of this model or memory is lacking. */
+/* Returns the state; NULL if the bytes are no valid state of this model, or memory is lacking. */
 double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, size_t size)
 {
     const uint64_t mark = mark_of(unit);

@@ -1,9 +1,7 @@
-/* A model as a functional mock-up unit (FMU): common code of FMI 2 and FMI 3, over pk_host.h.
- *
- * All variable data of a unit is in one array of numbers, `all`: an FMU state is a copy of `all`.
- * Data derived from `all` (params, the integrator, values) is computed on demand. A function returns
- * UNIT_OK, or reports its failure by unit_say().
- */
+/* A model as a functional mock-up unit (FMU): common code of FMI 2 and FMI 3, over pk_host.h. All
+ * variable data of a unit is in one array of numbers, `all`: an FMU state is a copy of `all`. Data
+ * derived from `all` (params, the integrator, values) is computed on demand. A function returns
+ * UNIT_OK, or reports its failure by unit_say(). */
 #ifndef UNIT_H
 #define UNIT_H
 
@@ -136,8 +134,8 @@ enum unit_status unit_step(struct unit *unit, double t, double length, struct un
 /* Reports that an event ended the step; returns UNIT_DISCARD. */
 enum unit_status unit_early(const struct unit *unit);
 
-/* Computes `sensitivity` = J seed, or J^T seed if `transposed`. J has a row per unknown and a column
- * per known. */
+/* Computes `sensitivity` = J seed, or J^T seed if `transposed`. J has a row per unknown and a
+ * column per known. */
 enum unit_status unit_derivative(struct unit *unit, const unsigned *unknowns, size_t n_unknowns,
                                  const unsigned *knowns, size_t n_knowns, const double *seed,
                                  int transposed, double *sensitivity);

@@ -1,9 +1,8 @@
 /* A unit in model exchange with constraints or unit quaternions. An importer knows neither, and its
  * states drift off the constraints. If the drift after a step exceeds a multiple of the tolerance,
- * the unit requests an event, and projects the state onto the constraints.
- *
- * The runtime's integrator serves only for its projection. It is initialised at the anchor, the last
- * state that satisfied the constraints. */
+ * the unit requests an event, and projects the state onto the constraints. The runtime's
+ * integrator serves only for its projection. It is initialised at the anchor, the last state that
+ * satisfied the constraints. */
 #include "unit.h"
 
 #include <math.h>

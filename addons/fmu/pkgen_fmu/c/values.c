@@ -41,7 +41,7 @@ static enum unit_status none(const struct unit *unit, unsigned reference)
     return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no variable %u", reference);
 }
 
-/* Returns the values of a kind, computed unless `known`; NULL if they do not exist at this state. */
+/* Returns the values of a kind, computed unless known; NULL if they do not exist at the state. */
 static const double *computed(struct unit *unit, enum pk_host_kind kind)
 {
     double *const out = unit->values[kind];

@@ -10,8 +10,8 @@
  *     while ((code = pk_host_to(m, t, 1e6)) == 1) ...
  *     pk_host_free(m); pk_host_params_free(params);
  *
- * Parameters are a flat array in the order of the description, a member of a family each. NaN
- * stands for a value that follows from others. A state y is n_q coordinates, then n rates and
+ * Parameters are a flat array in the order of the description, one number per member of a family.
+ * NaN stands for a value that is computed from other parameters. A state y is n_q coordinates, then n rates and
  * first-order variables: see pk/system.h. u are the inputs.
  */
 #ifndef PK_HOST_H
@@ -64,14 +64,14 @@ size_t EXPORT(pk_host_coordinates)(const void *params); /* n_q */
 /* Write the default parameters, NaN if computed from others, and the default inputs. */
 void EXPORT(pk_host_given)(double *values);
 void EXPORT(pk_host_inputs)(double *u);
-/* Sets the parameters; computes each one that is NaN in `values` and writes it there. Returns 1, or 0
- * with a reason, such as a parameter out of bounds. */
+/* Sets the parameters; computes each one that is NaN in `values` and writes it there. Returns 1, or
+ * 0 with a reason, such as a parameter out of bounds. */
 int EXPORT(pk_host_set)(void *params, double *values);
 /* Writes the initial state to y, which has room for 2 n numbers. */
 void EXPORT(pk_host_start)(const void *params, double *y);
 
-/* Writes the values of a kind at `count` states to `out`, state by state; NaN at a state where they do
- * not exist. Returns the number of states where they exist. */
+/* Writes the values of a kind at `count` states to `out`, state by state; NaN at a state where they
+ * do not exist. Returns the number of states where they exist. */
 enum pk_host_kind {
     PK_HOST_ACCELERATIONS, /* n numbers: v' */
     PK_HOST_ENERGY,
@@ -94,8 +94,8 @@ struct pk_host_motion *EXPORT(pk_host_motion_new)(const void *params, const char
 void EXPORT(pk_host_free)(struct pk_host_motion *m);
 /* Integrates to t by at most `budget` steps. Returns 0 at t, 1 if more steps are needed, 2 if an
  * event ended the motion before, otherwise another status with a reason. t does not affect the
- * sequence of steps: the state at t comes from dense output or a separate shorter step. A time before
- * the last step is an error, since earlier states are not kept. */
+ * sequence of steps: the state at t comes from dense output or a separate shorter step. A time
+ * before the last step is an error, since earlier states are not kept. */
 int EXPORT(pk_host_to)(struct pk_host_motion *m, double t, double budget);
 /* Writes the states at `times`, each reached by at most `budget` steps. Returns the number of rows
  * written; *status is the result of the last pk_host_to(). */
@@ -105,8 +105,8 @@ double EXPORT(pk_host_t)(const struct pk_host_motion *m);
 const double *EXPORT(pk_host_y)(const struct pk_host_motion *m);
 double EXPORT(pk_host_steps)(const struct pk_host_motion *m);
 double EXPORT(pk_host_evaluations)(const struct pk_host_motion *m);
-/* Event crossings since the last call of pk_host_crossed(). Call pk_host_crossed() first, which returns
- * their number; then pk_host_crossings() returns their rows: event index, t, y. */
+/* Event crossings since the last call of pk_host_crossed(). Call pk_host_crossed() first, which
+ * returns their number; then pk_host_crossings() returns their rows: event index, t, y. */
 size_t EXPORT(pk_host_crossed)(struct pk_host_motion *m);
 const double *EXPORT(pk_host_crossings)(const struct pk_host_motion *m);
 

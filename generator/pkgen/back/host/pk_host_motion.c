@@ -184,8 +184,8 @@ static enum pk_status within(struct pk_host_motion *m, double t)
     return found;
 }
 
-/* Computes the state at t by steps of `aside` from the start of the last step, which ended at an event
- * or a switch and has no dense output. During these steps, switches are not fixed. */
+/* Computes the state at t by steps of `aside` from the start of the last step, which ended at an
+ * event or a switch and has no dense output. During these steps, switches are not fixed. */
 static enum pk_status before_end(struct pk_host_motion *m, double t)
 {
     const enum pk_status found = make_aside(m);
@@ -204,8 +204,8 @@ static enum pk_status before_end(struct pk_host_motion *m, double t)
     return PK_DONE;
 }
 
-/* Computes the state at t of a motion that an event has ended. Returns 0 if t is before the event; 2
- * otherwise, with the state at the event; or a negative status. */
+/* Computes the state at t of a motion that an event has ended. Returns 0 if t is before the event;
+ * 2 otherwise, with the state at the event; or a negative status. */
 static int at_stop(struct pk_host_motion *m, double t)
 {
     if (t < m->it.t && !pk_integrator_is_at(&m->it, t))
@@ -214,7 +214,7 @@ static int at_stop(struct pk_host_motion *m, double t)
     return 2;
 }
 
-/* Steps until the last step covers t. Returns PK_DONE, 1 after `budget` steps, or a failed status. */
+/* Steps until the last step covers t. Returns PK_DONE, 1 after `budget` steps, or a failure. */
 static int cover(struct pk_host_motion *m, double t, double budget)
 {
     struct pk_integrator *const it = &m->it;
