@@ -132,7 +132,7 @@ def fmi3(exported: Exported, variables: Sequence[Variable], token: str) -> str:
 
 
 def _structure(variables: Sequence[Variable]) -> dict[str, list[tuple[int, Variable]]]:
-    """Returns the unknowns by FMI 3 tag, as (position in `variables` from 1, variable)."""
+    """Returns the variables by XML tag of ModelStructure, as (position from 1, variable)."""
     each = list(enumerate(variables, 1))
     return {
         "Output": [(k, v) for k, v in each if v.causality == "output"],

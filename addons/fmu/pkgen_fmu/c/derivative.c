@@ -37,7 +37,7 @@ static enum unit_status values(struct unit *unit, const unsigned *unknowns, size
     return status;
 }
 
-/* Computes the unknowns where the knowns have the values at + e seed. */
+/* Computes the unknowns after setting the knowns to `at` + e `seed`. */
 static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size_t n,
                                const unsigned *knowns, size_t n_knowns, const double *seed,
                                const double *at, double e, double *out)
@@ -67,7 +67,7 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     double e = 0.02 / size;
     void (*const log)(const struct unit *, enum unit_status, const char *, const char *) =
         unit->log;
-    unit->log = NULL; /* failures at displaced states are not logged */
+    unit->log = NULL; /* no log: the model may fail at a displaced state */
     for (int tries = 0; size > 0 && tries < TRIES; tries++, e /= 16) {
         double h = e;
         for (size_t level = 0; level < LEVELS; level++, h /= 2) {
@@ -130,7 +130,7 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
     return found == PK_DONE ? UNIT_OK : UNIT_DISCARD;
 }
 
-/* Computes J seed, exactly if possible, otherwise by differences. */
+/* Computes J seed: exactly by the kernel `linear`, or else by finite differences. */
 static enum unit_status along(struct unit *unit, const unsigned *unknowns, size_t n,
                               const unsigned *knowns, size_t n_knowns, const double *seed,
                               double *out)

@@ -7,7 +7,7 @@
 
 static double sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-/* Sets unit->sides to the signs of the switching functions, except of functions that are zero. */
+/* Sets unit->sides to the signs of the switching functions; a function that is 0 keeps its side. */
 static enum unit_status take_sides(struct unit *unit)
 {
     const struct pk_system *s = unit->system;
@@ -50,7 +50,7 @@ static void cross(struct unit *unit, int *ends)
     }
 }
 
-/* Projects the state onto the constraints now, since the importer may change parameters later. */
+/* Projects the state onto the constraints before the importer changes parameters in event mode. */
 enum unit_status unit_enter_event(struct unit *unit)
 {
     *unit->mode = UNIT_EVENT;
@@ -73,7 +73,7 @@ enum unit_status unit_completed(struct unit *unit, int *event)
 {
     unit_functions(unit);
     for (size_t k = 0; k < unit->n_events; k++)
-        if (unit->before[k] == 0) /* an event function that was zero at the start has not crossed */
+        if (unit->before[k] == 0) /* the event function was 0 at the start: not a crossing */
             unit->before[k] = sign(unit->indicators[k]);
     return unit_bound_off(unit, event);
 }
@@ -87,7 +87,7 @@ enum unit_status unit_set_time(struct unit *unit, double t)
     return UNIT_OK;
 }
 
-/* Fails unless n = wanted; then calls unit_refresh(). */
+/* Fails unless n = wanted; otherwise calls unit_refresh(). */
 static enum unit_status right(struct unit *unit, const void *values, size_t n, size_t wanted)
 {
     if (n == wanted && (values || !n))

@@ -170,7 +170,7 @@ UNIT_SHOWN fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real le
         unit->slopes[i] = 0;
     }
     if (status == UNIT_OK && importer->made.ends)
-        return (fmi2Status)unit_early(unit); /* fmi2GetBooleanStatus() tells the reason */
+        return (fmi2Status)unit_early(unit); /* fmi2GetBooleanStatus() returns made.ends */
     return (fmi2Status)status;
 }
 

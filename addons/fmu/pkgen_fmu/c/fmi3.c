@@ -200,7 +200,7 @@ UNIT_SHOWN fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float
     *early = made.early || (made.ends && importer->may_return);
     *last = made.t;
     if (status == UNIT_OK && made.ends && !importer->may_return && made.t < t + length)
-        return (fmi3Status)unit_early(unit); /* no early return is allowed */
+        return (fmi3Status)unit_early(unit); /* the importer forbids an early return with fmi3OK */
     return (fmi3Status)status;
 }
 
@@ -245,4 +245,4 @@ NO(fmi3GetVariableDependencies, 1,
     size_t n))
 NO(fmi3EnterConfigurationMode, 1, (fmi3Instance instance))
 NO(fmi3ExitConfigurationMode, 1, (fmi3Instance instance))
-NO(fmi3EnterStepMode, 1, (fmi3Instance instance)) /* co-simulation here has no event mode */
+NO(fmi3EnterStepMode, 1, (fmi3Instance instance)) /* unused: co-simulation has no event mode */

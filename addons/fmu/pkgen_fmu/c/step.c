@@ -52,7 +52,7 @@ enum unit_status unit_integrator(struct unit *unit, double h, double t, const do
     return UNIT_OK;
 }
 
-/* Initialises integrator and event detection at the unit's state; h is the default step. */
+/* Initialises the integrator and event detection at the unit's state; h is the default step. */
 static enum unit_status make_ready(struct unit *unit, double h)
 {
     const enum unit_status status = unit_integrator(unit, h, *unit->time, unit->y);
@@ -93,7 +93,7 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     return status;
 }
 
-/* Copies the state of the integrator to the unit, and moves the inputs to its time. */
+/* Copies the state of the integrator to the unit, and extrapolates the inputs to its time. */
 static void take(struct unit *unit)
 {
     *unit->time = unit->it.t;
@@ -118,7 +118,7 @@ enum unit_status unit_step(struct unit *unit, double t, double length, struct un
     enum unit_status status = unit_refresh(unit);
     if (status == UNIT_OK && unit->settings[UNIT_STEP] == 0 && length > 0 && unit->ready &&
         !(it->method->traits & PK_ADAPTIVE) && it->options.h != length)
-        unit->ready = 0; /* without a set step, a fixed step is the communication step */
+        unit->ready = 0; /* the default step is the communication step */
     if (status == UNIT_OK && length > 0 && !unit->ready)
         status = make_ready(unit, length);
     if (status != UNIT_OK || length == 0)

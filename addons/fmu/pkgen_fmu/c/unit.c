@@ -171,7 +171,7 @@ enum unit_status unit_reset(struct unit *unit)
     return UNIT_OK;
 }
 
-/* Sets params from the set parameters; writes the other, computed ones to unit->parameters. */
+/* Sets params from unit->parameters, in which it replaces unset parameters by computed values. */
 static enum unit_status apply(struct unit *unit)
 {
     for (size_t k = 0; k < pk_host_model.n_parameters; k++)

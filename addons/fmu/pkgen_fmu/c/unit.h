@@ -27,7 +27,7 @@ enum unit_kind {
     UNIT_ENERGY,
     UNIT_CLAIM,
     UNIT_INDICATOR, /* event functions, then switching functions */
-    UNIT_SETTING,   /* index: enum unit_setting */
+    UNIT_SETTING,   /* the index is an enum unit_setting */
     UNIT_KINDS
 };
 enum unit_setting { UNIT_METHOD, UNIT_STEP, UNIT_RTOL, UNIT_SETTINGS };
@@ -48,7 +48,7 @@ enum unit_mode {
     UNIT_CONTINUOUS = 8, /* model exchange between events */
     UNIT_STEPPING = 16,  /* co-simulation */
     UNIT_TERMINATED = 32,
-    UNIT_WITHIN = 64 /* not a mode: the call is also allowed in a callback */
+    UNIT_WITHIN = 64 /* not a mode: marks calls that a callback may make */
 };
 enum {
     UNIT_BEFORE = UNIT_INSTANTIATED | UNIT_INITIALIZATION,
@@ -78,13 +78,13 @@ struct unit {
     double *parameters, *is_set, *start, *start_is_set, *y, *inputs, *slopes, *sides, *before,
         *anchor; /* unit_bound.c */
 
-    void *params, *held;                          /* held: copy of params with `sides` */
-    double *values[PK_HOST_MOMENTA], *indicators; /* valid if their bit in `known` is set */
+    void *params, *held;                          /* held: copy of params with switches fixed */
+    double *values[PK_HOST_MOMENTA], *indicators; /* computed if their bit in `known` is set */
     double *near;                                 /* work space for a state */
-    const double *given;                          /* used instead of `inputs` unless NULL */
+    const double *given;                          /* inputs for the integrator; NULL: `inputs` */
     unsigned known;
     int stale; /* params must be recomputed from `all` */
-    int ready; /* the integrator is initialised: at time, y; in model exchange at anchor */
+    int ready; /* `it` is initialised, at time and y; in model exchange at `anchor` */
     int busy;  /* a callback of a step is running */
     struct pk_integrator it;
     struct pk_events events;
@@ -126,8 +126,8 @@ enum unit_status unit_completed(struct unit *unit, int *event);
 
 /* Co-simulation. */
 struct unit_stepped {
-    double t;  /* the last valid time */
-    int ends;  /* whether a stopping event of the model occurred */
+    double t;  /* the last time at which the state is valid */
+    int ends;  /* whether an event ended the motion */
     int early; /* whether the importer requested a return at t */
 };
 enum unit_status unit_step(struct unit *unit, double t, double length, struct unit_stepped *made);
@@ -147,7 +147,7 @@ size_t unit_serial_size(const struct unit *unit);
 void unit_serialise(const struct unit *unit, const double *state, unsigned char *bytes);
 double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, size_t size);
 
-/* Used only by the C files of this folder. */
+/* The functions below are internal to this folder. */
 static inline enum unit_kind unit_kind_of(unsigned reference)
 {
     const unsigned kind = reference >> UNIT_SHIFT;
@@ -158,11 +158,11 @@ static inline size_t unit_index_of(unsigned reference)
     return reference & ((1u << UNIT_SHIFT) - 1);
 }
 static inline double *unit_v(const struct unit *unit) { return unit->y + unit->n_q; }
-enum unit_status unit_refresh(struct unit *unit); /* updates params; before the run also y */
-void unit_hold_sides(struct unit *unit);          /* copies `sides` to `held` */
+enum unit_status unit_refresh(struct unit *unit); /* updates params, before the run also y */
+void unit_hold_sides(struct unit *unit);          /* fixes switches in `held` by `sides` */
 const void *unit_params(const struct unit *unit);
 void unit_forget(struct unit *unit);               /* marks computed values as invalid */
-void unit_inputs(void *unit, double t, double *u); /* for pk_problem.input */
+void unit_inputs(void *unit, double t, double *u); /* has the type of pk_problem.input */
 void unit_move_inputs(struct unit *unit, double t);
 enum unit_status unit_rates(struct unit *unit);
 enum unit_status unit_functions(struct unit *unit);

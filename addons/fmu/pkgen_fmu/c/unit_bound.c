@@ -10,7 +10,7 @@
 
 #include <pk/constraint.h>
 
-enum { MOVED, TIME, PLACE }; /* indices into unit->anchor; PLACE begins state and inputs */
+enum { MOVED, TIME, PLACE }; /* indices into anchor; PLACE: first of states, inputs */
 
 int unit_bound(const struct unit *unit)
 {
@@ -67,7 +67,7 @@ static int apart(const struct unit *unit, const double *a, const double *b)
     return most > MOST_OFF * unit->settings[UNIT_RTOL];
 }
 
-/* Writes the projected state to unit->near; *off is whether the projection exceeds MOST_OFF. */
+/* Writes the projected state to unit->near; sets *off if it differs from y by MOST_OFF or more. */
 static enum unit_status look(struct unit *unit, int *off)
 {
     *off = 0;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FUNCTIONS = 1 << PK_HOST_MOMENTA }; /* bit of `known` for indicators */
+enum { FUNCTIONS = 1 << PK_HOST_MOMENTA }; /* bit of unit->known for indicators */
 
 static size_t count(const struct unit *unit, enum unit_kind kind)
 {
@@ -215,7 +215,7 @@ enum unit_status unit_set(struct unit *unit, unsigned reference, double value)
     return UNIT_OK;
 }
 
-/* Sets the derivative of an input of an order from 1 to UNIT_ORDERS, at unit->input_time. */
+/* Sets a time derivative of an input at unit->input_time; `order` is 1 to UNIT_ORDERS. */
 enum unit_status unit_slope(struct unit *unit, unsigned reference, int order, double value)
 {
     const enum unit_kind kind = unit_kind_of(reference);

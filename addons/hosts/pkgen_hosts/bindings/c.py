@@ -13,7 +13,7 @@ from pkgen.back.library import Target, library
 from pkgen.back.runtime import licence, public_names
 
 HERE = Path(__file__).parent / "templates"
-_NAME = re.compile(r"\bpk_\w*\w\b(?!\s*##)")  # also matches struct tags
+_NAME = re.compile(r"\bpk_\w*\w\b(?!\s*##)")  # all names of the runtime
 
 
 def _files(model: Exported) -> dict[str, str]:

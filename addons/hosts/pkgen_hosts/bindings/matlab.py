@@ -1,4 +1,4 @@
-"""Makes a MEX function for MATLAB and Octave, and .m functions that call it by quantity names."""
+"""Makes a MEX function for MATLAB and Octave, and .m functions that take names and values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chooses the default step of a binding's motions."""
+"""Chooses the default step of integration in a binding."""
 
 from __future__ import annotations
 

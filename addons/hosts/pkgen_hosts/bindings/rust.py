@@ -1,4 +1,4 @@
-"""Makes a Rust crate: its build.rs compiles the C, and its public functions are safe."""
+"""Makes a Rust crate: its build.rs compiles the C, and its public functions are safe Rust."""
 
 from __future__ import annotations
 

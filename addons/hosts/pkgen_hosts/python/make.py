@@ -1,4 +1,4 @@
-"""Makes the wheel, reproducible to the byte. Its platform tag depends on the glibc it needs."""
+"""Makes the wheel, reproducible to the byte. Its platform tag has the glibc version it needs."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def how(options: object) -> dict[str, object]:
 
 
 def how_single(options: object) -> dict[str, object]:
-    """Returns the options of how(), and the kernel of event functions, where main() may stop."""
+    """Returns the options of how(), with the kernel of event functions, which main() needs."""
     return {"kernels": KERNELS | {"event"}}
 
 

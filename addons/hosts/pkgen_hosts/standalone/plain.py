@@ -12,7 +12,7 @@ def plain(text: str, known: Mapping[str, bool]) -> str:
     """Returns C without the `#ifdef NAME` of known names and without the branches not taken.
     """
     lines: list[str] = []
-    kept: list[bool | None] = []  # values of the enclosing conditions; None: unknown
+    kept: list[bool | None] = []  # values of enclosing #ifs; None if unknown
     for line in text.splitlines():
         found = _DIRECTIVE.match(line)
         word, name = (found[1], found[2]) if found else ("", "")

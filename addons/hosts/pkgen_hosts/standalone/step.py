@@ -32,7 +32,7 @@ class Step:
 
     def __init__(self, model: Exported, scalar: str, *, has_main: bool = False):
         self.model = model
-        self.has_main = has_main  # main() ends at events that have `stop`
+        self.has_main = has_main  # whether to write a main(), which ends at stopping events
         self.of = model.description
         self.name = model.name
         self.float = (model.options.scalar or scalar) == "float"
@@ -219,7 +219,7 @@ class Step:
 
 
 def places(of: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
-    """Returns (C member of `struct NAME_motion`, description) of each state."""
+    """Returns of each state its member of `struct NAME_motion`, as C, and its description."""
     n_q = len(of["coordinates"])
     return [(f"q[{k}]" if k < n_q else f"v[{k - n_q}]", y) for k, y in enumerate(states(of))]
 

@@ -18,7 +18,7 @@ int pk_host_refuse(const char *text)
 
 static const struct pk_system *system_of(void) { return pk_host_model.system; }
 
-/* Returns the number of members of parameter k (1 unless it is a family); sets *first. */
+/* Returns the number of members of parameter k (1 unless it is a family); *first is the address. */
 static size_t members(const void *params, size_t k, double **first)
 {
     const struct pk_system *s = system_of();

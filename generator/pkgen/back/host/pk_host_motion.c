@@ -9,7 +9,7 @@
 
 #include "pk_host.h"
 
-enum { MOST_CROSSINGS = 1 << 16 }; /* further ones are not recorded */
+enum { MOST_CROSSINGS = 1 << 16 }; /* crossings after these are not recorded */
 
 struct pk_host_motion {
     struct pk_integrator it, aside;
@@ -153,7 +153,7 @@ static enum pk_status make_aside(struct pk_host_motion *m)
 {
     struct pk_problem problem = m->it.problem;
     if (!m->aside_block) {
-        if (m->events.sides) /* these params fix each switch on one side */
+        if (m->events.sides) /* in these params each switch is fixed */
             problem.params = m->events.params;
         m->aside_block = calloc(1, m->size + 1);
         if (!m->aside_block)
@@ -254,7 +254,7 @@ int pk_host_to(struct pk_host_motion *m, double t, double budget)
         status = at_stop(m, t);
     else if (status == PK_DONE) {
         enum pk_status found = within(m, t);
-        if (found == PK_BAD_ARGUMENT) /* the step ended at a switch */
+        if (found == PK_BAD_ARGUMENT) /* no dense output: the step ended at a switch */
             found = before_end(m, t);
         status = found < 0 ? found : 0;
     }

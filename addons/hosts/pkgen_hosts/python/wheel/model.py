@@ -43,7 +43,7 @@ _MOST_ROWS = 1e9
 
 
 class RunError(Exception):
-    """The integration failed before `until`. `rows` are the rows before the failure."""
+    """A step failed before the end of the run. `rows` are the rows before the failure."""
 
     def __init__(self, message, rows):
         super().__init__(message)
@@ -227,7 +227,7 @@ class Model:
         return np.concatenate([y[_N_Q : 2 * _N_Q], a.T])
 
     def run(self, until, every=None, method=None, step=None, rtol=None, start=None):
-        """Returns rows from t = 0 to `until`, one each `every`. `start` is y at t = 0, or values by
+        """Returns rows from t = 0 to `until`, one per `every` s. `start` is y at t = 0, or values by
         name. An event may end the motion before `until`. Raises RunError if a step fails."""
         default = description["run"]
         method = _known(method or default["method"], {m: m for m in self.methods}, "method")
@@ -289,7 +289,7 @@ class Model:
             )  # fmt: skip
         why = _C.pk_host_why().decode()
         times, y = times[:made], y[:made]
-        if status.value == _MOTION_ENDED:  # adds a row at the event
+        if status.value == _MOTION_ENDED:  # the last row is the state at the event
             times = np.append(times, _C.pk_host_t(motion))
             y = np.vstack([y, _array(_C.pk_host_y(motion), (_N_Q + _N,))])
         rows = self._table(times, y[:, :_N_Q], y[:, _N_Q:], self._events(motion))
