@@ -84,7 +84,7 @@ struct unit {
     const double *given;                          /* inputs for the integrator; NULL: `inputs` */
     unsigned known;
     int stale; /* params must be recomputed from `all` */
-    int ready; /* `it` is initialised, at time and y; in model exchange at `anchor` */
+    int ready; /* `it` is initialised at the current state; in model exchange at `anchor` */
     int busy;  /* a callback of a step is running */
     struct pk_integrator it;
     struct pk_events events;

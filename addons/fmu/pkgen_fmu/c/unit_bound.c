@@ -10,7 +10,7 @@
 
 #include <pk/constraint.h>
 
-enum { MOVED, TIME, PLACE }; /* indices into anchor; PLACE: first of states, inputs */
+enum { MOVED, TIME, PLACE }; /* indices into unit->anchor: flag, time, first state */
 
 int unit_bound(const struct unit *unit)
 {

@@ -9,7 +9,7 @@
 
 #include "pk_host.h"
 
-enum { MOST_CROSSINGS = 1 << 16 }; /* crossings after these are not recorded */
+enum { MOST_CROSSINGS = 1 << 16 }; /* maximum number of recorded crossings */
 
 struct pk_host_motion {
     struct pk_integrator it, aside;

@@ -227,7 +227,7 @@ class Model:
         return np.concatenate([y[_N_Q : 2 * _N_Q], a.T])
 
     def run(self, until, every=None, method=None, step=None, rtol=None, start=None):
-        """Returns rows from t = 0 to `until`, one per `every` s. `start` is y at t = 0, or values by
+        """Returns rows at t = 0 to `until`, `every` apart in s. `start` is y at t = 0, or values by
         name. An event may end the motion before `until`. Raises RunError if a step fails."""
         default = description["run"]
         method = _known(method or default["method"], {m: m for m in self.methods}, "method")
