@@ -159,7 +159,7 @@ static inline size_t unit_index_of(unsigned reference)
 }
 static inline double *unit_v(const struct unit *unit) { return unit->y + unit->n_q; }
 enum unit_status unit_refresh(struct unit *unit); /* updates params, before the run also y */
-void unit_hold_sides(struct unit *unit);          /* fixes switches in `held` by `sides` */
+void unit_hold_sides(struct unit *unit); /* writes `sides` to `held`, which fixes switches */
 const void *unit_params(const struct unit *unit);
 void unit_forget(struct unit *unit);               /* marks computed values as invalid */
 void unit_inputs(void *unit, double t, double *u); /* has the type of pk_problem.input */
