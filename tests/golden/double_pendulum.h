@@ -20,7 +20,7 @@
  *     if (double_pendulum_acceleration(&p, 0, q, v, NULL, a) != 0)
  *         ...
  *
- * Nothing here allocates, prints or keeps a state: any number of threads may call it.
+ * No function allocates, prints or keeps static data: any number of threads may call them.
  *
  * Constant along every motion: energy: time shift.
  *
@@ -56,7 +56,7 @@ typedef double pk_real;
 extern "C" {
 #endif
 
-/* How many there are of each. */
+/* Counts. */
 enum {
     double_pendulum_N = 2, /* degrees of freedom */
     double_pendulum_PARAMETERS = 5
@@ -90,15 +90,16 @@ struct double_pendulum_params {
 /** Sets every parameter to its default and calls double_pendulum_prepare(). */
 void double_pendulum_defaults(struct double_pendulum_params *p);
 
-/** Computes what depends on parameters alone; must follow any change of them. @return 0,
- * 1 + k where parameter k is outside its bounds or not finite, or
- * -1 where a constant computed from them is not finite. */
+/** Computes the constants that depend on parameters alone. Must be called after any change of
+ * parameters. @return 0, 1 + k if parameter k is outside its
+ * bounds or not finite, or -1 if a constant computed from them
+ * is not finite. */
 int double_pendulum_prepare(struct double_pendulum_params *p);
 
-/** The bounds of the parameters, infinite where there is none: lo[5], hi[5]. */
+/** Writes the bounds of the parameters to lo[5] and hi[5]; a missing bound is infinite. */
 void double_pendulum_bounds(const struct double_pendulum_params *p, pk_real *lo, pk_real *hi);
 
-/** The initial values q[2], v[2]. */
+/** Writes the initial values to q[2], v[2]. */
 void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, pk_real *v);
 
 /* The kernels. p must be prepared; t is the time, q[2] are the coordinates, v[2] their rates;
@@ -128,7 +129,7 @@ void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, co
 pk_real double_pendulum_energy(const struct double_pendulum_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* The names in the model. Names in C may differ: I is I_ there. */
+/* Names as the model spells them. The names in C differ if they would clash with C: I is I_. */
 struct double_pendulum_quantity {
     const char *name;
     const char *unit; /* SI, "" if it has none */
@@ -137,7 +138,7 @@ struct double_pendulum_quantity {
 
 struct double_pendulum_parameter {
     struct double_pendulum_quantity what;
-    size_t offset; /* in struct double_pendulum_params, in bytes */
+    size_t offset; /* in bytes, in struct double_pendulum_params */
     int follows;   /* its default is computed from other parameters */
     int lo_open, hi_open;
 };

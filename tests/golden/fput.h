@@ -14,7 +14,7 @@
  *     struct fput_params p;
  *     fput_sizes(&p);
  *     p.N = ...;
- *     block = malloc(fput_block_size(&p));      (may be NULL where the size is 0)
+ *     block = malloc(fput_block_size(&p));      (may be NULL if the size is 0)
  *     fput_attach(&p, block);
  *     fput_defaults(&p);
  *     p.alpha = ...;
@@ -26,11 +26,11 @@
  *         ...
  *     fput_verlet(&p, 0, h, 1000, q, v);     1000 steps
  *
- * Nothing here allocates, prints or keeps a state: any number of threads may call it.
+ * No function allocates, prints or keeps static data: any number of threads may call them.
  *
- * Families are loops: the code is the same for every size. Operations, constants aside:
+ * Families are loops: the code is the same for every size.
  *
- * Operations of each kernel, constants aside:
+ * Operations of each kernel, without those of fput_prepare():
  *
  *   force_q: 9 operations: 1 +, 4 -, 4 * a member
  *   canonical_q: 9 operations: 1 +, 4 -, 4 * a member
@@ -173,7 +173,7 @@ enum pk_pass { PK_IN_LANE, PK_IN_MEMBER, PK_ONCE, PK_CAREFULLY };
 extern "C" {
 #endif
 
-/* How many there are of each; a family counts once. */
+/* Counts; a family counts once. */
 enum {
     fput_COORDINATES = 1,
     fput_PARAMETERS = 1,
@@ -182,7 +182,7 @@ enum {
     fput_CONSERVED = 0
 };
 
-/* q, v, momenta, ... hold, from the index given on:
+/* Layout of q, v, momenta, ...: the first index and the names of coordinates.
  *
  *   0: q[1..N]
  */
@@ -190,58 +190,60 @@ enum {
 struct fput_params {
     ptrdiff_t N; /* moving masses */
     pk_real alpha;
-    pk_real c_[2]; /* computed by fput_prepare(), like what follows; do not set */
+    pk_real c_[2]; /* set by fput_prepare(); do not set this or the members below */
     pk_real *work_;
     int failed_;
 };
 
-/* Sets every size to its default, and no memory. */
+/* Sets every size to its default and every pointer to NULL. */
 void fput_sizes(struct fput_params *p);
 
-/* Degrees of freedom at the sizes of p. */
+/* Returns the number of degrees of freedom for the sizes in p. */
 size_t fput_count(const struct fput_params *p);
 
-/* Bytes of the memory for families of parameters; 0 also where a size is too small. The caller
- * owns it, aligned for pk_real, as long as p is used; another size needs another block. */
+/* Returns the bytes of the block, the memory for families of parameters; 0 also if a size is
+ * too small. The caller allocates the block, aligned for pk_real, and owns it; after a change
+ * of sizes p needs a new block. */
 size_t fput_block_size(const struct fput_params *p);
 void fput_attach(struct fput_params *p, void *block);
 
 /** Sets every parameter to its default and calls fput_prepare(). */
 void fput_defaults(struct fput_params *p);
 
-/** Computes again the defaults that follow other parameters, but not those of index i with
- * given[i] != 0. `given` may be NULL: none is given. */
+/** Recomputes each parameter whose default depends on other parameters, unless given[i] != 0 for
+ * its index i. `given` may be NULL, which means zeros. */
 void fput_derive(struct fput_params *p, const unsigned char *given);
 
-/** Computes what depends on sizes and parameters alone; must follow any change of them.
- * @return 0, PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not
- * finite, PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from
- * them is not finite, or PK_FAILED(PK_FAILURE_SIZE, 0) where a size is too small or there is
- * no block. */
+/** Computes the constants that depend on sizes and parameters alone. Must be called after any
+ * change of these. @return 0, PK_FAILED(PK_FAILURE_PARAMETER, k) if parameter k is outside its
+ * bounds or not finite, PK_FAILED(PK_FAILURE_DERIVED, 0) if a constant computed from
+ * parameters is not finite, or PK_FAILED(PK_FAILURE_SIZE, 0) if a size is too small or there
+ * is no block. */
 int fput_prepare(struct fput_params *p);
 
-/** The bounds of the parameters, infinite where there is none; of a family, those of its first. */
+/** Writes the bounds of the parameters, of a family those of its first member. A missing bound is
+ * infinite. */
 void fput_bounds(const struct fput_params *p, pk_real *lo, pk_real *hi);
 
-/** The initial values. */
+/** Writes the initial values. */
 void fput_start(const struct fput_params *p, pk_real *q, pk_real *v);
 
 /* The kernels. p must be prepared; t is the time, q are the coordinates, v their rates; u is
  * not used and may be NULL. No output may overlap another argument. Q are the generalized
  * forces, D is the Rayleigh function. */
 
-/** a = q'' with M a = f.
- * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where the pivot of coordinate i of M = L D L^T is not
- * positive: M is singular or indefinite there, or something is not a number. */
+/** Computes a = q'' from M a = f.
+ * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) if the pivot of coordinate i of M = L D L^T is not
+ * positive: M is singular, indefinite or not finite. */
 int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *a);
 
-/* M = dp/dv, the diagonal that it is: a number for each coordinate. */
+/* Writes M = dp/dv, which is diagonal: one number per coordinate. */
 size_t fput_mass_size(const struct fput_params *p);
 void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                const pk_real *u, pk_real *M);
 
-/* M, and the derivatives of p and p', where a matrix is that of struct pk_pattern (pk/system.h). */
+/* M and the derivatives of p and p', stored as struct pk_pattern describes (pk/system.h). */
 void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *width,
                          size_t *border);
 ptrdiff_t fput_slopes_place(const struct fput_params *p, size_t i);
@@ -283,14 +285,14 @@ pk_real fput_kinetic(const struct fput_params *p, pk_real t, const pk_real *q, c
 pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u);
 
-/* `steps` steps of h of a splitting method, in place: of each, kicks v += kick[i] h a(q, t) for
- * i = 0 .. stages and drifts q += drift[i] h v between them. In as few passes over memory as can
- * be; sums are not compensated, and nothing is checked on the way. */
+/* Makes `steps` steps of h of a splitting method, in place. A step has kicks v += kick[i] h a(q, t)
+ * for i = 0 .. stages, and drifts q += drift[i] h v between them. The loops make few passes over
+ * memory; sums are not compensated, and no value is checked. */
 void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
                   const pk_real *drift, pk_real t, pk_real h, unsigned long steps, pk_real *q,
                   pk_real *v);
 
-/* The same for velocity Verlet, of order 2. */
+/* Makes steps of velocity Verlet, of order 2. */
 static inline void fput_verlet(const struct fput_params *p, pk_real t, pk_real h,
                                unsigned long steps, pk_real *q, pk_real *v)
 {
@@ -298,7 +300,7 @@ static inline void fput_verlet(const struct fput_params *p, pk_real t, pk_real h
     fput_advance(p, 1, kick, drift, t, h, steps, q, v);
 }
 
-/* The names in the model. Names in C may differ: I is I_ there. */
+/* Names as the model spells them. The names in C differ if they would clash with C: I is I_. */
 #ifdef PK_RUNTIME
 #define fput_quantity pk_quantity
 #define fput_parameter pk_parameter
@@ -312,14 +314,14 @@ struct fput_quantity {
 
 struct fput_parameter {
     struct fput_quantity what;
-    size_t offset; /* in struct fput_params, in bytes; of a family, where the pointer is */
+    size_t offset; /* in bytes, in struct fput_params; of a family, offset of its pointer */
     int follows;   /* its default is computed from other parameters */
     int lo_open, hi_open;
 };
 
 struct fput_size {
     struct fput_quantity what;
-    size_t offset; /* of a ptrdiff_t */
+    size_t offset; /* in bytes, of a ptrdiff_t in struct fput_params */
 };
 #endif
 

@@ -1,1 +1,1 @@
-"""A model as a functional mock-up unit of FMI 2 or FMI 3: `c/` is the wrapper for both."""
+"""Exports a model as a functional mock-up unit (FMU) of FMI 2 or 3; `c/` has the C for both."""

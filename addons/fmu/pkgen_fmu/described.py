@@ -16,7 +16,7 @@ LOG = {
     "logStatusDiscard": "where the motion or its equations end",
     "logEvents": "events of the model, with their times",
 }
-METHODS = "Method"  # name of the type of integrator.method
+METHODS = "Method"  # XML name of the enumeration of methods
 
 
 def _text(root: xml.Element) -> str:
@@ -25,7 +25,7 @@ def _text(root: xml.Element) -> str:
 
 
 def _add(parent: xml.Element, tag: str, **attributes: object) -> xml.Element:
-    """Adds an element, without attributes that are None or ""."""
+    """Adds and returns an element; omits attributes that are None or ""."""
     said = {k: _said(v) for k, v in attributes.items() if v not in (None, "")}
     return xml.SubElement(parent, tag, said)
 
@@ -132,7 +132,7 @@ def fmi3(exported: Exported, variables: Sequence[Variable], token: str) -> str:
 
 
 def _structure(variables: Sequence[Variable]) -> dict[str, list[tuple[int, Variable]]]:
-    """Returns the unknowns of each kind of FMI 3, each with its position in the list, from 1."""
+    """Returns the variables by XML tag of ModelStructure, as (position from 1, variable)."""
     each = list(enumerate(variables, 1))
     return {
         "Output": [(k, v) for k, v in each if v.causality == "output"],
@@ -165,7 +165,7 @@ def fmi2(
         files = _add(_add(root, tag, **both), "SourceFiles")
         for path in sources:
             _add(files, "File", name=path)
-    # FMI 2 has calls for slopes and indicators, and its time is no variable.
+    # In FMI 2 input derivatives, event indicators and time are not variables.
     variables = [v for v in variables if v.reference and v.kind not in ("slope", "indicator")]
     _units(root, variables, {})
     simple = _add(_add(root, "TypeDefinitions"), "SimpleType", name=METHODS)

@@ -1,5 +1,4 @@
-"""Makes a unit: its description, its binaries, its sources, in one archive that is reproducible to
-the byte."""
+"""Makes a .fmu archive of description, binaries and sources, reproducible to the byte."""
 
 from __future__ import annotations
 
@@ -47,14 +46,14 @@ def make(model: Exported) -> dict[str, bytes]:
 
 
 def _token(model: Exported, version: str) -> str:
-    """Returns a hash of the model's text, its values and its C, so that a binary rejects another
-    unit's description."""
+    """Returns a hash of the model's description and C. A binary refuses to be instantiated with
+    the token of another unit."""
     digest = hashlib.sha256(repr((model.json(), version, sorted(model.files.items()))).encode())
     return f"{{{uuid.UUID(bytes=digest.digest()[:16], version=5)}}}"
 
 
 def _sources(model: Exported, version: str, token: str) -> dict[str, str]:
-    """Returns self-contained C: the model, the wrapper, their part of the runtime."""
+    """Returns the C by path: the model, the files of c/, and the runtime files that they need."""
     wrapper = interface(model.name, model.own, model.description, VALUES)
     wrapper |= {
         path.name: path.read_text(encoding="utf-8")

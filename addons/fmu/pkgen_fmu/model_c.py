@@ -1,4 +1,4 @@
-"""Writes what a unit has beside its model as C: `struct unit_model` of c/unit.h."""
+"""Writes the C of `struct unit_model` (c/unit.h): integration methods, defaults and token."""
 
 from __future__ import annotations
 

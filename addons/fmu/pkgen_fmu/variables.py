@@ -1,4 +1,4 @@
-"""Makes the variables of a unit, in their order, from the description of a model."""
+"""Makes the list of a unit's FMI variables from the description of a model."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ METHOD, STEP, RTOL = range(3)
 
 @record
 class Variable:
-    """A variable. `start` is None if it is computed; `derivative` is the reference of the variable
-    whose rate it is."""
+    """An FMI variable. `start` is None for a computed variable. `derivative`, of a time
+    derivative, is the reference of the variable that is differentiated."""
 
     name: str
     reference: int
@@ -30,7 +30,7 @@ class Variable:
     lo: float | None = None
     hi: float | None = None
     derivative: int | None = None
-    fixed: bool = False  # not tunable
+    fixed: bool = False  # cannot change after initialization
     kind: str = ""
 
 
@@ -109,11 +109,11 @@ def _about(state: Described) -> str:
 
 
 def indicators(model: Described) -> list[str]:
-    """Returns the event indicators, checked for changes of sign: events, then switches."""
+    """Returns the names of the event indicators: events, then switches of the equations."""
     events = [f"event({e['name']})" for e in model["events"]]
     return events + [f"switch({k + 1})" for k in range(model["switches"])]
 
 
 def over(unit: str, time: str) -> str:
-    """Returns the unit of a time derivative."""
+    """Returns the unit of the time derivative of a quantity in `unit`."""
     return f"{unit or '1'}/{time}" if time else unit

@@ -1,2 +1,2 @@
-"""Exports a model as a wheel, a crate, an ES module, for Julia, MATLAB, as one C file, as firmware.
-"""
+"""Exports a model as a Python wheel, a Rust crate, an ES module, a Julia package, a MEX function,
+one C file, or sources for firmware."""

@@ -1,6 +1,6 @@
-/* Calls common to FMI 2 and FMI 3. fmi2.c and fmi3.c include this file after they define:
- * FMI(name), a call or a type; instance_type and whole_type; struct importer, the type of
- * unit.environment; say(), its log. */
+/* Functions common to FMI 2 and FMI 3. fmi2.c and fmi3.c include this file after they define:
+ * FMI(name), which prefixes a name by fmi2 or fmi3; instance_type; whole_type, an integer type;
+ * struct importer, the type of *unit.environment; say(), which logs to the importer. */
 #if defined _WIN32
 #define UNIT_SHOWN __declspec(dllexport)
 #elif defined __GNUC__
@@ -9,7 +9,7 @@
 #define UNIT_SHOWN
 #endif
 
-/* A unit ignores some parameters. */
+/* Some functions ignore parameters that the standard prescribes. */
 #if defined __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
@@ -17,7 +17,7 @@
 typedef FMI(Status) status_type;
 typedef FMI(ValueReference) reference_type;
 
-/* Declares `unit`; returns an error unless it is in one of these modes. */
+/* Declares `unit`, and returns an error from the function unless `modes` contains its mode. */
 #define CALL(call, modes)                                             \
     struct unit *const unit = (struct unit *)instance;                \
     const enum unit_status refused = unit_allowed(unit, call, modes); \
@@ -30,7 +30,7 @@ static status_type null(const struct unit *unit, const char *call)
                                  "%s: a pointer is null, or counts differ", call);
 }
 
-/* Refuses variables of a type that no variable has. */
+/* Returns an error unless n = 0, for types that no variable of the unit has. */
 static status_type none(instance_type instance, const char *call, size_t n)
 {
     CALL(call, UNIT_ANY | UNIT_WITHIN);
@@ -39,7 +39,7 @@ static status_type none(instance_type instance, const char *call, size_t n)
              : FMI(OK);
 }
 
-/* Applies `one` to each value, up to the first failure. */
+/* Calls one(unit, reference, value) for each variable; returns at the first failure. */
 #define EACH(call, one)                                                       \
     CALL(call, UNIT_ANY | UNIT_WITHIN);                                       \
     if ((n && (!references || !values)) || n != n_values)                     \
@@ -70,7 +70,7 @@ static status_type set_reals(instance_type instance, const char *call,
     EACH(call, set_real);
 }
 
-/* Refuses all variables but the method, the only one that is no real number. */
+/* Fails unless the variable is integrator.method, the only variable that is not a real number. */
 static enum unit_status only_method(const struct unit *unit, unsigned reference)
 {
     if (reference == (UNIT_SETTING << UNIT_SHIFT | UNIT_METHOD))
@@ -198,7 +198,7 @@ UNIT_SHOWN status_type FMI(GetFMUState)(instance_type instance, FMI(FMUState) * 
     CALL(__func__, UNIT_ANY);
     if (!state)
         return null(unit, __func__);
-    if (*state) { /* an existing state is overwritten */
+    if (*state) { /* the importer passes a state to overwrite */
         memcpy(*state, unit->all, unit->n_all * sizeof *unit->all);
         return FMI(OK);
     }

@@ -1,6 +1,6 @@
-/* Directional derivatives of a unit's variables by states, time and inputs. Derivatives of
- * accelerations by states are exact, from the model's kernel `linear`; all others are differences
- * of sixth order, with errors of about 1e-11. */
+/* Directional derivatives of a unit's variables by states, time and inputs. Derivatives of state
+ * rates by states and time are exact, from the model's kernel `linear`; all other derivatives are
+ * finite differences of sixth order, with errors of about 1e-11. */
 #include "unit.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 
 enum { LEVELS = 3, TRIES = 6 };
 
-/* Returns the address of a known; NULL: no derivatives by it. */
+/* Returns the address of variable `known`, or NULL if it is no state, time or input. */
 static double *moved(struct unit *unit, unsigned known)
 {
     const size_t i = unit_index_of(known);
@@ -37,7 +37,7 @@ static enum unit_status values(struct unit *unit, const unsigned *unknowns, size
     return status;
 }
 
-/* Computes the unknowns at the state `at` + e seed. */
+/* Computes the unknowns after setting the knowns to `at` + e `seed`. */
 static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size_t n,
                                const unsigned *knowns, size_t n_knowns, const double *seed,
                                const double *at, double e, double *out)
@@ -49,7 +49,7 @@ static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size
     return values(unit, unknowns, n, out);
 }
 
-/* Computes J seed by differences (f(e) - f(-e)) / 2e at e, e/2, e/4, extrapolated. */
+/* Computes J seed by central differences with steps e, e/2, e/4 and Richardson extrapolation. */
 static enum unit_status differences(struct unit *unit, const unsigned *unknowns, size_t n,
                                     const unsigned *knowns, size_t n_knowns, const double *seed,
                                     double *out)
@@ -67,7 +67,7 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     double e = 0.02 / size;
     void (*const log)(const struct unit *, enum unit_status, const char *, const char *) =
         unit->log;
-    unit->log = NULL; /* a displaced state may be invalid */
+    unit->log = NULL; /* no log: the model may fail at a displaced state */
     for (int tries = 0; size > 0 && tries < TRIES; tries++, e /= 16) {
         double h = e;
         for (size_t level = 0; level < LEVELS; level++, h /= 2) {
@@ -99,8 +99,8 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     return status;
 }
 
-/* Computes accelerations' derivatives by the model's kernel; UNIT_DISCARD if it has none. `out` has
- * one number per degree of freedom. */
+/* Computes derivatives of the n accelerations by the kernel `linear`. Returns UNIT_DISCARD if the
+ * model has no such kernel, or a known is an input. */
 static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_t n_knowns,
                                 const double *seed, double *out)
 {
@@ -130,7 +130,7 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
     return found == PK_DONE ? UNIT_OK : UNIT_DISCARD;
 }
 
-/* Computes J seed. */
+/* Computes J seed: exactly by the kernel `linear`, or else by finite differences. */
 static enum unit_status along(struct unit *unit, const unsigned *unknowns, size_t n,
                               const unsigned *knowns, size_t n_knowns, const double *seed,
                               double *out)

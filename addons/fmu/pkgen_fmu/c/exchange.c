@@ -1,5 +1,5 @@
-/* A unit in model exchange: the importer integrates. The sides of switches are constant between
- * events, so that the importer's equations are smooth. */
+/* A unit in model exchange: the importer integrates. Switches of the equations are constant between
+ * events, so that the importer integrates smooth equations. */
 #include "unit.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 static double sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-/* Updates the sides from the switching functions; at zero a side stays. */
+/* Sets unit->sides to the signs of the switching functions; a function that is 0 keeps its side. */
 static enum unit_status take_sides(struct unit *unit)
 {
     const struct pk_system *s = unit->system;
@@ -30,7 +30,7 @@ static enum unit_status take_sides(struct unit *unit)
     return UNIT_OK;
 }
 
-/* Logs events that have crossed zero since the last call; sets *ends if one of them stops. */
+/* Logs events that have occurred since the last call; sets *ends if one of them ends the motion. */
 static void cross(struct unit *unit, int *ends)
 {
     const struct pk_event *table = unit->system->events.table;
@@ -50,7 +50,7 @@ static void cross(struct unit *unit, int *ends)
     }
 }
 
-/* Projects onto the constraints with the current parameters, before these change. */
+/* Projects the state onto the constraints before the importer changes parameters in event mode. */
 enum unit_status unit_enter_event(struct unit *unit)
 {
     *unit->mode = UNIT_EVENT;
@@ -73,7 +73,7 @@ enum unit_status unit_completed(struct unit *unit, int *event)
 {
     unit_functions(unit);
     for (size_t k = 0; k < unit->n_events; k++)
-        if (unit->before[k] == 0) /* started at zero: no crossing */
+        if (unit->before[k] == 0) /* the event function was 0 at the start: not a crossing */
             unit->before[k] = sign(unit->indicators[k]);
     return unit_bound_off(unit, event);
 }
@@ -87,7 +87,7 @@ enum unit_status unit_set_time(struct unit *unit, double t)
     return UNIT_OK;
 }
 
-/* Checks the number of values, and refreshes params. */
+/* Fails unless n = wanted; otherwise calls unit_refresh(). */
 static enum unit_status right(struct unit *unit, const void *values, size_t n, size_t wanted)
 {
     if (n == wanted && (values || !n))

@@ -1,4 +1,4 @@
-/* FMI 2.0 over a unit. */
+/* The functions of FMI 2.0. */
 #include "fmi2.h"
 
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 #include "unit.h"
 
-/* The type of unit.environment in FMI 2: callbacks of the importer, and data for later calls. */
+/* The type of *unit.environment in FMI 2: callbacks of the importer, and data for later calls. */
 struct importer {
     fmi2ComponentEnvironment environment;
     fmi2CallbackLogger log;
@@ -22,7 +22,7 @@ static void say(const struct importer *importer, const char *name, fmi2Status st
         importer->log(importer->environment, name, status, category, "%s", text);
 }
 
-/* Names that FMI 2 spells differently. */
+/* FMI 2 spells these names differently from FMI 3. */
 #define fmi2FMUState fmi2FMUstate
 #define fmi2GetFMUState fmi2GetFMUstate
 #define fmi2SetFMUState fmi2SetFMUstate
@@ -163,14 +163,14 @@ UNIT_SHOWN fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real le
     CALL(__func__, UNIT_STEPPING);
     struct importer *importer = (struct importer *)unit->environment;
     const enum unit_status status = unit_step(unit, t, length, &importer->made);
-    /* Derivatives of inputs hold for one step only. */
+    /* Derivatives of inputs apply to one step only. */
     for (size_t i = 0; i < UNIT_ORDERS * unit->n_inputs; i++) {
         if (unit->slopes[i] != 0)
             unit->ready = 0;
         unit->slopes[i] = 0;
     }
     if (status == UNIT_OK && importer->made.ends)
-        return (fmi2Status)unit_early(unit); /* fmi2GetBooleanStatus(fmi2Terminated) returns it */
+        return (fmi2Status)unit_early(unit); /* fmi2GetBooleanStatus() returns made.ends */
     return (fmi2Status)status;
 }
 
@@ -201,7 +201,7 @@ UNIT_SHOWN fmi2Status fmi2GetBooleanStatus(fmi2Component instance, const fmi2Sta
     return fmi2OK;
 }
 
-/* Steps are never pending. */
+/* Status calls fail: they are for asynchronous steps, which a unit does not have. */
 #define NO_STATUS(call, type)                                                                     \
     UNIT_SHOWN fmi2Status call(fmi2Component instance, const fmi2StatusKind kind, type *value)    \
     {                                                                                             \

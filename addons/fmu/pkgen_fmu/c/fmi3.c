@@ -1,4 +1,4 @@
-/* FMI 3.0 over a unit. */
+/* The functions of FMI 3.0. */
 #include "fmi3.h"
 
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 #include "unit.h"
 
-/* The type of unit.environment in FMI 3: callbacks of the importer. */
+/* The type of *unit.environment in FMI 3: callbacks of the importer. */
 struct importer {
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
@@ -200,11 +200,11 @@ UNIT_SHOWN fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float
     *early = made.early || (made.ends && importer->may_return);
     *last = made.t;
     if (status == UNIT_OK && made.ends && !importer->may_return && made.t < t + length)
-        return (fmi3Status)unit_early(unit); /* the only way to report it */
+        return (fmi3Status)unit_early(unit); /* the importer forbids an early return with fmi3OK */
     return (fmi3Status)status;
 }
 
-/* Calls for features that a unit lacks: other types, clocks, partitions, configurations. */
+/* Functions for features that a unit lacks: types that no variable has, clocks, and others. */
 #define NO(call, n, parameters) \
     UNIT_SHOWN fmi3Status call parameters { return none(instance, __func__, n); }
 #define OF fmi3Instance instance, const fmi3ValueReference r[], size_t n
@@ -245,4 +245,4 @@ NO(fmi3GetVariableDependencies, 1,
     size_t n))
 NO(fmi3EnterConfigurationMode, 1, (fmi3Instance instance))
 NO(fmi3ExitConfigurationMode, 1, (fmi3Instance instance))
-NO(fmi3EnterStepMode, 1, (fmi3Instance instance)) /* it follows initialization mode */
+NO(fmi3EnterStepMode, 1, (fmi3Instance instance)) /* unused: co-simulation has no event mode */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #ifndef UNIT_MOST_STEPS
-/* Ten million steps of a method take seconds. A call that needs more ends on its way. */
+/* Ten million steps take seconds. A call that needs more steps returns UNIT_DISCARD. */
 #define UNIT_MOST_STEPS 10000000
 #endif
 
@@ -52,7 +52,7 @@ enum unit_status unit_integrator(struct unit *unit, double h, double t, const do
     return UNIT_OK;
 }
 
-/* Initialises the integrator and the events at the unit's state. */
+/* Initialises the integrator and event detection at the unit's state; h is the default step. */
 static enum unit_status make_ready(struct unit *unit, double h)
 {
     const enum unit_status status = unit_integrator(unit, h, *unit->time, unit->y);
@@ -73,8 +73,8 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     enum unit_status status = unit_refresh(unit);
     if (status != UNIT_OK)
         return status;
-    if (unit->co_simulation) { /* finds refusals before the first step */
-        unit->busy = 1;        /* suppresses callbacks */
+    if (unit->co_simulation) { /* reports unusable settings before the first step */
+        unit->busy = 1;        /* prevents callbacks to the importer */
         status = make_ready(unit, 1);
         unit->busy = 0;
         unit->ready = unit->ready && unit->settings[UNIT_STEP] > 0;
@@ -93,7 +93,7 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     return status;
 }
 
-/* Copies the state of the integrator to the unit, and moves the inputs to its time. */
+/* Copies the state of the integrator to the unit, and extrapolates the inputs to its time. */
 static void take(struct unit *unit)
 {
     *unit->time = unit->it.t;
@@ -118,7 +118,7 @@ enum unit_status unit_step(struct unit *unit, double t, double length, struct un
     enum unit_status status = unit_refresh(unit);
     if (status == UNIT_OK && unit->settings[UNIT_STEP] == 0 && length > 0 && unit->ready &&
         !(it->method->traits & PK_ADAPTIVE) && it->options.h != length)
-        unit->ready = 0; /* the importer's steps are the method's */
+        unit->ready = 0; /* the default step is the communication step */
     if (status == UNIT_OK && length > 0 && !unit->ready)
         status = make_ready(unit, length);
     if (status != UNIT_OK || length == 0)

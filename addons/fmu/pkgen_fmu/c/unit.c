@@ -1,4 +1,4 @@
-/* A unit: its memory, its modes, its parameters and start. */
+/* Memory, modes, parameters and initial state of a unit. */
 #include "unit.h"
 
 #include <math.h>
@@ -44,7 +44,7 @@ enum unit_status unit_allowed(const struct unit *unit, const char *call, int mod
                     call, names[k]);
 }
 
-/* Sets the pointers to parts of `all`, unless it is NULL. Returns its number of entries. */
+/* Sets the pointers of unit to parts of `all` unless `all` is NULL. Returns the size of `all`. */
 static size_t lay_out(struct unit *unit, double *all)
 {
     const size_t n_p = pk_host_model.n_parameters, n_u = unit->n_inputs;
@@ -171,7 +171,7 @@ enum unit_status unit_reset(struct unit *unit)
     return UNIT_OK;
 }
 
-/* Computes params from the set values; `parameters` gets those that follow from them. */
+/* Sets params from unit->parameters, in which it replaces unset parameters by computed values. */
 static enum unit_status apply(struct unit *unit)
 {
     for (size_t k = 0; k < pk_host_model.n_parameters; k++)
@@ -252,7 +252,7 @@ size_t unit_serial_size(const struct unit *unit)
     return sizeof MARK + sizeof(uint64_t) + unit->n_all * sizeof(double);
 }
 
-/* Returns a hash of the model's token: states of another model are refused. */
+/* Returns a hash of the model's token, by which unit_deserialise() recognises its states. */
 static uint64_t mark_of(const struct unit *unit)
 {
     uint64_t mark = unit->n_all;
@@ -269,7 +269,7 @@ void unit_serialise(const struct unit *unit, const double *state, unsigned char 
     memcpy(bytes + sizeof MARK + sizeof mark, state, unit->n_all * sizeof *state);
 }
 
-/* Returns NULL if the bytes are no state of this model, or there is no memory. */
+/* Returns the state; NULL if the bytes are no valid state of this model, or memory is lacking. */
 double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, size_t size)
 {
     const uint64_t mark = mark_of(unit);
@@ -280,7 +280,7 @@ double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, si
     if (!state)
         return NULL;
     memcpy(state, bytes + sizeof MARK + sizeof mark, unit->n_all * sizeof *state);
-    /* Checks the values that are used as indices. */
+    /* checks mode and method, which are used as indices */
     const double mode = state[unit->mode - unit->all],
                  method = state[unit->settings - unit->all + UNIT_METHOD];
     const int known = mode == UNIT_INSTANTIATED || mode == UNIT_INITIALIZATION ||

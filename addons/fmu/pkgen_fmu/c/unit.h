@@ -1,9 +1,7 @@
-/* A model as a functional mock-up unit: common code of FMI 2 and FMI 3, over pk_host.h.
- *
- * All variable data of a unit is one array of numbers, `all`, so that its state is a copy of it.
- * Data derived from it (params, the integrator, values) is computed on demand. A call returns
- * UNIT_OK, or reports its failure by unit_say().
- */
+/* A model as a functional mock-up unit (FMU): common code of FMI 2 and FMI 3, over pk_host.h. All
+ * variable data of a unit is in one array of numbers, `all`: an FMU state is a copy of `all`. Data
+ * derived from `all` (params, the integrator, values) is computed on demand. A function returns
+ * UNIT_OK, or reports its failure by unit_say(). */
 #ifndef UNIT_H
 #define UNIT_H
 
@@ -20,7 +18,7 @@ enum unit_status { UNIT_OK, UNIT_WARNING, UNIT_DISCARD, UNIT_ERROR, UNIT_FATAL }
 enum { UNIT_SHIFT = 20 };
 enum unit_kind {
     UNIT_TIME,
-    UNIT_PARAMETER, /* flat: one per member of a family */
+    UNIT_PARAMETER, /* each member of a family is one parameter */
     UNIT_INPUT,
     UNIT_SLOPE, /* time derivative of an input */
     UNIT_STATE, /* coordinates, then rates and first-order variables */
@@ -29,12 +27,12 @@ enum unit_kind {
     UNIT_ENERGY,
     UNIT_CLAIM,
     UNIT_INDICATOR, /* event functions, then switching functions */
-    UNIT_SETTING,   /* index: enum unit_setting */
+    UNIT_SETTING,   /* the index is an enum unit_setting */
     UNIT_KINDS
 };
 enum unit_setting { UNIT_METHOD, UNIT_STEP, UNIT_RTOL, UNIT_SETTINGS };
 
-/* Generated with the model. */
+/* Methods and defaults, generated for the model by model_c.py. */
 struct unit_model {
     const char *token;
     const struct pk_method *const *methods;
@@ -50,7 +48,7 @@ enum unit_mode {
     UNIT_CONTINUOUS = 8, /* model exchange between events */
     UNIT_STEPPING = 16,  /* co-simulation */
     UNIT_TERMINATED = 32,
-    UNIT_WITHIN = 64 /* flag of a call: also allowed in a callback of a step */
+    UNIT_WITHIN = 64 /* not a mode: marks calls that a callback may make */
 };
 enum {
     UNIT_BEFORE = UNIT_INSTANTIATED | UNIT_INITIALIZATION,
@@ -66,28 +64,27 @@ struct unit {
     char *name;
     int co_simulation;
     void (*log)(const struct unit *unit, enum unit_status status, const char *category,
-                const char *text); /* NULL: no log */
+                const char *text); /* NULL: nothing is logged */
     void *environment, *callback;
     int logging;
-    /* Lets the importer set the inputs at t; NULL: inputs are constant, or follow their
-     * derivatives. */
+    /* Calls the importer, which sets the inputs at t. NULL: inputs are extrapolated by `slopes`. */
     void (*inputs_at)(struct unit *unit, double t);
-    /* Reports to the importer a step to t; nonzero: it wants to return early there. */
+    /* Tells the importer that a step reached t; nonzero: the importer requests an early return. */
     int (*stepped)(struct unit *unit, double t);
 
     size_t n, n_q, n_x, n_inputs, n_outputs, n_events, n_switches, n_all;
     double *all;
-    double *mode, *time, *input_time, *settings, *length; /* parts of `all` */
+    double *mode, *time, *input_time, *settings, *length; /* parts of the array `all` */
     double *parameters, *is_set, *start, *start_is_set, *y, *inputs, *slopes, *sides, *before,
         *anchor; /* unit_bound.c */
 
-    void *params, *held;                          /* held: params with `sides` */
-    double *values[PK_HOST_MOMENTA], *indicators; /* valid by the bits of `known` */
-    double *near;                                 /* room for a state */
-    const double *given;                          /* inputs that replace `inputs`, or NULL */
+    void *params, *held;                          /* held: copy of params with switches fixed */
+    double *values[PK_HOST_MOMENTA], *indicators; /* computed if their bit in `known` is set */
+    double *near;                                 /* work space for a state */
+    const double *given;                          /* inputs for the integrator; NULL: `inputs` */
     unsigned known;
     int stale; /* params must be recomputed from `all` */
-    int ready; /* the integrator is at time, q, v; in model exchange at the anchor */
+    int ready; /* `it` is initialised at the current state; in model exchange at `anchor` */
     int busy;  /* a callback of a step is running */
     struct pk_integrator it;
     struct pk_events events;
@@ -97,14 +94,14 @@ struct unit {
 struct unit *unit_new(const char *name, const char *token, int co_simulation);
 void unit_free(struct unit *unit);
 
-/* Logs a message; returns status. */
+/* Logs a message and returns `status`. */
 enum unit_status unit_say(const struct unit *unit, enum unit_status status, const char *category,
                           const char *format, ...)
 #if defined __GNUC__
     __attribute__((format(printf, 4, 5)))
 #endif
     ;
-/* Returns UNIT_ERROR unless the unit exists and is in one of these modes. */
+/* Returns UNIT_ERROR unless the unit exists and `modes` contains its mode. */
 enum unit_status unit_allowed(const struct unit *unit, const char *call, int modes);
 
 enum unit_status unit_reset(struct unit *unit);
@@ -122,35 +119,35 @@ enum unit_status unit_get_states(struct unit *unit, double *x, size_t n);
 enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n);
 enum unit_status unit_indicators(struct unit *unit, double *values, size_t n);
 enum unit_status unit_enter_event(struct unit *unit);
-enum unit_status unit_update(struct unit *unit, int *ends); /* detects events; updates sides */
-int unit_moved(struct unit *unit); /* whether the state moved since the last call */
-/* Completes a step of the importer; *event is nonzero if the unit requests an event. */
+enum unit_status unit_update(struct unit *unit, int *ends); /* detects events, updates switches */
+int unit_moved(struct unit *unit); /* whether a projection changed the state since the last call */
+/* Completes a step of the importer; sets *event to 1 if the unit requests event mode. */
 enum unit_status unit_completed(struct unit *unit, int *event);
 
 /* Co-simulation. */
 struct unit_stepped {
-    double t;  /* the last valid time */
-    int ends;  /* whether a stopping event of the model occurred */
-    int early; /* whether the importer requested a return here */
+    double t;  /* the last time at which the state is valid */
+    int ends;  /* whether an event ended the motion */
+    int early; /* whether the importer requested a return at t */
 };
 enum unit_status unit_step(struct unit *unit, double t, double length, struct unit_stepped *made);
 /* Reports that an event ended the step; returns UNIT_DISCARD. */
 enum unit_status unit_early(const struct unit *unit);
 
-/* Computes `sensitivity` = J seed, where J has a row per unknown and a column per known; if
- * `transposed`, by its transpose. */
+/* Computes `sensitivity` = J seed, or J^T seed if `transposed`. J has a row per unknown and a
+ * column per known. */
 enum unit_status unit_derivative(struct unit *unit, const unsigned *unknowns, size_t n_unknowns,
                                  const unsigned *knowns, size_t n_knowns, const double *seed,
                                  int transposed, double *sensitivity);
 
-/* Saved states. A serialised state is a mark of the model, then its numbers. */
+/* Saved states. A serialised state is a hash of the model, then a copy of `all`. */
 double *unit_state(const struct unit *unit);
 enum unit_status unit_restore(struct unit *unit, const double *state);
 size_t unit_serial_size(const struct unit *unit);
 void unit_serialise(const struct unit *unit, const double *state, unsigned char *bytes);
 double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, size_t size);
 
-/* Internal to the files of a unit. */
+/* The functions below are internal to this folder. */
 static inline enum unit_kind unit_kind_of(unsigned reference)
 {
     const unsigned kind = reference >> UNIT_SHIFT;
@@ -161,20 +158,21 @@ static inline size_t unit_index_of(unsigned reference)
     return reference & ((1u << UNIT_SHIFT) - 1);
 }
 static inline double *unit_v(const struct unit *unit) { return unit->y + unit->n_q; }
-enum unit_status unit_refresh(struct unit *unit); /* params; the start, before the run */
-void unit_hold_sides(struct unit *unit);          /* sets the sides of switches in `held` */
+enum unit_status unit_refresh(struct unit *unit); /* updates params, before the run also y */
+void unit_hold_sides(struct unit *unit); /* writes `sides` to `held`, which fixes switches */
 const void *unit_params(const struct unit *unit);
-void unit_forget(struct unit *unit);               /* marks values as unknown */
-void unit_inputs(void *unit, double t, double *u); /* as pk_problem.input */
+void unit_forget(struct unit *unit);               /* marks computed values as invalid */
+void unit_inputs(void *unit, double t, double *u); /* has the type of pk_problem.input */
 void unit_move_inputs(struct unit *unit, double t);
 enum unit_status unit_rates(struct unit *unit);
 enum unit_status unit_functions(struct unit *unit);
 struct pk_problem unit_problem(struct unit *unit);
-/* Initialises the integrator at a state, with the unit's method; h is the step if none is set. */
+/* Initialises the integrator at state y; h is the step of a fixed-step method if none is set. */
 enum unit_status unit_integrator(struct unit *unit, double h, double t, const double *y);
-enum unit_status unit_said(struct unit *unit, enum unit_status status); /* reports its failure */
+enum unit_status unit_said(struct unit *unit,
+                           enum unit_status status); /* logs the integrator's failure */
 
-/* States bound by constraints and as quaternions, in model exchange: unit_bound.c. */
+/* Constraints and unit quaternions in model exchange: unit_bound.c. */
 int unit_bound(const struct unit *unit);
 size_t unit_anchor_size(const struct unit *unit);
 enum unit_status unit_bound_start(struct unit *unit);

@@ -1,9 +1,8 @@
-/* A unit in model exchange with constraints or quaternions: importers know neither, and their
- * states drift off. If a step ends further off than a multiple of the tolerance, the unit requests
- * an event, and projects the state like a step of the runtime.
- *
- * Only the projection of the runtime's integrator is used. It starts at the anchor, the last state
- * known to satisfy the constraints. */
+/* A unit in model exchange with constraints or unit quaternions. An importer knows neither, and its
+ * states drift off the constraints. If the drift after a step exceeds a multiple of the tolerance,
+ * the unit requests an event, and projects the state onto the constraints. The runtime's
+ * integrator serves only for its projection. It is initialised at the anchor, the last state that
+ * satisfied the constraints. */
 #include "unit.h"
 
 #include <math.h>
@@ -11,7 +10,7 @@
 
 #include <pk/constraint.h>
 
-enum { MOVED, TIME, PLACE }; /* parts of unit->anchor; at PLACE: the state and inputs */
+enum { MOVED, TIME, PLACE }; /* indices into unit->anchor: flag, time, first state */
 
 int unit_bound(const struct unit *unit)
 {
@@ -24,8 +23,8 @@ size_t unit_anchor_size(const struct unit *unit)
     return unit_bound(unit) ? PLACE + unit->n_x + unit->n_inputs : 0;
 }
 
-/* Starts the integrator at the anchor. Fails if the anchor is off, as after a change of
-   parameters. */
+/* Initialises the integrator at the anchor. Fails if the anchor violates the constraints, as it may
+ * after a change of parameters. */
 static enum unit_status begin(struct unit *unit)
 {
     const double *const at = unit->anchor + PLACE;
@@ -54,12 +53,12 @@ enum unit_status unit_bound_start(struct unit *unit)
     return begin(unit);
 }
 
-/* In tolerances. At an event importers restart with short steps of low order: with CVode the energy
- * of a double pendulum of rods drifts by 7e-3 if this is 100, by 5e-2 if it is 1, and by 0.17
- * without events. */
+/* The tolerated drift, in units of rtol. Importers restart after an event with short steps of low
+ * order: with CVode, the energy of a double pendulum of rods drifts by 7e-3 if MOST_OFF is 100, by
+ * 5e-2 if it is 1, and by 0.17 without such events. */
 static const double MOST_OFF = 100;
 
-/* Whether two states differ by more than MOST_OFF tolerances; nominals are 1. */
+/* Returns whether two states differ by more than MOST_OFF rtol (1 + |b|) in a component. */
 static int apart(const struct unit *unit, const double *a, const double *b)
 {
     double most = 0;
@@ -68,7 +67,7 @@ static int apart(const struct unit *unit, const double *a, const double *b)
     return most > MOST_OFF * unit->settings[UNIT_RTOL];
 }
 
-/* Projects the state into unit->near; *off is set if it moves by more than MOST_OFF tolerances. */
+/* Writes the projected state to unit->near; sets *off if it differs from y by MOST_OFF or more. */
 static enum unit_status look(struct unit *unit, int *off)
 {
     *off = 0;

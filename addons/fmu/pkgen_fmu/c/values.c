@@ -1,10 +1,10 @@
-/* Values of a unit by their references. */
+/* Reads and sets the variables of a unit by value reference. */
 #include "unit.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { FUNCTIONS = 1 << PK_HOST_MOMENTA }; /* a bit of `known`, beside those of values */
+enum { FUNCTIONS = 1 << PK_HOST_MOMENTA }; /* bit of unit->known for indicators */
 
 static size_t count(const struct unit *unit, enum unit_kind kind)
 {
@@ -41,7 +41,7 @@ static enum unit_status none(const struct unit *unit, unsigned reference)
     return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no variable %u", reference);
 }
 
-/* Returns the values of a kind; computes them unless they are known. NULL: there are none here. */
+/* Returns the values of a kind, computed unless known; NULL if they do not exist at the state. */
 static const double *computed(struct unit *unit, enum pk_host_kind kind)
 {
     double *const out = unit->values[kind];
@@ -174,7 +174,7 @@ static enum unit_status set_setting(struct unit *unit, size_t i, double value)
     return UNIT_OK;
 }
 
-/* The modes in which a kind of variable may be set; 0: never. */
+/* The modes in which a variable of each kind may be set; 0: never. */
 static const int settable[UNIT_KINDS] = {[UNIT_PARAMETER] = UNIT_BEFORE | UNIT_EVENT |
                                                             UNIT_STEPPING,
                                          [UNIT_INPUT] = UNIT_BEFORE | UNIT_RUNNING,
@@ -215,7 +215,7 @@ enum unit_status unit_set(struct unit *unit, unsigned reference, double value)
     return UNIT_OK;
 }
 
-/* Sets a derivative of an input, valid from the time of the inputs. */
+/* Sets a time derivative of an input at unit->input_time; `order` is 1 to UNIT_ORDERS. */
 enum unit_status unit_slope(struct unit *unit, unsigned reference, int order, double value)
 {
     const enum unit_kind kind = unit_kind_of(reference);
@@ -248,7 +248,7 @@ void unit_inputs(void *context, double t, double *u)
     }
 }
 
-/* Moves the inputs and their derivatives to time t. */
+/* Extrapolates the inputs and their derivatives to time t. */
 void unit_move_inputs(struct unit *unit, double t)
 {
     const double past = t - *unit->input_time;

@@ -1,2 +1,2 @@
-"""Bindings of a model for other languages, over back/host: a Rust crate, a Julia package, MEX for
-MATLAB and Octave, a JavaScript module."""
+"""Bindings of a model for other languages, all over its C interface pk_host.h: a Rust crate, a
+Julia package, a MEX function for MATLAB and Octave, a JavaScript module."""

@@ -1,5 +1,5 @@
-"""The C of the bindings: the model, its interface, their part of the runtime. Each public symbol
-is prefixed with the model's name, so that a program may link several models."""
+"""Collects the C of a binding: the model, its interface pk_host.h, and the runtime files that they
+need. Each public symbol is prefixed with the model's name: a program may link several models."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pkgen.back.library import Target, library
 from pkgen.back.runtime import licence, public_names
 
 HERE = Path(__file__).parent / "templates"
-_NAME = re.compile(r"\bpk_\w*\w\b(?!\s*##)")  # of structs too, as they look like functions
+_NAME = re.compile(r"\bpk_\w*\w\b(?!\s*##)")  # all names of the runtime
 
 
 def _files(model: Exported) -> dict[str, str]:
@@ -21,7 +21,7 @@ def _files(model: Exported) -> dict[str, str]:
 
 
 def sources(model: Exported) -> dict[str, str]:
-    """Returns C sources that compile without -I and -D."""
+    """Returns the C sources, by path. They compile without -I and -D."""
     files = _files(model)
     shared = [text for path, text in files.items() if path not in model.files]
     said = {name for text in shared for name in _NAME.findall(text)}
@@ -32,12 +32,12 @@ def sources(model: Exported) -> dict[str, str]:
 
 
 def shared(model: Exported, target: Target | None) -> bytes:
-    """Returns the same as a shared library that exports the interface alone."""
+    """Returns the C, compiled to a shared library that exports only the functions of pk_host.h."""
     return library(_files(model), "pk_host_", target)
 
 
 def _first(path: str, text: str) -> str:
-    """Returns the text of a C file with an #include of the model's prefixed names first."""
+    """Returns the text, with an #include of names.h first if the path is that of a C source."""
     if not path.endswith(".c"):
         return text
     names = posixpath.relpath("names.h", posixpath.dirname(path) or ".")

@@ -1,4 +1,4 @@
-"""Makes an ES module of WebAssembly with types, for npm: the engine of live pages."""
+"""Makes an npm package: an ES module that runs the model in WebAssembly, with TypeScript types."""
 
 from __future__ import annotations
 

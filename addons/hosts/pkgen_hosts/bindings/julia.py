@@ -1,4 +1,4 @@
-"""Makes a Julia package: a shared library by ccall, and y' for problems of OrdinaryDiffEq."""
+"""Makes a Julia package: it calls a shared library by ccall, and has y' for OrdinaryDiffEq.jl."""
 
 from __future__ import annotations
 

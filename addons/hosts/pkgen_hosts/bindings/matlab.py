@@ -1,4 +1,4 @@
-"""Makes a MEX for MATLAB and Octave: the C, its gateway, and functions with names over it."""
+"""Makes a MEX function for MATLAB and Octave, and .m functions that take names and values."""
 
 from __future__ import annotations
 

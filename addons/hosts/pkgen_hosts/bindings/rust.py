@@ -1,4 +1,4 @@
-"""Makes a crate: its build.rs compiles the C, and its functions are safe."""
+"""Makes a Rust crate: its build.rs compiles the C, and its public functions are safe Rust."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def place(folder: str, path: str) -> str:
 
 
 def fields(parameters: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Returns the fields of the parameters, a family as one array; NaN for values that follow
-    others."""
+    """Returns the fields of `struct Parameters`; a family is one array. The default NaN marks a
+    parameter that is computed from other parameters."""
     found = []
     for stem, members in itertools.groupby(parameters, lambda p: p["name"].partition("[")[0]):
         rows = list(members)

@@ -1,1 +1,1 @@
-"""A wheel of one model: its library, its description, and model.py, which calls the library."""
+"""A Python wheel of one model: a shared library, a description, and model.py, which uses both."""

@@ -1,4 +1,4 @@
-"""Makes the wheel, reproducible to the byte; its tag depends on the library's glibc symbols."""
+"""Makes the wheel, reproducible to the byte. Its platform tag has the glibc version it needs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pkgen.system.exits import UsageError
 
 HERE = Path(__file__).parent
 _GLIBC = re.compile(rb"\0GLIBC_2\.(\d+)\0")
-_LEAST_GLIBC = 5  # of the manylinux tag
+_LEAST_GLIBC = 5  # manylinux_2_5 is the oldest tag
 _TAGS = {
     "windows-x86_64": "win_amd64",
     "macos-x86_64": "macosx_11_0_x86_64",
@@ -48,7 +48,7 @@ def make(model: Exported) -> dict[str, bytes]:
         raise UsageError("--target: a wheel is of one machine")
     target = targets[0] if targets else None
     called = interface(name, model.own, model.description)
-    model.method()  # refuses an unusable method now, not after installation
+    model.method()  # raises now, not after installation, if the method cannot be used
     code = library(model.with_runtime(called), "pk_host_", target)
     place = target or TARGETS[this_machine()]
     tag = f"py3-none-{platform_tag(code, place)}"
@@ -71,7 +71,7 @@ def make(model: Exported) -> dict[str, bytes]:
 
 
 def platform_tag(code: bytes, target: Target) -> str:
-    """Returns the platform tag; for Linux, with the newest glibc that the library needs."""
+    """Returns the platform tag. A tag of Linux has the newest glibc version that the code needs."""
     if target.name in _TAGS:
         return _TAGS[target.name]
     newest = max((int(v) for v in _GLIBC.findall(_doubled(code))), default=0)
@@ -80,7 +80,7 @@ def platform_tag(code: bytes, target: Target) -> str:
 
 
 def _doubled(code: bytes) -> bytes:
-    """Doubles each zero byte, so that adjacent names do not share one in _GLIBC's matches."""
+    """Doubles each zero byte: matches of _GLIBC in adjacent strings then do not overlap."""
     return code.replace(b"\0", b"\0\0")
 
 

@@ -1,1 +1,1 @@
-"""A model with the runtime's core as self-contained C sources."""
+"""Exports a model and the runtime's core as self-contained C sources."""

@@ -1,4 +1,4 @@
-"""Makes the folder: the model's C, the runtime's, and the description."""
+"""Makes a folder with the C of the model and of the runtime, and the model's description."""
 
 from __future__ import annotations
 

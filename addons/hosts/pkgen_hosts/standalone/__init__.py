@@ -1,3 +1,3 @@
-"""A model with the step of one method, without the runtime: one C file, a folder for firmware, an
-Arduino library. They do not use back/host, since the runtime that this calls needs memory, and ten
-times the code of one method whose step is compiled with the model."""
+"""Exports a model and the step of one method, without the runtime: one C file, a folder for
+firmware, or an Arduino library. Unlike the bindings, these exports do not use the runtime, which
+allocates memory and has ten times as much code as one method compiled with the model."""

@@ -1,4 +1,4 @@
-"""Extracts the coefficients of one method as C from the runtime's tables: `pk_NAME_table`."""
+"""Extracts the coefficients of one method from the runtime's C tables, as `pk_NAME_table`."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""Makes the standalone exports: one C file; a folder of sources for firmware; an Arduino library.
-"""
+"""Makes the standalone exports: one C file; a folder for firmware; an Arduino library."""
 
 from __future__ import annotations
 
@@ -30,13 +29,13 @@ EVERY: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def how(options: object) -> dict[str, object]:
-    """Returns compiler options: families are unrolled, with only the kernels of a step and of rows.
+    """Returns compiler options: families are unrolled; only kernels of steps and rows are made.
     """
     return {"kernels": KERNELS}
 
 
 def how_single(options: object) -> dict[str, object]:
-    """Returns the same with the functions of events, at which the program may stop."""
+    """Returns the options of how(), with the kernel of event functions, which main() needs."""
     return {"kernels": KERNELS | {"event"}}
 
 
@@ -80,7 +79,7 @@ def arduino(model: Exported) -> dict[str, bytes]:
 
 
 def _intervals(whole: float, part: float, words: str) -> int:
-    """Returns whole / part, an integer up to round-off. Raises UsageError."""
+    """Returns whole / part. Raises UsageError if this is not an integer up to round-off."""
     count = round(whole / part)
     if count < 1 or abs(whole / part - count) > 1e-9 * count:
         raise UsageError(f"{words}: give whole multiples")
@@ -92,7 +91,7 @@ def _main(step: Step) -> str:
     run = of["run"]
     h, every, until = run["step"], run["every"], run["until"]
     per_row = _intervals(every, h, f"rows every {every:g} s by steps of {h:g} s")
-    # Bitwise equal to the runtime's step.
+    # every / per_row is bitwise the step that the runtime takes.
     h = every / per_row if abs(every / per_row - h) <= 1e-12 * h else h
     count = max(1, math.ceil(until / every * (1 - 1e-12)))
     rest = until - (count - 1) * every

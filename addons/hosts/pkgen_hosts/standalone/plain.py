@@ -1,4 +1,4 @@
-"""Removes conditional parts of C."""
+"""Evaluates #ifdef conditions in C text."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ _DIRECTIVE = re.compile(r"\s*#\s*(ifdef|ifndef|if|elif|else|endif)\b\s*(\w*)")
 
 
 def plain(text: str, known: Mapping[str, bool]) -> str:
-    """Returns C without `#ifdef NAME` of known names, and without the code of their false branches.
+    """Returns C without the `#ifdef NAME` of known names and without the branches not taken.
     """
     lines: list[str] = []
-    kept: list[bool | None] = []  # value of each open condition; None: unknown
+    kept: list[bool | None] = []  # values of enclosing #ifs; None if unknown
     for line in text.splitlines():
         found = _DIRECTIVE.match(line)
         word, name = (found[1], found[2]) if found else ("", "")

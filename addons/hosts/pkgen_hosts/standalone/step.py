@@ -1,4 +1,4 @@
-"""Makes the step of one method with the kernels of one model, as C without the runtime."""
+"""Writes C for the step of one method with the kernels of one model, without the runtime."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ KERNELS = frozenset(("acceleration", "energy", "observe"))
 _FIELD = re.compile(r"offsetof\(struct \w+, (\w+)\)(?: \+ (\d+) \* sizeof\(pk_real\))?")
 _SINCOS = re.compile(r"#ifndef PK_SINCOS_H.*?\n#endif\n(?=\n[a-z])", re.DOTALL)
 _CALLED = re.compile(r"\bPK_F\((\w+)\)")
-INSTRUCTIONS = {"fabs", "fma", "sqrt"}  # instructions of processors, not calls of libm
+INSTRUCTIONS = {"fabs", "fma", "sqrt"}  # compiled to processor instructions, not libm calls
 
 
 class Step:
-    """The step of a model's method. Raises UsageError if the model or the method has none."""
+    """The C of a step. Raises UsageError if the export does not support the method or the model."""
 
     def __init__(self, model: Exported, scalar: str, *, has_main: bool = False):
         self.model = model
-        self.has_main = has_main  # main() ends at events with `stop`
+        self.has_main = has_main  # whether to write a main(), which ends at stopping events
         self.of = model.description
         self.name = model.name
         self.float = (model.options.scalar or scalar) == "float"
@@ -45,7 +45,7 @@ class Step:
         own = known(self.model.own)
         offered = {m["name"]: m for m in self.of["methods"]}
         name = run["method"]
-        # For linear drag, the runtime's splitting methods need an exponential.
+        # With linear drag, splitting methods need an exponential, which this export lacks.
         families = {f for f in FAMILIES if f != "SPLITTING" or self.model.separable}
         fitting = [m["name"] for m in self.model.methods() if own[m["name"]].family in families]
         if name not in fitting:
@@ -93,7 +93,7 @@ class Step:
         return plain(self.model.files[f"{self.name}.c"], {"PK_RUNTIME": False})
 
     def _text(self, text: str, at: str) -> str:
-        """Returns the text with the macros of this export defined at `at`."""
+        """Returns the header text with the macros of this export defined before the line `at`."""
         defined = "".join(
             f"#ifndef {name}\n#define {name} /* {why} */\n#endif\n"
             for name, why, there in (
@@ -160,12 +160,12 @@ class Step:
 
     @property
     def stops(self) -> bool:
-        """Whether the program detects events."""
+        """Whether main() detects events."""
         return self.has_main and bool(self._events(stop=True))
 
     @property
     def missed(self) -> list[str]:
-        """Returns differences from pkgen run that change the motion."""
+        """Returns the differences from `pkgen run` that change the motion."""
         found = []
         if not self.has_main and self._events(stop=True):
             found.append(f"Nothing stops at {self._events(stop=True)}, where pkgen run does.")
@@ -178,7 +178,7 @@ class Step:
 
     @property
     def notes(self) -> list[str]:
-        """Returns all differences from pkgen run."""
+        """Returns all differences from `pkgen run`."""
         found = self.missed
         if self.stops:
             found.append(f"A step looks for no events; main() ends at: {self._events(stop=True)}.")
@@ -219,13 +219,13 @@ class Step:
 
 
 def places(of: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
-    """Returns the states with their places in `struct NAME_motion`."""
+    """Returns of each state its member of `struct NAME_motion`, as C, and its description."""
     n_q = len(of["coordinates"])
     return [(f"q[{k}]" if k < n_q else f"v[{k - n_q}]", y) for k, y in enumerate(states(of))]
 
 
 def _pasted(header: str, conditions: dict[str, bool]) -> str:
-    """Returns a header without its top comment, its guard and its includes."""
+    """Returns a runtime header's text without top comment, include guard and includes of pk/."""
     text = plain(pasted(header), conditions)
     text = re.sub(r"^#include <pk/[^\n]*\n", "", text, flags=re.MULTILINE)
     guard = re.search(r"^#ifndef (PK_\w+_H)\n#define \1\n", text, re.MULTILINE)

@@ -1,1 +1,1 @@
-"""The one interface of a model in C, `pk_host.h`, by which all hosts call it."""
+"""The C interface `pk_host.h`, by which each host (a wheel, a crate, a page, ...) calls a model."""

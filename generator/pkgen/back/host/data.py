@@ -1,4 +1,4 @@
-"""Writes the C files by which a host calls a model: the interface, and the model's data."""
+"""Collects the C files of the interface pk_host.h, and writes a model's data for it as C."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ const struct pk_host_model pk_host_model = {{{entries}}};
 
 
 def interface(name: str, own: Sequence[Own], of: Described | None, files=MOTIONS) -> dict[str, str]:
-    """Returns the C files of the interface to the model `name`. Without a description its values
-    are left out, for hosts that have them elsewhere."""
+    """Returns the C files of the interface to the model `name`, by path. If `of` is None, they
+    omit default values and names, for hosts that do not need these."""
     found = {file: (HERE / file).read_text(encoding="utf-8") for file in files}
     return found | {DATA: data(name, own, of)}
 
@@ -80,7 +80,7 @@ def states(of: Described) -> list[dict[str, Any]]:
 
 
 def tables(of: Described) -> dict[str, list[dict[str, Any]]]:
-    """Returns names, units and descriptions of what a host shows, in the order of indices."""
+    """Returns by kind the quantities of a description that a host lists, in order of index."""
     y, n_q = states(of), len(of["coordinates"])
     found = {**of, "coordinates": y[:n_q], "rates": y[n_q:]}
     return {kind: [q for q in found[kind] if not q.get("hidden")] for kind in _TABLES}

@@ -1,4 +1,4 @@
-/* Parameters, starts, and values at states: see pk_host.h. */
+/* Parameters, initial states, and values at given states: see pk_host.h. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ int pk_host_refuse(const char *text)
 
 static const struct pk_system *system_of(void) { return pk_host_model.system; }
 
-/* Returns the number of members of parameter k; writes the address of the first. */
+/* Returns the number of members of parameter k (1 unless it is a family); *first is the address. */
 static size_t members(const void *params, size_t k, double **first)
 {
     const struct pk_system *s = system_of();
@@ -138,8 +138,8 @@ void pk_host_start(const void *params, double *y)
             y[i] = m->start[i];
 }
 
-/* Computes the accelerations of PK_LANES states at once, one in each SIMD lane. Returns a bit set
- * of the lanes that failed. */
+/* Computes the accelerations of PK_LANES states at once, one state in each SIMD lane. Bit l of the
+ * result is set if lane l failed. */
 static unsigned long long block(const void *params, const double *t, const double *y,
                                 const double *u, double *out, double *work)
 {
@@ -162,7 +162,7 @@ static unsigned long long block(const void *params, const double *t, const doubl
     return failed;
 }
 
-/* Computes values at one state. Returns 0 if there are none. */
+/* Computes the values of a kind at one state. Returns 0 if they do not exist there. */
 static int one(const void *params, int kind, double t, const double *y, const double *u,
                double *out, double *work)
 {

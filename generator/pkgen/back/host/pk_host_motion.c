@@ -1,4 +1,4 @@
-/* Motions: see pk_host.h. */
+/* Integration of motions: see pk_host.h. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,20 +9,20 @@
 
 #include "pk_host.h"
 
-enum { MOST_CROSSINGS = 1 << 16 }; /* most that are kept between calls of pk_host_crossed() */
+enum { MOST_CROSSINGS = 1 << 16 }; /* maximum number of recorded crossings */
 
 struct pk_host_motion {
     struct pk_integrator it, aside;
     struct pk_events events;
     void *block, *events_block, *aside_block;
     size_t size, n_q, n, n_inputs;
-    double t, *y;      /* the state shown */
+    double t, *y;      /* the current state of the motion */
     double t0, *y0;    /* the initial state */
     double *u;         /* inputs */
-    double *crossings; /* event, t, y of each */
+    double *crossings; /* rows of event index, t, y */
     size_t n_crossings, room;
-    int stopped; /* `it` stands at an event that ends the motion */
-    double from; /* t at which the last step began */
+    int stopped; /* `it` has reached an event that ends the motion */
+    double from; /* time at which the last step began */
 };
 
 static void give_inputs(void *context, pk_real t, pk_real *u)
@@ -90,7 +90,7 @@ const struct pk_method *pk_host_method(const char *name)
     return pk_method_find(name);
 }
 
-/* Frees the motion, with a reason unless `why` is NULL. Returns NULL. */
+/* Frees the motion; sets the reason to `why` unless this is NULL. Returns NULL. */
 static struct pk_host_motion *refused(struct pk_host_motion *m, const char *why)
 {
     if (why)
@@ -148,12 +148,12 @@ struct pk_host_motion *pk_host_motion_new(const void *params, const char *method
 }
 
 /* Makes the second integrator `aside`, which computes states within a step. It starts at the
- * initial state, since another state might be refused as a start. Returns a failure's status. */
+ * initial state, since another state might be refused as a start. Returns PK_DONE or an error. */
 static enum pk_status make_aside(struct pk_host_motion *m)
 {
     struct pk_problem problem = m->it.problem;
     if (!m->aside_block) {
-        if (m->events.sides) /* these params hold the sides of the switches */
+        if (m->events.sides) /* in these params each switch is fixed */
             problem.params = m->events.params;
         m->aside_block = calloc(1, m->size + 1);
         if (!m->aside_block)
@@ -166,7 +166,7 @@ static enum pk_status make_aside(struct pk_host_motion *m)
     return PK_DONE;
 }
 
-/* Computes the state at t within the last step, by dense output or by a shorter step aside. */
+/* Computes the state at t within the last step, by dense output or by a shorter step of `aside`. */
 static enum pk_status within(struct pk_host_motion *m, double t)
 {
     if (pk_integrator_is_at(&m->it, t)) {
@@ -184,8 +184,8 @@ static enum pk_status within(struct pk_host_motion *m, double t)
     return found;
 }
 
-/* Computes the state at t by steps aside from the start of the last step, which ended at an event or
- * a switch and has no dense output. The switches follow the state there. */
+/* Computes the state at t by steps of `aside` from the start of the last step, which ended at an
+ * event or a switch and has no dense output. During these steps, switches are not fixed. */
 static enum pk_status before_end(struct pk_host_motion *m, double t)
 {
     const enum pk_status found = make_aside(m);
@@ -204,8 +204,8 @@ static enum pk_status before_end(struct pk_host_motion *m, double t)
     return PK_DONE;
 }
 
-/* The event that stops the motion has happened, perhaps after t. Returns 0 with the state at t if it
- * has, else 2 with the event's state, or a failure's status. */
+/* Computes the state at t of a motion that an event has ended. Returns 0 if t is before the event;
+ * 2 otherwise, with the state at the event; or a negative status. */
 static int at_stop(struct pk_host_motion *m, double t)
 {
     if (t < m->it.t && !pk_integrator_is_at(&m->it, t))
@@ -214,7 +214,7 @@ static int at_stop(struct pk_host_motion *m, double t)
     return 2;
 }
 
-/* Steps until the last step covers t. Returns PK_DONE, 1 if the budget ends, or a status. */
+/* Steps until the last step covers t. Returns PK_DONE, 1 after `budget` steps, or a failure. */
 static int cover(struct pk_host_motion *m, double t, double budget)
 {
     struct pk_integrator *const it = &m->it;
@@ -254,7 +254,7 @@ int pk_host_to(struct pk_host_motion *m, double t, double budget)
         status = at_stop(m, t);
     else if (status == PK_DONE) {
         enum pk_status found = within(m, t);
-        if (found == PK_BAD_ARGUMENT) /* the step ended at a switch */
+        if (found == PK_BAD_ARGUMENT) /* no dense output: the step ended at a switch */
             found = before_end(m, t);
         status = found < 0 ? found : 0;
     }

@@ -1,4 +1,4 @@
-"""A model of mechanics, made by pkgen: `Model()` runs it, and evaluates it at any number of states.
+"""A mechanical model, made by pkgen. `Model()` integrates it, and evaluates it at arrays of states.
 
     m = Model(l2=0.5)
     rows = m.run(10, every=0.01)
@@ -43,7 +43,7 @@ _MOST_ROWS = 1e9
 
 
 class RunError(Exception):
-    """The motion ends early; `rows` are its rows."""
+    """A step failed before the end of the run. `rows` are the rows before the failure."""
 
     def __init__(self, message, rows):
         super().__init__(message)
@@ -85,8 +85,8 @@ def _array(place, shape):
 
 
 class Parameters(MutableMapping):
-    """Parameters by name, in SI. A default that depends on other parameters follows them until it
-    is set."""
+    """Parameters by name, in SI. A parameter whose default depends on other parameters is
+    recomputed from these until it is set."""
 
     def __init__(self, model):
         self._model = model
@@ -152,7 +152,7 @@ class Rows:
 
 
 class Model:
-    """The model, with its own parameter values. `inputs` has the constant inputs by name."""
+    """The model with its own set of parameter values. `inputs` has the constant inputs by name."""
 
     coordinates, rates = _COORDINATES, _RATES
     outputs = tuple(o["name"] for o in description["outputs"])
@@ -213,7 +213,7 @@ class Model:
         return self._values_of(_ACCELERATIONS, _N, q, v, t)
 
     def energy(self, q, v, t=0.0):
-        """Returns v.dL/dv - L, of shape (...)."""
+        """Returns the energy v.dL/dv - L, of shape (...)."""
         return self._values_of(_ENERGY, 1, q, v, t)[..., 0]
 
     def observe(self, q, v, t=0.0):
@@ -227,8 +227,8 @@ class Model:
         return np.concatenate([y[_N_Q : 2 * _N_Q], a.T])
 
     def run(self, until, every=None, method=None, step=None, rtol=None, start=None):
-        """Returns rows from t = 0 to `until`, `every` apart; `start` is y, or values by name.
-        Raises RunError if the motion ends early."""
+        """Returns rows at t = 0 to `until`, `every` apart in s. `start` is y at t = 0, or values by
+        name. An event may end the motion before `until`. Raises RunError if a step fails."""
         default = description["run"]
         method = _known(method or default["method"], {m: m for m in self.methods}, "method")
         until = float(until)
@@ -250,7 +250,7 @@ class Model:
         if step is None and method == default["method"]:
             step = default["step"]
         if step is None and about["exact"]:
-            step = every  # an exact method takes steps of any length
+            step = every  # an exact method has no error at any step
         if step is None and not about["adaptive"]:
             raise ValueError(f"method {method} has fixed steps: give step")
         y, u = self._begin(start), self._u(1)
@@ -289,7 +289,7 @@ class Model:
             )  # fmt: skip
         why = _C.pk_host_why().decode()
         times, y = times[:made], y[:made]
-        if status.value == _MOTION_ENDED:  # adds a row at the event
+        if status.value == _MOTION_ENDED:  # the last row is the state at the event
             times = np.append(times, _C.pk_host_t(motion))
             y = np.vstack([y, _array(_C.pk_host_y(motion), (_N_Q + _N,))])
         rows = self._table(times, y[:, :_N_Q], y[:, _N_Q:], self._events(motion))
