@@ -87,7 +87,7 @@ def test_a_reduction_in_two_parts_would_fail(scalar, target, tmp_path):
 def parts(scalar: str, has_fma: bool) -> list[float]:
     """P1, P2, ... as the header has them."""
     text = (ROOT / "runtime/include/pk/sincos.h").read_text()
-    text = text[text.index("#ifdef PK_FLOAT") : text.index("/* S and C")]
+    text = text[text.index("#ifdef PK_FLOAT") : text.index("/* The polynomials")]
     in_float, in_double = text.split("#else\n#define PK_SINCOS_MAX")
     with_fma, without = (in_float if scalar == "float" else in_double).split("#else")[:2]
     found = re.findall(r"_P\d PK_C\((.*)\)", with_fma if has_fma else without)

@@ -23,7 +23,7 @@ def _named(column: int, word: str) -> tuple[str, ...]:
     return tuple(row[0] for row in _ROWS if row[column] == word)
 
 
-_ROWS = _ROW.findall(TABLE.read_text(encoding="utf-8"))
+_ROWS = _ROW.findall(TABLE.read_text(encoding="utf-8").partition("#define")[2])
 OF_MEMBERS = _named(1, "MEMBERS")
 OF_REDUCED = _named(1, "REDUCED")  # diagnostics for which a scene may be reduced
 NAMES = tuple(name for name, *_ in _ROWS if name not in OF_MEMBERS)
