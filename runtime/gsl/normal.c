@@ -8,7 +8,7 @@
 #include "../src/core/internal.h"
 #include "pencil.h"
 
-static const double SAME = 1e-12; /* relative size below which numbers count as 0 */
+static const double SAME = 1e-12; /* numbers below this fraction of the largest one count as 0 */
 
 /* Computes M and the symmetric part K of -d(pdot)/dq. Returns PK_REFUSED if forces depend on rates,
  * or the matrix is not symmetric. */

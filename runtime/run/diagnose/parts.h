@@ -21,13 +21,15 @@ struct diagnostics {
 /* diagnose_open() opens the JSON object of all diagnostics; diagnose_close() closes it. */
 struct diagnostics *diagnose_open(struct pk_run *run);
 void diagnose_close(struct diagnostics *d);
-/* Writes a member of the object by make(), which writes status and reason first. */
+/* Writes one member of the JSON object of all diagnostics by calling make(), which writes the
+ * status and the reason first. */
 void diagnose_one(struct diagnostics *d, const char *name,
                   void (*make)(struct pk_run *run, struct diagnostics *d));
 /* Returns row k of `count` rows that are spread evenly over all kept rows. */
 const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count);
-/* Writes status and reason. If `reason` is NULL, it is that of the failed integrator `it`, or else
- * the text of the status. Returns 1 if the diagnostic succeeded and its numbers must follow. */
+/* Writes the status and its reason. If `reason` is NULL, the reason is that of the failed
+ * integrator `it`; if `it` is NULL, it is the text of the status. Returns 1 if the diagnostic
+ * succeeded, so that its numbers must follow. */
 int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,
                   const struct pk_integrator *it);
 #define DIAGNOSE_NEEDS_GSL(name)                                                               \
