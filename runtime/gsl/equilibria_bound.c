@@ -1,8 +1,8 @@
 /* The equations of equilibria of systems with rotations or constraints. The unknowns are the same
  * as without constraints (see equilibria.c): one for each coordinate, body rate and other
- * first-order variable, and 4 for each quaternion. a is the acceleration, p the momentum, w a component of a body's angular velocity, Q
- * its quaternion, phi = 0 a holonomic constraint and J v + j0 = 0 all constraints on rates. The
- * equations are:
+ * first-order variable, and 4 for each quaternion. In the equations below, a is the acceleration, p
+ * the momentum, w a component of a body's angular velocity, Q its quaternion, phi = 0 a holonomic
+ * constraint and J v + j0 = 0 all constraints on rates:
  *
  *     for a coordinate     a_i = 0; if the coordinate is cyclic, p_i = its initial value
  *     for a body rate      w_i = 0

@@ -12,8 +12,9 @@ double pk_equilibria_energy(const struct search *s, const double *q, const doubl
     return system->energy ? system->energy(s->problem->params, 0, q, v, NULL) : 0;
 }
 
-/* Returns whether the state is on the same continuum as known root k: their energies agree or, with
- * nonholonomic constraints, the eigenvalues of their linearised equations. */
+/* Returns whether the state is on the same continuum of equilibria as known root k. The test
+ * compares their energies; with nonholonomic constraints, it also accepts equal eigenvalues of the
+ * linearised equations. */
 static int is_continued(struct search *s, double h, double size, const struct pk_equilibria *found,
                         size_t k)
 {

@@ -22,13 +22,13 @@ struct search {
     double *q, *v;            /* the current state; its entries that are not unknowns stay fixed */
     double *kept;             /* initial momenta */
     double *step;             /* Newton's last correction */
-    double *along;            /* a null direction of J, from pk_bound_correct() */
+    double *along;            /* a direction in the null space of J, from pk_bound_correct() */
     double energy;            /* |energy| of the initial state */
     size_t slack;             /* dimension of the null space of J */
     double *box, *middle;     /* unknown i is sought in middle_i +- box_i */
     size_t rows;              /* number of equations: n, or more with constraints */
     double *p, *pdot, *pivot; /* n */
-    double *F, *scale;        /* residual and scale of each equation */
+    double *F, *scale;        /* residual and scale of each of these equations */
     /* n numbers each; `rest` holds zeros, as the accelerations of a state at rest */
     double *rest, *r_t;
     double *M, *p_q, *F_q, *F_v; /* work arrays of `rows` by n numbers */
@@ -94,11 +94,12 @@ static inline double reach(struct search *s, size_t i)
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
 }
 
-/* Callbacks by which GSL's solvers compute F and J. */
+/* Callbacks by which GSL's solvers compute the residuals F and their Jacobian matrix J. */
 typedef int pk_gsl_vector(const gsl_vector *z, void *search, gsl_vector *f);
 typedef int pk_gsl_matrix(const gsl_vector *z, void *search, gsl_matrix *J);
 
-/* With rotations or constraints: pk_bound_equations() computes F, pk_bound_derivatives() J, and
+/* These functions are for systems with rotations or constraints. pk_bound_equations() computes the
+ * residuals F of the equations, pk_bound_derivatives() computes their Jacobian matrix J, and
  * pk_bound_solve() minimises |F| from the current state. */
 int pk_bound_equations(struct search *s);
 int pk_bound_derivatives(struct search *s);
@@ -107,7 +108,7 @@ void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
  * failure. */
 int pk_bound_correct(struct search *s);
 
-/* Computes F at the state; returns 0 if it is not finite. */
+/* Computes the residuals F at the current state; returns 0 if one of them is not finite. */
 static inline int equations(struct search *s)
 {
     const struct pk_problem *problem = s->problem;

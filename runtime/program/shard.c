@@ -20,7 +20,8 @@ static int wrong(const char *what, const char *path)
     return PK_RUN_USAGE;
 }
 
-/* Runs one block, and appends its shape and report to `shapes` and `reports`. */
+/* Runs one block of members, and appends the shape and the report of its results to the texts
+ * `shapes` and `reports`. */
 static int block(const struct program *p, size_t first, size_t count, const double *starts,
                  FILE *out, FILE *shapes, FILE *reports)
 {
@@ -52,7 +53,7 @@ static int block(const struct program *p, size_t first, size_t count, const doub
     return code;
 }
 
-/* Runs all blocks, then writes a line of JSON. */
+/* Runs all blocks of members, then writes a line of JSON. */
 static int blocks(const struct program *p, FILE *in, FILE *out)
 {
     const size_t n = p->settings.n_member_columns;

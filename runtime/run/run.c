@@ -5,7 +5,8 @@
 #include "settings/settings.h"
 #include "steps/steps.h"
 
-/* A lap takes at least so long: the time to read the clock must be negligible. */
+/* The timed repetitions of a run must take at least so long, so that the time to read the clock is
+ * negligible. */
 #define LAP_SECONDS 1e-3
 
 static void tell_failure(struct pk_run *run)
@@ -197,8 +198,8 @@ size_t pk_run_size(int which)
     return which >= 0 && which < 4 ? sizes[which] : 0;
 }
 
-/* The number of laps is doubled until the clock resolves them; the clock of CPU time may tick in
- * milliseconds. */
+/* Repeats the run several times between two readings of the clock, and doubles the number of
+ * repetitions until they take LAP_SECONDS, since the clock of CPU time may tick in milliseconds. */
 double pk_run_laps(struct pk_run *run, double seconds)
 {
     const struct settings *s = &run->settings;

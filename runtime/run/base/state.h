@@ -71,7 +71,7 @@ struct control {
     /* In seconds: `last`: wall clock at the last call of `poll`; `began`: CPU time at the start of
      * the run. */
     double last, began;
-    int slow;       /* whether the limit settings.cap of CPU time ended the run */
+    int slow;       /* whether the run ended because its CPU time exceeded settings.asked.cap */
     double looked;  /* wall clock when the run last read it */
     unsigned often; /* steps between two readings of the clock */
 };
@@ -111,8 +111,9 @@ struct settings {
 
 /* The state of steps/checkpoint.c. */
 struct checkpoint {
-    double began, last;            /* wall clock at the start of the run, at the last checkpoint */
-    unsigned long looks, failures; /* calls of checkpoint_look(), failed checkpoints */
+    double began, last; /* wall clock at the run's start (`began`) and at the last checkpoint */
+    /* `looks`: calls of checkpoint_look(); `failures`: checkpoints not written */
+    unsigned long looks, failures;
     /* Flags: the last checkpoint was written; the run was resumed from one; it was refused. */
     int written, resumed, refused;
     int left; /* flag: the run was stopped and has written a checkpoint */
@@ -194,12 +195,12 @@ struct pk_run {
     int write_failed; /* errno of a failed write of rows, or 0 */
     /* column of the first value that was not finite, or NULL */
     const struct pk_run_column *not_finite;
-    double bad_t; /* time of the first row with such a value, number of such rows */
-    unsigned long bad_rows;
+    double bad_t;           /* time of the first row with such a value */
+    unsigned long bad_rows; /* number of rows with such a value */
     const struct pk_run_column
         *lost;     /* column of the first value lost to rounding near a singularity, or NULL */
-    double lost_t; /* time of the first row with such a value, number of such rows */
-    unsigned long lost_rows;
+    double lost_t; /* time of the first row with such a value */
+    unsigned long lost_rows;         /* number of rows with such a value */
     double part;                     /* fraction of the ensemble that is finished */
     double seconds, processor;       /* wall clock and CPU time of the steps and rows */
     struct diagnostics *diagnostics; /* NULL if no diagnostic is requested */

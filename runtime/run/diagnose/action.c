@@ -16,7 +16,8 @@ static struct pk_action action_at(struct pk_run *run, pk_real t, const pk_real *
     return found;
 }
 
-/* Writes rows of [t, action, period] until the orbit changes its kind. */
+/* Writes rows [t, action, period] until the kind of the orbit changes, as from libration to
+ * rotation. */
 static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;

@@ -13,8 +13,8 @@
 
 enum { BLOCKS = 1000 };
 #define REST 1e-8 /* an excursion below this fraction of the largest coordinate counts as rest */
-/* a motion leaves if its excursion in the second half of the run is more than this factor times that
- * in the first half; an excursion growing as t^3 gives 8 */
+/* A motion leaves if its excursion in the second half of the run exceeds that in the first half by
+ * more than this factor. An excursion that grows as t^3 gives 8. */
 #define LEAVING 8
 
 /* Largest |x - x(0)| of each coordinate and rate in the first and in the second half of the run. */

@@ -44,9 +44,9 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
 const char *diagnose_not_free(const struct pk_system *system);
 /* Returns why there are no variational equations, or NULL if there are. */
 const char *diagnose_no_variation(const struct pk_run *run);
-/* Returns whether the equations at rest have a kink on the straight line between two positions,
- * where a switch is 0 or changes sign. Returns 1 if there are kinks without switches, which cannot
- * be located. */
+/* Returns whether the equations have a kink on the straight line between two positions, with all
+ * rates 0. A kink is where a switch is 0 or changes sign. If the equations have kinks but no
+ * switches, the kinks cannot be located, and the result is 1. */
 int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to);
 /* Each of these functions writes the diagnostic of its name. */
 #define DIAGNOSE_DECLARE(name, of, kernels) \

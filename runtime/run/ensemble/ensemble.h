@@ -1,5 +1,5 @@
-/* An ensemble instead of one trajectory: rows begin with the member, and a report counts
- * failures. */
+/* Runs an ensemble instead of one trajectory: each row begins with the number of the member, and
+ * the report counts members that failed. */
 #ifndef RUN_ENSEMBLE_H
 #define RUN_ENSEMBLE_H
 
@@ -47,8 +47,8 @@ struct tally {
     unsigned long *never;     /* for each event and switch: number of members without crossings */
     /* for each event and switch: number of members that may have missed crossings */
     unsigned long *doubts;
-    /* Time of the first crossing, for each event and member; infinity if there is none. NULL if no
-     * reduction needs these times. */
+    /* Time of the first crossing, for each event and member; infinity if there is none. NULL
+     * unless settings.asked.watch > 1. */
     pk_real *first;
 };
 /* Ensembles with watched events or switches, whose members run one by one: watched_begin()

@@ -8,7 +8,7 @@
 
 #include <pk/adaptive_lanes.h>
 
-enum { PARTS = 4 }; /* groups of members per thread */
+enum { PARTS = 4 }; /* a batch is divided into so many groups of members for each thread */
 
 /* A batch of members. Each thread advances `lanes` members at once, one in each SIMD lane; if
  * `lanes` is 1, it advances them one by one. */

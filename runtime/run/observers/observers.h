@@ -47,7 +47,7 @@ struct pk_run_diagnose {
 /* Functions of run/ensemble; a program may be linked without them. */
 struct pk_run_ensemble {
     enum pk_run_code (*run)(struct pk_run *run);
-    int (*fixed)(const struct settings *s); /* whether the members take fixed steps */
+    int (*fixed)(const struct settings *s); /* returns whether the members take fixed steps */
 };
 
 /* Rows. */
@@ -117,8 +117,8 @@ void watch_warn(struct pk_run *run);
  * the true motion. */
 /* an energy drift above this fraction of the energy's scale is wrong */
 #define TRUST_WRONG PK_C(1e-2)
-/* Status in the report if the steps went on past the end of the motion. Only this layer detects it,
- * so that it is not in enum pk_status. */
+/* The status in the report of a run whose steps went on past the end of the motion. Only trust.c
+ * detects this case, so the status is not in enum pk_status. */
 #define TRUST_BEYOND_NAME "RUN_BEYOND_END"
 #define TRUST_BEYOND_TEXT "the motion ends before these steps do"
 enum { TRUST_BEYOND_CODE = -100 };
