@@ -116,7 +116,8 @@ static inline int equations(struct search *s)
     if (is_bound(s))
         return pk_bound_equations(s);
     system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
-    if (system->n_first_order) /* computes pdot at a = 0, and rates of first-order variables */
+    /* f of M a = f: for coordinates pdot at rest, for first-order variables their rates */
+    if (system->n_first_order)
         system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
     for (size_t i = 0; i < s->n; i++)
         s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i]

@@ -46,8 +46,9 @@ static double mean_square(const double *c, size_t from, size_t to)
 
 /* Describes a series of samples by its Fourier transform c: sets its rms, its tail (the size of its
  * last harmonics relative to all), its rounding error, and whether the last harmonics are flat (do
- * not decay). `most` is the largest |sample|. `besides` is the variation outside the harmonics, on
- * the scale of c: if q winds round the loop, the increase of q, or the mean of p. */
+ * not decay). `most` is the largest |sample|. `besides` is the variation that the harmonics do not
+ * contain, on the scale of c. It is 0 unless q winds round the loop; then it is the increase of q
+ * for the series of q, and the mean of p for the series of p. */
 static void describe(struct pk_loop_series *s, const double *c, size_t count, double most,
                      double besides)
 {

@@ -80,7 +80,7 @@ size_t numbers_text(char text[NUMBERS_LONGEST], double x)
     sprintf(exact, "%.16e", x);
     char *const last = exact + (x < 0) + DIGITS;
     size_t length;
-    /* The 17th digit 5 has been rounded itself, so printf() rounds x to 16 digits again. */
+    /* A last digit 5 is itself rounded, so printf() rounds x, not this digit, to 16 digits. */
     if (*last == '5') {
         sprintf(shorter, "%.15e", x);
         memmove(shorter + (last - exact) + 1, shorter + (last - exact), strlen(last));
