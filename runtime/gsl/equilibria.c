@@ -1,15 +1,16 @@
-/* Finds (relative) equilibria; see pk/gsl_equilibria.h. GSL's hybridsj (Powell's hybrid method,
- * with scaling and analytic derivatives) starts from Halton's points; duplicate roots are removed.
- * Unknown i is q_i and equation i is pdot_i = 0, with two exceptions: for a cyclic coordinate the
- * unknown is v_i, and p_i keeps its initial value; for a first-order variable the unknown is its
- * value v_i, and its rate is 0, except that a quadrature keeps its initial value.
+/* Finds (relative) equilibria; see pk/gsl_equilibria.h. GSL's solver hybridsj (Powell's hybrid
+ * method, with scaling and analytic derivatives) starts from points of Halton's sequence; duplicate
+ * roots are removed. For most coordinates, unknown i is q_i and equation i is pdot_i = 0. For a
+ * cyclic coordinate, the unknown is the rate v_i, and the equation is p_i = its initial value. For
+ * a first-order variable, the unknown is its value v_i, and the equation is that its rate is 0; but
+ * for a quadrature (on which no rate depends) it is v_i = its initial value.
  *
- * A point at which the solver stops is a root if the equations hold to 1e-10 of their scale and
- * Newton's correction is below 1e-4 of reach(). The second test rejects points on the way to
- * infinity, where forces also tend to 0. Its tolerance is wide, to admit roots where the linear
- * terms vanish (a bead on a hoop at its critical rate). Reference: M. J. D. Powell, in P.
- * Rabinowitz (ed.), Numerical Methods for Nonlinear Algebraic Equations (1970) 87.
- */
+ * A point at which the solver stops is a root if each equation holds to 1e-10 of its scale and the
+ * correction that Newton's method would make is below 1e-4 of the length scale reach() of each
+ * unknown. The second test rejects points on the way to infinity, where forces also tend to 0. Its
+ * tolerance is wide, to admit roots where the linear terms vanish (a bead on a hoop at its critical
+ * rate). Reference: M. J. D. Powell, in P. Rabinowitz (ed.), Numerical Methods for Nonlinear
+ * Algebraic Equations (1970) 87. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,8 +23,10 @@
 #include "halton.h"
 #include "rates.h"
 
-static const double BESIDE = 1e-2; /* step along a continuum of equilibria, relative to reach() */
-enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* MORE: least number of starts per root found */
+/* Step of goes_on() along a continuum of equilibria, as a fraction of reach() of each unknown. */
+static const double BESIDE = 1e-2;
+/* MORE: the search tries at least so many starting points for each root that it has found */
+enum { ITERATIONS = 200, POLISH = 60, MORE = 8 };
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
@@ -120,8 +123,9 @@ static int gsl_fdf(const gsl_vector *z, void *context, gsl_vector *f, gsl_matrix
     return failed ? failed : gsl_df(z, context, J);
 }
 
-/* Overwrites s->F with Newton's correction. Returns its largest component relative to reach(); 0 if
- * J is singular, HUGE_VAL if the equations do not hold. */
+/* Overwrites the residuals s->F with the correction J^-1 F of Newton's method. Returns the largest
+ * component of this correction relative to reach(); 0 if the Jacobian matrix J is singular,
+ * HUGE_VAL if the equations do not hold at the current state. */
 static double correction(struct search *s)
 {
     const size_t n = s->n;
@@ -148,7 +152,8 @@ static double correction(struct search *s)
     return most;
 }
 
-/* Refines the state by Newton's method while corrections shrink. Returns whether it is a root. */
+/* Refines the current state by Newton's method while the corrections shrink. Returns whether the
+ * refined state is a root. */
 static int is_root(struct search *s)
 {
     double size = correction(s);
@@ -166,14 +171,15 @@ static int is_root(struct search *s)
         }
         size = next;
     }
-    for (size_t i = 0; i < s->n; i++) /* removes round-off of body rates */
+    for (size_t i = 0; i < s->n; i++) /* body rates are exactly 0 at an equilibrium */
         s->v[i] = is_body_rate(s, i) ? 0 : s->v[i];
-    return size < HUGE_VAL && equations(s) && derivatives(s); /* also sets s->M for is_positive() */
+    /* derivatives() also computes the mass matrix s->M, which is_positive() reads */
+    return size < HUGE_VAL && equations(s) && derivatives(s);
 }
 
-/* Returns whether a root at which J is singular lies on a continuum of equilibria: steps BESIDE
- * along a null direction and solves again, which undoes most of the step if the root is
- * isolated. */
+/* Returns whether a root at which the Jacobian matrix is singular lies on a continuum of
+ * equilibria. Moves the state by the fraction BESIDE of its scale along a null direction and solves
+ * again. If the root is isolated, the solver undoes most of this step. */
 static int goes_on(struct search *s)
 {
     double *const at = s->p_q, *const step = s->F_q, back = 0, way = 0;
@@ -196,7 +202,8 @@ static int goes_on(struct search *s)
     }
     s->slack = slack;
     const int goes = off <= 1e-4 && back < way / 4;
-    for (size_t i = 0; i < s->n && !goes; i++) /* marks the root as uncertain in this direction */
+    /* an isolated root is known less accurately along the null direction */
+    for (size_t i = 0; i < s->n && !goes; i++)
         s->step[i] = step[i] / 100;
     return goes;
 }
@@ -207,8 +214,9 @@ static int is_positive(struct search *s)
     return is_bound(s) || pk_ldl_factor(s->J, s->n) == 0;
 }
 
-/* Returns whether the solver's last step was round-off. Small residuals would not show this: a pole
- * of the equations in the box makes their scale large, so that all scaled residuals are small. */
+/* Returns whether the solver's last step was round-off. Small residuals would not show that the
+ * solver has converged: if the equations have a pole in the box, their scale is large, and all
+ * residuals relative to this scale are small. */
 static int arrived(struct search *s, const gsl_vector *step)
 {
     for (size_t i = 0; i < s->n; i++)
@@ -217,7 +225,7 @@ static int arrived(struct search *s, const gsl_vector *step)
     return 1;
 }
 
-/* Solves from the guess z. Returns whether it found a new root. */
+/* Solves the equations from the guess z of the unknowns. Returns whether this gave a new root. */
 static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vector *z,
                     gsl_multiroot_function_fdf *function, struct pk_equilibria *found)
 {
@@ -233,7 +241,8 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
         set_unknowns(s, solver->x);
     const int again = s->known != NULL;
     s->known = NULL;
-    if (!is_root(s)) /* tested even if GSL reports no progress, which may be due to round-off */
+    /* Tests the point even if GSL reports no progress, which may be due to round-off. */
+    if (!is_root(s))
         found->failed += !again;
     else if (!is_positive(s))
         found->singular += !again;

@@ -1,16 +1,18 @@
-/* The equations of equilibria with rotations and constraints. The unknowns are all numbers of q and
- * v, independent of the constraints. The equations are:
+/* The equations of equilibria of systems with rotations or constraints. The unknowns are the same
+ * as without constraints (see equilibria.c): one for each coordinate, body rate and other
+ * first-order variable, and 4 for each quaternion. In the equations below, a is the acceleration, p
+ * the momentum, w a component of a body's angular velocity, Q its quaternion, phi = 0 a holonomic
+ * constraint and J v + j0 = 0 all constraints on rates:
  *
- *     for a coordinate     a_i = 0; if it is cyclic, p_i = its initial value
+ *     for a coordinate     a_i = 0; if the coordinate is cyclic, p_i = its initial value
  *     for a body rate      w_i = 0
- *     for a quaternion     the body's three accelerations = 0, |Q|^2 = 1
- *     in addition          phi = 0, J v + j0 = 0
+ *     for a quaternion     the body's three angular accelerations = 0, |Q|^2 = 1
+ *     for the constraints  phi = 0, J v + j0 = 0
  *
  * The accelerations include constraint forces, so they satisfy J a = 0, and rows of the Jacobian
- * matrix are linearly dependent; on a continuum of equilibria its columns are too. The
- * Levenberg-Marquardt method (gsl_multifit_nlinear) solves them, and Newton's corrections have
- * least norm.
- */
+ * matrix of the equations are linearly dependent. On a continuum of equilibria its columns are
+ * linearly dependent, too. The equations are therefore solved by the Levenberg-Marquardt method
+ * (gsl_multifit_nlinear) and by Newton's method with corrections of least norm. */
 #include <string.h>
 
 #include <gsl/gsl_blas.h>
@@ -23,8 +25,9 @@
 #include "equilibria_search.h"
 
 enum { ITERATIONS = 100, NEWTON = 6 };
-static const double DEPENDENT = 1e-7; /* relative singular values below it count as 0 */
-static const double BESIDE = 1e-6;    /* step of central differences, relative to reach() */
+/* singular values below this fraction of the largest one count as 0 */
+static const double DEPENDENT = 1e-7;
+static const double BESIDE = 1e-6; /* step of central differences, as a fraction of reach() */
 
 int pk_bound_equations(struct search *s)
 {
@@ -96,7 +99,8 @@ void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df)
         if (!pk_bound_equations(s) || !pk_bound_derivatives(s) || !pk_bound_correct(s) ||
             !pk_all_finite(s->F, s->n))
             break;
-        for (size_t i = 0; i < s->n; i++) { /* tiny numbers become 0, since squares underflow */
+        /* Numbers much smaller than the box become 0, since their squares would underflow. */
+        for (size_t i = 0; i < s->n; i++) {
             const double x = *unknown(s, i) - s->F[i];
             *unknown(s, i) = fabs(x) > 1e-40 * s->box[i] ? x : 0;
         }

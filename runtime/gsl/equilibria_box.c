@@ -21,9 +21,10 @@ void pk_equilibria_normalise(struct search *s)
     }
 }
 
-/* Point 0 is the middle of the box. Half of the other points lie in the box, a quarter in a box 4
- * times as wide and a quarter in one 32 times as wide; angles always lie in the box. Halton's bases
- * begin at 3, since base 2 correlates with the choice of the box by k % 4. */
+/* Point 0 is the middle of the box. Half of the other points k lie in the box, a quarter in a box 4
+ * times as wide and a quarter in one 32 times as wide; k % 4 chooses the box. Angles always lie in
+ * the box. The bases of Halton's sequence begin at 3, since base 2 correlates with the choice of
+ * the box. */
 void pk_equilibria_place(struct search *s, size_t k)
 {
     static const double widths[] = {32, 1, 4, 1};
@@ -34,22 +35,26 @@ void pk_equilibria_place(struct search *s, size_t k)
     }
     for (size_t i = quaternions(s); k && i < quaternions(s) + 4 * s->problem->system->n_rotations;
          i++)
-        s->v[i] -= s->middle[i]; /* any orientation, not only near the initial one */
+        /* The initial quaternion is removed, so that points have any orientation, not only those
+         * near it. */
+        s->v[i] -= s->middle[i];
     pk_equilibria_normalise(s);
 }
 
-/* Returns whether q_i and q_i + 2 pi are the same position, tested at three states. The tolerance
- * of each momentum and force is relative to its own size: sizes may differ by orders of
- * magnitude. */
+/* Returns whether q_i is an angle, so that q_i and q_i + 2 pi are the same position. Compares all
+ * momenta and forces at these two values, for three states. The tolerance of each number is
+ * relative to its own size, since sizes may differ by orders of magnitude. */
 static int is_turn(struct search *s, size_t i)
 {
-    double *size = s->p_q, *change = s->F_q; /* largest size and change of each number */
+    /* for each number compared: its largest size and largest change by the turn */
+    double *size = s->p_q, *change = s->F_q;
     double *copy = s->M;
     const size_t n = s->n;
     const struct {
         const double *of;
         size_t count;
-    } parts[] = {{s->p, n}, {s->pdot, n}, {s->F, s->rows}}; /* p and pdot, or F if is_bound() */
+        /* the numbers compared: p and pdot, or the residuals F if is_bound() */
+    } parts[] = {{s->p, n}, {s->pdot, n}, {s->F, s->rows}};
     int same = 1;
     for (int part = is_bound(s) ? 2 : 0; part < (is_bound(s) ? 3 : 2) && same; part++) {
         const double *now = parts[part].of;
@@ -75,15 +80,17 @@ static int is_turn(struct search *s, size_t i)
         double most = 0;
         for (size_t j = 0; j < count; j++)
             most = fmax(most, size[j]);
-        for (size_t j = 0; j < count; j++) /* if size[j] should be 0, it is round-off of `most` */
+        /* A number that should be 0 has a size[j] of round-off of the largest number, `most`. */
+        for (size_t j = 0; j < count; j++)
             same = same && change[j] <= 1e-9 * size[j] + 1e-14 * most;
     }
     return same;
 }
 
-/* Sets box to the extent of the motion in some steps of dop853: the largest |q - q0|, or |v| for
- * unknowns v_i. Steps count from the first one that is not twice as long as the step before. The
- * motion is cut off where an unknown is RUNAWAY times as large as after the first counted step. */
+/* Sets the box to the extent of the motion in the first MOTION steps of dop853: the largest |q -
+ * q0|, or |v| for unknowns v_i. At first the step size grows from its initial guess; steps count
+ * from the first one that is less than twice as long as the step before. The motion is cut off
+ * where an unknown is RUNAWAY times as large as after the first counted step. */
 static void extent(struct search *s, const double *q0, const double *v0)
 {
     const struct pk_method *method = &pk_method_dop853;
@@ -94,7 +101,8 @@ static void extent(struct search *s, const double *q0, const double *v0)
     double before = HUGE_VAL, *begun = s->p;
     int settled = 0, runs = 1;
     options.rtol = 1e-6;
-    options.atol = 1e-300; /* effectively 0: the scale of q is not known */
+    /* The absolute tolerance is effectively 0, since the scale of q is not known. */
+    options.atol = 1e-300;
     memset(s->box, 0, s->n * sizeof *s->box);
     if (!block)
         return;
@@ -118,9 +126,9 @@ static void extent(struct search *s, const double *q0, const double *v0)
     free(block);
 }
 
-/* Sets the box of each unknown: twice the extent of the motion or 2 |q0| (2 |v0|), whichever is
- * larger; if both are 0, the largest box of the other coordinates, or 1. The box of an angle is pi,
- * of a quaternion 1. */
+/* Sets the box of each unknown: twice the extent of the motion or 2 |q0| (2 |v0| for unknowns v_i),
+ * whichever is larger. If both are 0, a coordinate gets the largest box of the other coordinates,
+ * or 1. The half-width of the box is pi for an angle and 1 for a quaternion. */
 static void choose_box(struct search *s, const double *q0, const double *v0)
 {
     double others = 0;
@@ -155,7 +163,8 @@ static void measure(struct search *s)
     }
     for (size_t i = 0; i < s->rows; i++)
         s->scale[i] = fmax(s->scale[i], most > 0 ? 1e-14 * most : 1);
-    for (size_t i = 0; i < s->n; i++) /* body rates are 0 at all points of the search */
+    /* Body rates are 0 at all points of the search, so their scale is that of the box. */
+    for (size_t i = 0; i < s->n; i++)
         if (is_body_rate(s, i))
             s->scale[i] = s->box[i];
     for (size_t r = 0; r < s->problem->system->n_rotations; r++)

@@ -7,18 +7,19 @@
 
 #include "equilibria_search.h"
 
-/* Returns the part of unknown i in the squared distance between the state and root k, in units of
- * the box. An angle contributes a squared sine, so that all its turns are deflated. A quaternion
- * contributes the squared sine of half the angle from the root's quaternion, in its first
- * component. Sets *half to half the derivative of the squared distance with respect to the
- * unknown. */
+/* Returns the contribution of unknown i to the squared distance between the current state and root
+ * k, in units of the box. An angle contributes a squared sine, so that the root is also deflated at
+ * angles that differ by whole turns. A quaternion contributes the squared sine of half the angle
+ * from the root's quaternion, returned for the first of its 4 components; the others return 0. Sets
+ * *half to half the derivative of the squared distance with respect to the unknown. */
 static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
                     double *half)
 {
     const int c = is_by_rate(s, i);
     const double *root = (c ? known->v : known->q) + k * s->n;
     const double d = *unknown(s, i) - root[i], size = s->box[i];
-    const size_t part = i - quaternions(s); /* unsigned, so huge if i is before the quaternions */
+    /* i - quaternions(s) is unsigned: it is huge if unknown i comes before the quaternions. */
+    const size_t part = i - quaternions(s);
     if (part < 4 * s->problem->system->n_rotations) {
         const double *Q = s->v + (i - part % 4), *R = root + (i - part % 4);
         *half = Q[part % 4] - (Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3]) * root[i];

@@ -12,8 +12,9 @@ double pk_equilibria_energy(const struct search *s, const double *q, const doubl
     return system->energy ? system->energy(s->problem->params, 0, q, v, NULL) : 0;
 }
 
-/* Returns whether the state is on the same continuum as known root k: their energies agree or, with
- * nonholonomic constraints, the eigenvalues of their linearised equations. */
+/* Returns whether the state is on the same continuum of equilibria as known root k. The test
+ * compares their energies; with nonholonomic constraints, it also accepts equal eigenvalues of the
+ * linearised equations. */
 static int is_continued(struct search *s, double h, double size, const struct pk_equilibria *found,
                         size_t k)
 {
@@ -23,13 +24,15 @@ static int is_continued(struct search *s, double h, double size, const struct pk
         return 1;
     if (kept->n == kept->n_holonomic)
         return 0;
-    double *const here = s->p_q, *const there = s->F_v, most = 0; /* arrays of 4 n numbers */
+    /* Each array holds 4 n numbers: real and imaginary parts of 2 n eigenvalues. */
+    double *const here = s->p_q, *const there = s->F_v, most = 0;
     size_t count, other;
     if (pk_gsl_rates(s->problem, 0, s->q, s->v, here, here + 2 * s->n, &count) != PK_DONE ||
         pk_gsl_rates(s->problem, 0, q, v, there, there + 2 * s->n, &other) != PK_DONE)
         return 0;
     double apart = 0;
-    for (size_t power = 2; power <= 8; power += 2) { /* compares sums of |eigenvalue|^power */
+    /* compares the sums of |eigenvalue|^power at both states */
+    for (size_t power = 2; power <= 8; power += 2) {
         double a = 0, b = 0;
         for (size_t i = 0; i < count; i++)
             a += pow(hypot(here[i], here[2 * s->n + i]), (double)power);

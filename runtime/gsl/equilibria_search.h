@@ -19,23 +19,24 @@ static const double TWO_PI = 6.283185307179586476925;
 struct search {
     const struct pk_problem *problem;
     size_t n;
-    double *q, *v;               /* the current state; entries that are no unknowns are fixed */
-    double *kept;                /* initial momenta */
-    double *step;                /* Newton's last correction */
-    double *along;               /* a null direction of J, from pk_bound_correct() */
-    double energy;               /* |energy| of the initial state */
-    size_t slack;                /* dimension of the null space of J */
-    double *box, *middle;        /* unknown i is sought in middle_i +- box_i */
-    size_t rows;                 /* number of equations: n, or more with constraints */
-    double *p, *pdot, *pivot;    /* n */
-    double *F, *scale;           /* residual and scale of each equation */
-    double *rest, *r_t;          /* n numbers each; `rest` holds zeros */
-    double *M, *p_q, *F_q, *F_v; /* work arrays of rows by n numbers */
-    double *J;                   /* rows by n: dF/d(unknowns) */
-    unsigned char *turns;        /* whether q_i + 2 pi is the same position */
-    unsigned char *unread;       /* whether i is a quadrature: no rate depends on it */
-    size_t *primes;              /* n + 1 bases of Halton's points */
-    double *slope;               /* gradient of the logarithm of the deflation factor */
+    double *q, *v;            /* the current state; its entries that are not unknowns stay fixed */
+    double *kept;             /* initial momenta */
+    double *step;             /* Newton's last correction */
+    double *along;            /* a direction in the null space of J, from pk_bound_correct() */
+    double energy;            /* |energy| of the initial state */
+    size_t slack;             /* dimension of the null space of J */
+    double *box, *middle;     /* unknown i is sought in middle_i +- box_i */
+    size_t rows;              /* number of equations: n, or more with constraints */
+    double *p, *pdot, *pivot; /* n */
+    double *F, *scale;        /* residual and scale of each of these equations */
+    /* n numbers each; `rest` holds zeros, as the accelerations of a state at rest */
+    double *rest, *r_t;
+    double *M, *p_q, *F_q, *F_v; /* work arrays of `rows` by n numbers */
+    double *J;                   /* the Jacobian matrix dF/d(unknowns), `rows` by n */
+    unsigned char *turns;        /* whether q_i is an angle: q_i + 2 pi is the same position */
+    unsigned char *unread;       /* whether variable i is a quadrature: no rate depends on it */
+    size_t *primes; /* n + 1 primes, the bases of Halton's sequence for starting points */
+    double *slope;  /* gradient of the logarithm of pk_equilibria_deflated() */
     const struct pk_equilibria *known; /* roots to deflate, or NULL */
 };
 
@@ -93,11 +94,12 @@ static inline double reach(struct search *s, size_t i)
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
 }
 
-/* Callbacks by which GSL's solvers compute F and J. */
+/* Callbacks by which GSL's solvers compute the residuals F and their Jacobian matrix J. */
 typedef int pk_gsl_vector(const gsl_vector *z, void *search, gsl_vector *f);
 typedef int pk_gsl_matrix(const gsl_vector *z, void *search, gsl_matrix *J);
 
-/* With rotations or constraints: pk_bound_equations() computes F, pk_bound_derivatives() J, and
+/* These functions are for systems with rotations or constraints. pk_bound_equations() computes the
+ * residuals F of the equations, pk_bound_derivatives() computes their Jacobian matrix J, and
  * pk_bound_solve() minimises |F| from the current state. */
 int pk_bound_equations(struct search *s);
 int pk_bound_derivatives(struct search *s);
@@ -106,7 +108,7 @@ void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
  * failure. */
 int pk_bound_correct(struct search *s);
 
-/* Computes F at the state; returns 0 if it is not finite. */
+/* Computes the residuals F at the current state; returns 0 if one of them is not finite. */
 static inline int equations(struct search *s)
 {
     const struct pk_problem *problem = s->problem;
@@ -114,7 +116,8 @@ static inline int equations(struct search *s)
     if (is_bound(s))
         return pk_bound_equations(s);
     system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
-    if (system->n_first_order) /* computes pdot at rest and rates of first-order variables */
+    /* f of M a = f: for coordinates pdot at rest, for first-order variables their rates */
+    if (system->n_first_order)
         system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
     for (size_t i = 0; i < s->n; i++)
         s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i]
@@ -124,14 +127,15 @@ static inline int equations(struct search *s)
 }
 
 /* Sets the box, the angles, the initial momenta and the scale of each equation. Entries of the
- * state that are no unknowns become initial positions or rates of 0. */
+ * state that are not unknowns are set: positions to their initial values, rates to 0. */
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0);
 /* Scales quaternions to length 1. */
 void pk_equilibria_normalise(struct search *s);
 /* Sets the unknowns of the state to point k of the search; point 0 is the middle of the box. */
 void pk_equilibria_place(struct search *s, size_t k);
-/* Returns the deflation factor prod (1 + 1/|z - z_k|^2) over the known roots z_k, with distances in
- * units of the box; infinite at a root. Sets s->slope to the gradient of its logarithm. */
+/* Returns the deflation factor, the product of 1 + 1/|z - z_k|^2 over the known roots z_k, where z
+ * are the unknowns and distances are in units of the box. The factor is infinite at a root. Sets
+ * s->slope to the gradient of its logarithm. */
 double pk_equilibria_deflated(struct search *s);
 
 /* Returns the energy at q and v, or 0 if the system has none. */

@@ -1,8 +1,8 @@
-/* Finds the lines of a spectrum one by one; see pk/spectrum.h. GSL's radix-2 transform works in
- * place on the residual of the fit so far. The residual is windowed, since the fit weights samples
- * by the window and leaves larger residuals at the ends. It is padded with zeros to at least twice
- * its length, so that the frequency grid is finer than the width of a line.
- */
+/* Finds the lines of a spectrum one by one; see pk/spectrum.h. After each line, the residual is the
+ * samples minus the lines fitted so far. GSL's radix-2 transform of this residual gives the next
+ * line. The residual is multiplied by the window: the fit weights samples by the window, so that it
+ * leaves larger residuals at both ends. The residual is padded with zeros to at least twice its
+ * length, so that the frequency grid is finer than the width of a line. */
 #include <math.h>
 #include <string.h>
 
@@ -26,8 +26,8 @@ static size_t padded(size_t count)
 
 size_t pk_gsl_spectrum_size(size_t count) { return (padded(count) + count) * sizeof(double); }
 
-/* Brackets the largest peak of the transform between grid frequencies lo and hi. Returns its
- * amplitude, or -1 on failure. */
+/* Finds the largest peak of the transform, and sets lo and hi to grid frequencies below and above
+ * it. Returns the peak's amplitude, or -1 on failure. */
 static double strongest(const double *left, size_t count, double dt, double *work, double *lo,
                         double *hi)
 {

@@ -1,6 +1,6 @@
 /* The area enclosed by a loop in phase space; see pk/gsl.h. It integrates Fourier series of q and p
- * along the loop. The error comes from harmonics that the samples do not resolve; the size of the
- * last resolved harmonics shows it. */
+ * along the loop. The samples do not resolve all harmonics, which causes an error; the size of the
+ * last resolved harmonics shows how large this error is. */
 #include <math.h>
 
 #include <gsl/gsl_errno.h>
@@ -12,10 +12,11 @@
 #include "pencil.h"
 
 enum {
-    LARGEST = 1000, /* largest prime factor p of a length; it takes time p^2 */
-    ROUNDINGS = 4,  /* rounding of a sample, in units in the last place */
+    /* limit of the largest prime factor p of the number of samples; a transform takes time p^2 */
+    LARGEST = 1000,
+    ROUNDINGS = 4, /* assumed rounding error of a sample, in units in the last place */
     FEW = 4
-}; /* FEW: least number of harmonics in a mean square */
+}; /* FEW: least number of harmonics over which last_of() takes a mean square */
 
 static size_t largest_factor(size_t count)
 {
@@ -26,7 +27,7 @@ static size_t largest_factor(size_t count)
     return count > most ? count : most;
 }
 
-/* Returns how many of the highest harmonics show the error. */
+/* Returns how many of the highest harmonics are used to estimate the error of the series. */
 static size_t last_of(size_t harmonics) { return harmonics / 8 > FEW ? harmonics / 8 : FEW; }
 
 static double square(const double *c, size_t j)
@@ -43,9 +44,11 @@ static double mean_square(const double *c, size_t from, size_t to)
     return to > from ? sum / (double)(to - from) : 0;
 }
 
-/* Sets rms, tail, rounding and flatness of a series from its transform c; `most` is its largest
- * |sample|. `besides` is the variation outside the harmonics, in their scale: the increase round
- * the loop of a winding q, or the mean of its p. */
+/* Describes a series of samples by its Fourier transform c: sets its rms, its tail (the size of its
+ * last harmonics relative to all), its rounding error, and whether the last harmonics are flat (do
+ * not decay). `most` is the largest |sample|. `besides` is the variation that the harmonics do not
+ * contain, on the scale of c. It is 0 unless q winds round the loop; then it is the increase of q
+ * for the series of q, and the mean of p for the series of p. */
 static void describe(struct pk_loop_series *s, const double *c, size_t count, double most,
                      double besides)
 {

@@ -1,4 +1,5 @@
-/* Normal modes of a natural system, K u = omega^2 M u; see pk/gsl_equilibria.h. */
+/* Normal modes u of a natural system with the mass matrix M and the stiffness matrix K: the
+ * solutions of K u = omega^2 M u; see pk/gsl_equilibria.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,8 @@
 #include "../src/core/internal.h"
 #include "pencil.h"
 
-static const double SAME = 1e-12; /* relative size below which numbers count as 0 */
+/* numbers below this fraction of the scale of K and M count as 0 */
+static const double SAME = 1e-12;
 
 /* Computes M and the symmetric part K of -d(pdot)/dq. Returns PK_REFUSED if forces depend on rates,
  * or the matrix is not symmetric. */
@@ -35,7 +37,8 @@ static enum pk_status pencil(const struct pk_problem *problem, size_t n, const d
     return PK_DONE;
 }
 
-/* Copies column k of U, a mode, to `shape`, with the sign that makes its largest entry positive. */
+/* Copies column k of U, which is a mode, to `shape`. Chooses the mode's sign so that its largest
+ * entry is positive. */
 static void take(size_t n, const double *U, size_t k, double *shape)
 {
     double most = 0;

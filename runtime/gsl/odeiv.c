@@ -26,9 +26,10 @@
 struct foreign {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver;
-    enum pk_status status; /* status of the right-hand side; GSL only knows whether it failed */
-    double h;              /* step size that GSL proposes; 0: none yet */
-    double *linear;        /* work for the Jacobian; NULL if it is not used */
+    /* GSL only knows whether the right-hand side failed; this is its status. */
+    enum pk_status status;
+    double h;       /* step size that GSL proposes; 0 before its first proposal */
+    double *linear; /* work memory for the Jacobian matrix; NULL if the method does not use one */
 };
 
 static int right_hand_side(double t, const double *y, double *dy, void *context)
@@ -50,7 +51,8 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
         return GSL_SUCCESS;
     }
     pk_trouble(it, f->status, t);
-    return GSL_FAILURE; /* GSL then halves the step; on GSL_EBADFUNC it would give up */
+    /* after GSL_FAILURE GSL halves the step; after GSL_EBADFUNC it would give up */
+    return GSL_FAILURE;
 }
 
 static int jacobian(double t, const double *y, double *df_dy, double *df_dt, void *context)
@@ -122,7 +124,8 @@ static int hadjust(void *context, size_t dim, unsigned int order, const double y
 static void *control_alloc(void)
 {
     static char none;
-    return &none; /* not NULL, which GSL takes for a failed allocation; set by init() */
+    /* GSL takes NULL for a failed allocation, so this is the address of an unused byte. */
+    return &none;
 }
 
 static int control_init(void *context, double eps_abs, double eps_rel, double a_y, double a_dydt)
@@ -191,7 +194,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     struct foreign *f = (struct foreign *)it->own->extra;
     const double left = limit - it->t;
     double t = it->t, h = f->h;
-    if (!(h * left > 0)) { /* first step, or the direction of time has changed */
+    if (!(h * left > 0)) { /* in the first step, or after the direction of time has changed */
         h = it->options.h > 0 ? it->options.h : 1e-3 * (left > 0 ? left : -left);
         h = left > 0 ? h : -h;
         it->own->flags = 0;

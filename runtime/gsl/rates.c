@@ -48,7 +48,8 @@ enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, 
     enum pk_status status = A && place ? PK_DONE : PK_NO_MEMORY;
     for (size_t i = 0; i < n; i++)
         unread[i] = i >= m;
-    for (size_t k = 0; k < 3 && status == PK_DONE; k++) { /* the state, and two states near it */
+    /* k = 0: the given state; k = 1, 2: two states near it */
+    for (size_t k = 0; k < 3 && status == PK_DONE; k++) {
         for (size_t i = 0; i < n; i++) {
             place[i] = q[i] + (double)k * (0.01 + 0.013 * (double)i) * (1 + fabs(q[i]));
             place[n + i] = v[i] + (double)k * (0.02 + 0.011 * (double)i) * (1 + fabs(v[i]));

@@ -6,9 +6,11 @@
 
 #include <pk/integrator.h>
 
-/* Computes A at a state, N by N with N = n + m for m coordinates. z = (displacements of coordinates
- * and first-order variables, in the order of the degrees of freedom; displacements of the
- * coordinates' rates). Returns a status of pk_system_linear(), or PK_NO_MEMORY. */
+/* Computes the matrix A at a state. A is N by N, N = n + m, for n degrees of freedom, m of which
+ * are coordinates; the others are first-order variables. The vector z holds n displacements of
+ * coordinates and first-order variables, in the order of the degrees of freedom, and then m
+ * displacements of the coordinates' rates. Returns a status of pk_system_linear(), or PK_NO_MEMORY.
+ */
 enum pk_status pk_gsl_linearised(const struct pk_problem *problem, double t, const double *q,
                                  const double *v, gsl_matrix *A);
 

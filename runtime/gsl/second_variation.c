@@ -1,11 +1,13 @@
-/* The eigenvalues of the second variation, C a = lambda B a; see pk/least_action.h. */
+/* The eigenvalues lambda of the second variation of the action, C a = lambda B a for amplitudes a
+ * of modes; pk/least_action.h defines the matrices C and B. */
 #include <stdlib.h>
 
 #include <pk/gsl.h>
 
 #include "pencil.h"
 
-/* Copies the rows and columns of the first `modes` modes of each coordinate. */
+/* Copies from a matrix of all modes the rows and columns of the first `modes` modes of each
+ * coordinate. */
 static void part(const struct pk_least_action *found, const double *from, size_t modes, double *to)
 {
     const size_t all = found->modes, wide = found->n * all, m = found->n * modes;

@@ -1,6 +1,6 @@
-/* Ensembles in threads of OpenMP; without -fopenmp, in one thread. Each thread takes a few blocks
- * of members at a time, since members differ in cost. With many members it takes more blocks at a
- * time, so that SIMD lanes whose members have ended can take other members.
+/* Ensembles in threads of OpenMP; without -fopenmp, in one thread. A thread takes a few blocks of
+ * BLOCK members at a time, since members differ in cost. In large ensembles it takes more blocks at
+ * a time: when a member in a SIMD lane has ended, another member of these blocks can use its lane.
  */
 #include <pk/ensemble.h>
 
@@ -8,7 +8,8 @@
 #include <omp.h>
 #endif
 
-enum { BLOCK = 64, MOST = 16, SHARES = 8 }; /* BLOCK: a multiple of every number of lanes */
+/* BLOCK: members per block, a multiple of every number of SIMD lanes */
+enum { BLOCK = 64, MOST = 16, SHARES = 8 };
 
 size_t pk_ensemble_threads(void)
 {

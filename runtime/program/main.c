@@ -119,7 +119,7 @@ static int go(struct program *p)
         code = failed("write", partial);
     const int over =
         run && (code == PK_RUN_DONE || (code == PK_RUN_FAILED && strlen(pk_run_report(run)) > 2));
-    if (checkpoint && over) /* the run has ended: its checkpoint is of no use */
+    if (checkpoint && over) /* A run that has ended does not need its checkpoint any more. */
         remove(checkpoint);
     if (run && p->output && code != PK_RUN_USAGE && code != PK_RUN_LEFT) {
         const int whole = strstr(pk_run_report(run), "\"whole\": true") != NULL;

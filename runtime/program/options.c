@@ -20,7 +20,7 @@ void options_free(struct program *p)
 /* The lists in the settings to which options append values, by kind; see find_name(). */
 static const struct list {
     char kind;
-    size_t list, count; /* offsets in struct pk_run_settings */
+    size_t list, count; /* offsets of the list and of its length in struct pk_run_settings */
 } assigned[] = {
 #define PLACE(member) offsetof(struct pk_run_settings, member)
     {'p', PLACE(parameters), PLACE(n_parameters)},
@@ -49,7 +49,7 @@ static void add(struct program *p, const struct list *of, struct pk_run_value x)
 struct option {
     const char *name, *value, *help;
     int (*take)(struct program *p, const struct option *o, const char *text);
-    size_t offset;     /* offset of the number in struct pk_run_settings */
+    size_t offset;     /* offset in struct pk_run_settings of the number that the option sets */
     const char *kinds; /* kinds of lists that assign() may append to */
 };
 
@@ -150,7 +150,8 @@ static int count(struct program *p, const struct option *o, const char *text)
     const unsigned long x = strtoul(text, &end, 10);
     if (!isdigit((unsigned char)*text) || *end || !x)
         return usage(o->name, text, "not a positive whole number");
-    memcpy((char *)&p->settings + o->offset, &x, sizeof x); /* size_t has the same size as x */
+    /* The number in the settings may be a size_t, which has the same size as x. */
+    memcpy((char *)&p->settings + o->offset, &x, sizeof x);
     return 0;
 }
 

@@ -13,11 +13,14 @@ extern const struct pk_run_settings program_settings;
 struct program {
     const char *name;
     struct pk_run_settings settings;
-    const char *output; /* file of the rows; NULL: standard output */
-    int json, shows;    /* flags: report on standard output; progress on the terminal */
-    const char *shard, *starts, *to; /* a shard of a sweep: its JSON; its input and output file */
-    unsigned long first;             /* number of the shard's first member, from 0 */
-    void *lists[16];                 /* memory allocated by keep() */
+    const char *output; /* file to which rows are written; NULL: standard output */
+    /* flags: write the report on standard output; show the progress on the terminal */
+    int json, shows;
+    /* For a shard (some members of a sweep): text in JSON that describes it, file of the members'
+     * initial values, and file for their results. */
+    const char *shard, *starts, *to;
+    unsigned long first; /* index in the sweep of the shard's first member */
+    void *lists[16];     /* memory allocated by keep() */
     size_t n_lists;
 };
 

@@ -1,7 +1,7 @@
-/* A shard of a sweep: reads the members' values from a file of doubles and writes their results to
- * another file: blocks of numbers, then a line of JSON with their shapes. Python writes the same
- * format (pkgen_sweep/shards.py). The caller appends the digest and renames the file.
- */
+/* A shard of a sweep, which is a part of its members. Reads the members' values from a file of
+ * doubles and writes their results to another file: blocks of numbers, then a line of JSON with the
+ * shapes of these blocks. Python writes the same format (pkgen_sweep/shards.py). The program that
+ * calls this one appends a digest of the results and renames the file. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "program.h"
@@ -11,7 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MEMBERS = 1 << 14, WITH_ROWS = 1 << 8 }; /* members per block: without rows; with rows */
+/* Members per block: MEMBERS if only results are written, WITH_ROWS if rows are written, too. */
+enum { MEMBERS = 1 << 14, WITH_ROWS = 1 << 8 };
 
 static int wrong(const char *what, const char *path)
 {
@@ -19,7 +20,8 @@ static int wrong(const char *what, const char *path)
     return PK_RUN_USAGE;
 }
 
-/* Runs one block, and appends its shape and report to `shapes` and `reports`. */
+/* Runs one block of members, and appends the shape and the report of its results to the texts
+ * `shapes` and `reports`. */
 static int block(const struct program *p, size_t first, size_t count, const double *starts,
                  FILE *out, FILE *shapes, FILE *reports)
 {
@@ -51,7 +53,7 @@ static int block(const struct program *p, size_t first, size_t count, const doub
     return code;
 }
 
-/* Runs all blocks, then writes a line of JSON. */
+/* Runs all blocks of members, then writes a line of JSON. */
 static int blocks(const struct program *p, FILE *in, FILE *out)
 {
     const size_t n = p->settings.n_member_columns;

@@ -5,7 +5,9 @@
 #include "settings/settings.h"
 #include "steps/steps.h"
 
-#define LAP_SECONDS 1e-3 /* least duration of a lap; reading the clock is much faster */
+/* The timed repetitions of a run must take at least so long, so that the time to read the clock is
+ * negligible. */
+#define LAP_SECONDS 1e-3
 
 static void tell_failure(struct pk_run *run)
 {
@@ -23,7 +25,7 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     char reason[640];
     code = rows_end(run, code);
     if (run->write_failed == EPIPE)
-        return PK_RUN_DONE; /* the program that reads the rows has ended */
+        return PK_RUN_DONE; /* the program to which the rows are piped has ended */
     if (!run->settings.asked.bare && !run->settings.asked.compared) {
         trust_judge(run);
         watch_warn(run);
@@ -48,7 +50,8 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     return code;
 }
 
-/* Writes rows if there are no others: a bare run its final state, a compared run start and end. */
+/* Writes the rows of runs that write none during their steps: of a bare run, the final state; of a
+ * compared run whose event never occurred, the initial and final states. */
 static void ends(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
@@ -169,17 +172,20 @@ static const char *once(struct pk_run *run, char **text,
     return *text ? *text : "{}";
 }
 
-const char *pk_run_report(struct pk_run *run) /* an ensemble sets run->report */
+/* the report of an ensemble is already in run->report */
+const char *pk_run_report(struct pk_run *run)
 {
     const int known = (run->report || run->it.method) && !run->checkpoint.refused;
-    return known ? once(run, &run->report, report_run) : "{}"; /* no report without a state */
+    /* {}: a run without a state has no report */
+    return known ? once(run, &run->report, report_run) : "{}";
 }
 
 const char *pk_run_given(struct pk_run *run) { return once(run, &run->told, settings_tell); }
 
 const char *pk_run_messages(const struct pk_run *run)
 {
-    const int none = run->code == PK_RUN_FAILED; /* failures with other codes have messages */
+    /* failures with any other code have left a message */
+    const int none = run->code == PK_RUN_FAILED;
     return run->said ? run->said : none ? "out of memory\n" : "";
 }
 
@@ -192,8 +198,8 @@ size_t pk_run_size(int which)
     return which >= 0 && which < 4 ? sizes[which] : 0;
 }
 
-/* The number of laps is doubled until the clock resolves them; the clock of CPU time may tick in
- * milliseconds. */
+/* Repeats the run several times between two readings of the clock, and doubles the number of
+ * repetitions until they take LAP_SECONDS, since the clock of CPU time may tick in milliseconds. */
 double pk_run_laps(struct pk_run *run, double seconds)
 {
     const struct settings *s = &run->settings;

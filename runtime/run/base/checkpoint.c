@@ -17,8 +17,8 @@ enum { VERSION = 2, SUMMED = 24, TAIL = 1 << 16 };
 struct head {
     char magic[16];
     uint32_t version, sum; /* `sum`: CRC-32 of all bytes after it */
-    uint64_t order, size;  /* the constant ORDER; size of the file in bytes */
-    uint32_t real, note;   /* size of pk_real; size of the note, which follows the header */
+    uint64_t order, size;  /* `order`: the constant ORDER; `size`: bytes in the file */
+    uint32_t real, note;   /* `real`: sizeof(pk_real); `note`: bytes in the note after the header */
 };
 
 uint32_t checkpoint_sum(uint32_t before, const void *bytes, size_t size)
@@ -76,7 +76,8 @@ int checkpoint_store(struct memory *memory, const char *path, const char *note,
     head.sum = checkpoint_sum(head.sum, bytes, size);
     char *beside = memory_take(memory, strlen(path) + sizeof ".new" + 2, 1);
     strcat(strcpy(beside, path), ".new");
-    /* Only the owner may read or write the file; pkgen checks the owner before it resumes. */
+    /* Only the file's owner may read or write it. Before it resumes, pkgen checks who the owner is.
+     */
     const int fd = open(beside, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0600);
     int wrong = fd < 0 || !all_written(fd, &head, sizeof head) ||
                         !all_written(fd, note, head.note) || !all_written(fd, bytes, size) ||
@@ -147,8 +148,9 @@ const unsigned char *checkpoint_load(struct memory *memory, const char *path, si
     return bytes + before;
 }
 
-/* Sets *sum to the CRC-32 of the last place->tail bytes; returns 0 if they cannot be read. `fd` may
- * be write-only, so the file is opened again as /dev/fd/N, if the system has that. */
+/* Sets *sum to the CRC-32 of the place->tail bytes before the offset place->at; returns 0 if these
+ * bytes cannot be read. `fd` may be write-only, so the file is opened again as /dev/fd/N, if the
+ * system has such files. */
 static int tail_sum(int fd, const struct place *place, uint64_t *sum)
 {
     unsigned char bytes[TAIL];

@@ -6,8 +6,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SELDOM 64u  /* steps between two readings of the clock, for short steps */
-#define SHORT 1e-3  /* if SELDOM steps take more seconds, each step reads the clock */
+#define SELDOM 64u /* if steps are short, the clock is read after so many steps */
+/* if SELDOM steps take more seconds than this, the clock is read after each step */
+#define SHORT 1e-3
 #define BETWEEN 0.1 /* seconds between two calls of `poll` */
 
 static double seconds_of(clockid_t clock)

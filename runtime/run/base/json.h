@@ -10,7 +10,8 @@
 
 struct json {
     FILE *file;
-    int depth, behind; /* number of open brackets; whether the next value needs a comma */
+    /* `depth`: number of open brackets; `behind`: whether the next value needs a comma */
+    int depth, behind;
 };
 
 struct json_real {
@@ -26,7 +27,8 @@ struct json_integer {
 void json_open(struct json *j, const char *key, char bracket);
 void json_close(struct json *j, char bracket);
 void json_text(struct json *j, const char *key, const char *text); /* NULL is written as null */
-void json_raw(struct json *j, const char *key, const char *text);  /* `text` is JSON */
+/* `text` is a value in JSON, which is written unchanged */
+void json_raw(struct json *j, const char *key, const char *text);
 void json_real(struct json *j, const char *key, pk_real x);
 void json_integer(struct json *j, const char *key, size_t x);
 /* Writes several members in order: json_reals(j, {"t", t}, {"energy", energy}). */

@@ -94,7 +94,9 @@ void memory_drop(struct memory *m, void *begin)
 
 void memory_end(struct memory *m)
 {
-    if (m->text) /* a longjmp() left it open: fclose() writes to its buffer, which must still exist */
+    /* A longjmp() may have left the text open. fclose() writes to its buffer, which must still
+     * exist. */
+    if (m->text)
         fclose(m->text);
     m->text = NULL;
     for (struct piece *piece = m->pieces, *next; piece; piece = next) {

@@ -7,9 +7,10 @@
 
 enum { DIGITS = 17 };
 
-/* Returns whether d[0..n) times 10^e reads back as x; the decimal point of d is after its first
- * digit. The long double product is right to two units in the last place; if both ends of that
- * interval round to one double, strtod() gives the same double. Otherwise strtod() decides. */
+/* Returns whether the decimal number d[0].d[1]...d[n-1] times 10^e, also given as `text`, reads
+ * back as x. It is computed as a long double, whose error is at most two units in the last place.
+ * If both ends of this error interval round to the same double, strtod() would return this double,
+ * too. Otherwise strtod() decides. */
 static int is_same(const char *text, const char *d, int n, int e, double x)
 {
     static const long double power[] = {1e0L,  1e1L,  1e2L,  1e3L,  1e4L,  1e5L,  1e6L,  1e7L,
@@ -29,15 +30,15 @@ static int is_same(const char *text, const char *d, int n, int e, double x)
     return strtod(text, NULL) == x;
 }
 
-/* Writes `exact`, which is d.ddde+XX with 17 digits, rounded to n digits in the form of %g. Returns
- * the length of the text; 0 if it does not read back as x. */
+/* Rounds `exact`, a number of 17 digits in the form d.ddde+XX, to n digits and writes it in the
+ * form of %g. Returns the length of the text; 0 if it does not read back as x. */
 static size_t rounded(char text[], const char *exact, int n, double x)
 {
     char d[DIGITS + 1], *p = text;
     const int sign = exact[0] == '-';
     int first = 1, e = atoi(exact + sign + DIGITS + 2);
     const int asked = n;
-    d[0] = '0'; /* takes the carry if nines are rounded up */
+    d[0] = '0'; /* rounding up digits 9 may carry into this digit */
     d[1] = exact[sign];
     memcpy(d + 2, exact + sign + 2, DIGITS - 1);
     if (n < DIGITS && d[n + 1] >= '5') {
@@ -79,7 +80,8 @@ size_t numbers_text(char text[NUMBERS_LONGEST], double x)
     sprintf(exact, "%.16e", x);
     char *const last = exact + (x < 0) + DIGITS;
     size_t length;
-    if (*last == '5') { /* the 17th digit is itself rounded; printf() rounds to 16 exactly */
+    /* A last digit 5 is itself rounded, so printf() rounds x, not this digit, to 16 digits. */
+    if (*last == '5') {
         sprintf(shorter, "%.15e", x);
         memmove(shorter + (last - exact) + 1, shorter + (last - exact), strlen(last));
         shorter[last - exact] = '0';
@@ -102,5 +104,5 @@ void numbers_write(FILE *file, double x)
     if (x > 0 || x <= 0)
         fwrite(text, 1, numbers_text(text, x), file);
     else
-        fputs("nan", file); /* no sign: libraries print it differently */
+        fputs("nan", file); /* never "-nan": C libraries differ in the sign that they print */
 }

@@ -1,6 +1,6 @@
-/* The action of a run of one degree of freedom, at the start and at rows: that of the orbit with
- * the energy of the row, if t in L is held constant. If L depends slowly on t, it is an adiabatic
- * invariant. */
+/* The action of a run with one degree of freedom, at the start and at rows. The action at a row is
+ * that of the orbit with the energy of this row, if t in L is held constant. If L depends slowly on
+ * t, the action is an adiabatic invariant. */
 
 #include "parts.h"
 
@@ -16,7 +16,8 @@ static struct pk_action action_at(struct pk_run *run, pk_real t, const pk_real *
     return found;
 }
 
-/* Writes rows of [t, action, period] until the orbit changes its kind. */
+/* Writes rows [t, action, period] until the kind of the orbit changes, as from libration to
+ * rotation. */
 static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;
@@ -26,7 +27,7 @@ static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit,
     pk_drift_init(&drift);
     json_open(j, "rows", '[');
     for (size_t k = 0; k < count && at.orbit == orbit; k++) {
-        const pk_real *x = diagnose_row(d, k, count); /* t, then q, v */
+        const pk_real *x = diagnose_row(d, k, count); /* the row: t, then q, then v */
         at = action_at(run, x[0], x + 1, x + 2, u);
         if (run_stopped(run, (double)k / (double)count))
             break;

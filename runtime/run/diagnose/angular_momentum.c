@@ -1,9 +1,12 @@
-/* Angular momentum of a run's particles; the torque shows whether the model conserves it. */
+/* Angular momentum of a run's particles, and its torque. If the torque is always 0, the model
+ * conserves angular momentum. */
 #include "bodies.h"
 
 struct turning {
     struct pk_drift drift[2][3]; /* [0] about the origin; [1] about the centre of mass */
-    pk_real first[2][3], last[2][3], torque[2], arm[2]; /* torque; scale of its terms */
+    /* `torque`: largest component of the torque so far; `arm`: size of the terms of which it is the
+     * sum */
+    pk_real first[2][3], last[2][3], torque[2], arm[2];
     int moves[3]; /* whether a particle moves along each axis */
 };
 

@@ -4,15 +4,15 @@
 
 #include "parts.h"
 
-/* q and p of all members at their common rows, for the area that the members enclose. */
+/* q and p of all members at the rows that all of them write; the members enclose an area. */
 struct loop {
-    size_t members, rows, n; /* n: coordinates; first-order variables have no momenta */
+    size_t members, rows, n; /* `n`: number of coordinates; first-order variables have no momenta */
     double *x;               /* [rows][q or p][n][members]; see area_series() */
     double *t;               /* time of each row; row 0 is the start */
-    size_t *came;            /* number of rows that each member has reached */
-    pk_real *work;           /* p and pdot of each member; members run in parallel */
-    size_t whole;            /* length of p, which includes first-order variables */
-    const char *gone;        /* why members may have ended early, for messages */
+    size_t *came;            /* number of rows that each member has written so far */
+    pk_real *work;    /* for each member: memory for p and pdot, since members run in parallel */
+    size_t whole;     /* number of components of p, which includes first-order variables */
+    const char *gone; /* text that says why members may have ended early, for messages */
 };
 
 /* Returns q_i, or p_i, of all members at one row, in member order. */

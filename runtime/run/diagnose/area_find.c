@@ -1,15 +1,16 @@
-/* The area of a loop of members in phase space: the sum over coordinates of the closed integral of
- * p dq, which any flow of L preserves (Poincare). The loop is a Fourier series over its members.
- * The motion stretches the loop until its members do not resolve it; then its last harmonics are
- * large.
+/* The area that the members of an ensemble enclose if they form a loop in phase space. The area is
+ * the closed integral of p dq, summed over coordinates, which any flow of a Lagrangian L preserves
+ * (Poincare). The loop is represented by Fourier series of q and p over its members. The motion
+ * stretches the loop until its members are too few to resolve it; then the last harmonics of the
+ * series are large.
  *
- * A series may be resolved badly if it contributes little to the sum: its tail, the size of its
- * last harmonics, is weighted by rms(q) rms(p) of its coordinate, relative to the sum over
- * coordinates. A large tail that decays means that the loop has details finer than the spacing of
- * its members; then the area is meaningless. A small tail that does not decay is due to errors of
- * single members, by round-off or step sizes; its effect on the area is known (`noise`). Reference:
- * V. I. Arnold, Mathematical Methods of Classical Mechanics, 44.
- */
+ * The size of a series' last harmonics, called its tail, measures how well the series is resolved.
+ * A coordinate that contributes little to the sum may be resolved badly. The tail is therefore
+ * weighted by rms(q) rms(p) of its coordinate, relative to the sum over coordinates. If a tail is
+ * large and its harmonics decay, the loop has details finer than the spacing of its members; then
+ * the area is meaningless. If a tail is small and its harmonics do not decay, it is due to errors
+ * of single members, by round-off or step sizes; their effect on the area is known (`noise`).
+ * Reference: V. I. Arnold, Mathematical Methods of Classical Mechanics, 44. */
 #include "area.h"
 
 #include "../settings/settings.h"
@@ -18,14 +19,15 @@
 #include <pk/gsl.h>
 
 #define RESOLVED 1e-12 /* largest weighted tail of a resolved loop */
-#define NOISY 1e-6     /* largest weighted tail of a noisy loop; a torn loop has more */
+/* largest weighted tail of a loop with noise; that of a torn (not closed) loop is larger */
+#define NOISY 1e-6
 
 enum quality { GOOD, NOISE, COVERED, FINER };
 
 struct finding {
     struct loop *l;
     size_t common;              /* number of rows that all members have */
-    double *winding;            /* increase of each coordinate once round the loop */
+    double *winding;            /* increase of each coordinate in one turn round the loop */
     struct pk_loop_area *parts; /* areas by row, then coordinate */
     int smooth, adaptive;
 };
@@ -80,8 +82,8 @@ static struct row row_of(const struct finding *f, size_t row)
     return found;
 }
 
-/* Returns whether q_i and q_i + turn are the same position: p and pdot of three members with
- * nonzero rates must agree. */
+/* Returns whether q_i and q_i + turn are the same position. At three members, with nonzero rates, p
+ * and pdot must be the same for both. */
 static int is_turn(struct pk_run *run, size_t i, double turn)
 {
     const struct loop *l = run->loop;
@@ -90,7 +92,7 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit
                                                          : NULL;
     pk_real *q = memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
-    pk_real *p = v + n, *P = p + 2 * n; /* p and pdot at q_i, and at q_i + turn */
+    pk_real *p = v + n, *P = p + 2 * n; /* p holds p and pdot at q_i, P the same at q_i + turn */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
     for (size_t k = 0; k < 3 && same; k++) {
         double off = 0, most = 0;
@@ -111,8 +113,8 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     return same;
 }
 
-/* Returns the increase of a coordinate round the loop at the start: whole turns of an angle, or
- * 0. */
+/* Returns the increase of a coordinate in one turn round the initial loop: whole turns of an angle,
+ * otherwise 0. */
 static double winding_of(struct pk_run *run, size_t i)
 {
     const size_t count = run->loop->members;
@@ -122,7 +124,8 @@ static double winding_of(struct pk_run *run, size_t i)
     return fabs(turn) > 0 && is_turn(run, i, turn) ? turn : 0;
 }
 
-/* Differences between neighbours in a series: the first and last member; the last two members. */
+/* Differences between neighbouring members in a series of q or p. `closing`: from the last member
+ * to the first; `before`: between the last two members. */
 struct ends {
     double closing, before;
 };
@@ -132,9 +135,9 @@ static struct ends ends_of(const double *x, size_t count, double winding)
     return (struct ends){x[0] + winding - x[count - 1], x[count - 1] - x[count - 2]};
 }
 
-/* Writes why the initial states form no loop, or returns 0. A weight is the larger of those at row
- * 0 and row 1, since q or p may be 0 for all members at the start. A series that is 0 or round-off
- * is not checked. */
+/* Writes why the initial states form no loop and returns 1, or returns 0 if they form one. The
+ * weight of a coordinate is the larger of its weights at rows 0 and 1, since q or p may be 0 for
+ * all members at the start. A series that is 0 or round-off is not checked. */
 static int no_loop(const struct pk_run *run, const struct finding *f, const struct ends *ends,
                    char *reason, size_t size)
 {
@@ -231,7 +234,8 @@ static void write_rows(struct pk_run *run, struct diagnostics *d, const struct f
     const struct loop *l = f->l;
     struct json *j = &d->json;
     struct pk_drift drift;
-    double until = -1, size = 0; /* first nonzero size of the loop, which may begin at rest */
+    /* `size`: the loop's size at the first row where it is not 0; all members may begin at rest */
+    double until = -1, size = 0;
     char ends[400] = "", apart[400] = "";
     int resolved = 1;
     if (parted(run, f, apart, sizeof apart)) {

@@ -1,4 +1,4 @@
-/* The particles of a model along a run, which is integrated again from its start, step by step. */
+/* The particles of a model along a run. The run is integrated again, step by step. */
 #ifndef RUN_DIAGNOSE_BODIES_H
 #define RUN_DIAGNOSE_BODIES_H
 
@@ -15,8 +15,9 @@ struct bodies {
     struct pk_problem problem;
     struct pk_integrator it; /* integrates the run again */
     size_t n;
-    pk_real *m, *r, *v, *a; /* n masses; 3 n components of r, r' and r'' */
-    pk_real *qa, *u;        /* accelerations of the coordinates; values of the inputs */
+    /* masses (n) and components (3 n) of positions r, velocities r' and accelerations r'' */
+    pk_real *m, *r, *v, *a;
+    pk_real *qa, *u; /* `qa`: accelerations of the coordinates; `u`: values of the inputs */
     /* Callbacks after each step and, if not NULL, at each pericentre. */
     void (*see)(void *context, struct bodies *b, pk_real t);
     void (*pericentre)(void *context, struct bodies *b, pk_real t);
@@ -27,8 +28,9 @@ struct bodies {
 int bodies_begin(struct bodies *b, struct pk_run *run);
 /* Repeats all steps to the end of the run. */
 enum pk_status bodies_follow(struct bodies *b);
-/* bodies_relative() sets `out` to x of the second particle minus x of the first, or to x of a
- * single particle. bodies_approach() returns r.r' of these relative vectors. */
+/* x is r, v or a: a vector for each particle. bodies_relative() sets `out` to the second particle's
+ * vector minus the first's, or to the vector of a single particle. bodies_approach() returns r.r'
+ * of the relative position r and velocity r'. */
 void bodies_relative(const struct bodies *b, const pk_real *x, pk_real *out);
 pk_real bodies_approach(const struct bodies *b);
 

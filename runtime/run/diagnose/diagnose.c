@@ -31,7 +31,8 @@ static enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
         return code;
     struct diagnostics *d = diagnose_open(run);
     if (run->out)
-        fflush(run->out); /* completes the rows, even if a diagnostic ends the process */
+        /* writes all rows to the file now, since a diagnostic may end the process */
+        fflush(run->out);
     run->settings.options.stop = stop;
     run->settings.options.context = run;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)

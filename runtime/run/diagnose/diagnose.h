@@ -12,8 +12,9 @@
 #define DIAGNOSE_PLACE(name, of, kernels) DIAGNOSE_PLACE_##name,
 enum {
     DIAGNOSTICS(DIAGNOSE_PLACE) DIAGNOSE_PLACES,
-    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1, /* all; what does not apply is no error */
-    DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1)       /* the only diagnostic of an ensemble */
+    /* all diagnostics; inapplicable ones are no errors */
+    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1,
+    DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1) /* `area`, the only diagnostic of an ensemble */
 };
 
 void diagnose_report(const struct pk_run *run, struct json *j);

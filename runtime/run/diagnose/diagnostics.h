@@ -2,12 +2,13 @@
  *
  *     X(name, kind, kernels)
  *
- * Kinds: MOTION is made by diagnose_NAME() in NAME.c after the run, in this order. OF_ROWS and
- * REDUCED also read rows kept during the run. REDUCED, if requested alone, is made of the system
- * without the coordinates that a scene eliminates. MEMBERS is made of an ensemble. Additional
- * kernels: LINEAR for linearised equations, PARTICLES for positions of particles, EVERY for all
- * kernels, NONE.
- */
+ * A diagnostic of the kind MOTION, OF_ROWS or REDUCED is computed after the run by the function
+ * diagnose_NAME() in NAME.c, in the order of this list. OF_ROWS and REDUCED also read rows kept in
+ * memory during the run. If a diagnostic REDUCED is the only one requested, it is computed for the
+ * system without the coordinates that a scene eliminates. MEMBERS is computed for an ensemble.
+ *
+ * The last argument says which additional kernels the model must be compiled with: LINEAR for
+ * linearised equations, PARTICLES for positions of particles, EVERY for all kernels, NONE. */
 #ifndef RUN_DIAGNOSTICS_H
 #define RUN_DIAGNOSTICS_H
 

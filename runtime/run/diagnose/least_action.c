@@ -1,6 +1,6 @@
-/* Finds whether the action of a run is a minimum among neighbouring paths with the same ends, and
- * the conjugate points after which it is none. The number of quadrature panels is doubled until the
- * action has settled. */
+/* Finds whether the action of a run is a minimum among neighbouring paths with the same end points,
+ * and the conjugate points, after which it is no minimum. The action is an integral by quadrature;
+ * the number of panels is doubled until the action does not change any more. */
 
 #include "parts.h"
 
@@ -9,10 +9,12 @@
 #include <pk/gsl.h>
 
 enum { MODES = 24, MOST = 400, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
-static const double SETTLED = 1e-12;  /* relative change of the action when panels are doubled */
-static const double AMPLITUDE = 1e-3; /* of a varied path, in the norm of B (pk/least_action.h) */
+static const double SETTLED = 1e-12; /* relative change of the action when panels are doubled */
+/* amplitude of a varied path in the norm of the matrix B; see pk/least_action.h */
+static const double AMPLITUDE = 1e-3;
 
-/* Doubles the panels, at most half a wave of the shortest mode each, until the action settles. */
+/* Computes the action with more and more quadrature panels until it settles. A panel is never
+ * longer than half a wave of the shortest mode. */
 static enum pk_status integrate(struct pk_least_action *found, struct pk_run *run, size_t modes)
 {
     const struct settings *s = &run->settings;
@@ -48,7 +50,8 @@ static double neighbour(const struct pk_least_action *found, double *a, size_t m
     return pk_least_action_at(found, a) - found->action;
 }
 
-/* Returns the Morse index: at least the number of conjugate points, even if modes show fewer. */
+/* Returns the Morse index: the number of negative eigenvalues, or the number of conjugate points if
+ * that is larger, since too few modes give too few negative eigenvalues. */
 static size_t index_of(const struct pk_least_action *found, const double *lambda)
 {
     const size_t index = negative(lambda, found->n * found->modes);

@@ -2,7 +2,9 @@
 #include "bodies.h"
 
 static const double ROUND = 1e-8; /* eccentricity below which an orbit counts as a circle */
-static const double AGAIN = 1e-6; /* times r/|r'|: a pericentre so soon after another is the same */
+/* Two pericentres count as one if the time between them is below this fraction of r/|r'|, the
+ * distance over the relative speed. */
+static const double AGAIN = 1e-6;
 
 struct apsides {
     struct pk_lrl lrl;

@@ -12,8 +12,10 @@
 #include "parts.h"
 
 enum { BLOCKS = 1000 };
-#define REST 1e-8 /* of the largest coordinate: a smaller excursion counts as rest */
-#define LEAVING 8 /* ratio of excursions in the second and first half; t^3 gives 8 */
+#define REST 1e-8 /* an excursion below this fraction of the largest coordinate counts as rest */
+/* A motion leaves if its excursion in the second half of the run exceeds that in the first half by
+ * more than this factor. An excursion that grows as t^3 gives 8. */
+#define LEAVING 8
 
 /* Largest |x - x(0)| of each coordinate and rate in the first and in the second half of the run. */
 struct excursion {
@@ -28,7 +30,8 @@ static void excursion_begin(struct excursion *e, struct memory *memory, size_t n
     e->most[1] = e->most[0] + e->count;
 }
 
-/* Updates the excursions from `it`. Displacements follow its n coordinates; they are skipped. */
+/* Updates the excursions from the integrator `it`. The displacements, which follow the n
+ * coordinates and first-order variables in its state, are skipped. */
 static void excursion_note(struct excursion *e, const struct settings *s,
                            const struct pk_integrator *it, int half)
 {
@@ -69,7 +72,7 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
     const size_t size = pk_lyapunov_size(&run->problem, s->method);
     void *block = memory_take(&run->memory, size, 1);
     struct pk_lyapunov l = {0};
-    /* Displacements may violate the constraints, and then grow as no allowed motion does. */
+    /* Displacements that violate the constraints may grow although no allowed motion does. */
     const int bound = run->problem.system->constraints.n > 0;
     enum pk_status status = PK_REFUSED;
     if (!bound)
@@ -89,7 +92,8 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
         pk_real error;
         const pk_real exponent = pk_lyapunov_exponent(&l, &error);
         const enum pk_motion motion = pk_lyapunov_motion(&l);
-        if (motion == PK_CHAOTIC) /* round-off grows at this rate, even if the motion is leaving */
+        /* stored even for an unbounded motion, since round-off errors grow at this rate, too */
+        if (motion == PK_CHAOTIC)
             d->exponent = (double)exponent;
         const int leaving = motion == PK_CHAOTIC && (excursion_leaves(&excursion, s) ||
                                                      !can_be_chaotic(run->problem.system));

@@ -1,10 +1,10 @@
 /* Normal modes at the equilibrium about which a motion oscillates, and the energy of each mode.
  *
- * If the run starts at rest at an equilibrium, it is this one. Else it is a minimum of the
- * potential below the energy of the motion: the nearest one to which the potential on the straight
- * line stays below this energy, else the nearest. If there is none, it is the nearest unstable
- * equilibrium.
- */
+ * This equilibrium is chosen as follows. If the run starts at rest at an equilibrium, it is this
+ * equilibrium. Otherwise it is a minimum of the potential that is below the energy of the motion:
+ * the nearest minimum for which the potential on the straight line from the start stays below this
+ * energy; if there is none, the nearest minimum. If no minimum is below this energy, it is the
+ * nearest unstable equilibrium. */
 
 #include "parts.h"
 
@@ -14,12 +14,14 @@
 
 #ifdef PK_WITH_GSL
 enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WAY = 64 };
-static const double PART = 1e-6; /* step of differences, as a fraction of the way to the start */
+/* step of finite differences, as a fraction of the distance from the equilibrium to the start */
+static const double PART = 1e-6;
 
 struct modes {
     struct pk_run *run;
     size_t n;
-    double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q and h are of the equilibrium */
+    /* q: position of the equilibrium; h: its energy */
+    double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work;
     unsigned char *turns; /* whether q_i + 2 pi is the same position as q_i */
 };
 
@@ -44,8 +46,9 @@ static const char *unfit(const struct pk_system *system, size_t n)
     return NULL;
 }
 
-/* Returns whether the force at q is below `share` of its change when extrapolated linearly to the
- * start. This ratio is about 1 far away, where forces decay. */
+/* Returns whether the system can rest at q. The derivative of the force at q, times the distance to
+ * the start, estimates how much the force changes up to the start; the force at q must be below the
+ * fraction `share` of this change. Far away, where forces decay, the ratio is about 1. */
 static int rests(const struct modes *m, const double *q, double share)
 {
     const struct pk_problem *problem = &m->run->problem;
@@ -58,7 +61,8 @@ static int rests(const struct modes *m, const double *q, double share)
         off[i] = q[i] + PART * (m->run->settings.q[i] - q[i]);
     problem->system->canonical(problem->params, 0, off, rest, NULL, p, moved);
     for (size_t i = 0; i < n; i++) {
-        if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* e.g. two bodies at one position */
+        /* a force may be infinite, as that between two bodies at one position */
+        if (!isfinite(pdot[i]) || !isfinite(moved[i]))
             return 0;
         force = fmax(force, fabs(pdot[i]));
         change = fmax(change, fabs(moved[i] - pdot[i]));
@@ -111,7 +115,8 @@ static int in_sight(const struct modes *m, const double *q, const double *rest, 
     return 1;
 }
 
-/* Returns whether the equations have a kink at q, on the line to the start. */
+/* Returns whether the equations have a kink at q (their derivatives jump), tested at points on both
+ * sides of q on the straight line to the start. */
 static int is_kinked(const struct modes *m, const double *q)
 {
     const double *start = m->run->settings.q;
@@ -141,15 +146,15 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
         return KINKED;
     if (is_start(m, q))
         return START;
-    if (!pulled) /* far away, where exponentially decaying forces underflow */
+    if (!pulled) /* no force at all: far away, exponentially decaying forces underflow to 0 */
         return NOTHING;
     if (m->squares[0] < 0 || there > h + slack)
         return UNSTABLE;
     return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
 }
 
-/* Shifts angles by whole turns towards the start. Copies q to m->q if q has a better rank than
- * `best`, or the same rank and is nearer. Returns the better rank. */
+/* Shifts angles of q by whole turns towards the start. Copies q to m->q if q has a better rank than
+ * `best`, or the same rank and is nearer to the start than m->q. Returns the better rank. */
 static enum fitness consider(struct modes *m, double *q, enum fitness best)
 {
     for (size_t i = 0; i < m->n; i++)
@@ -191,7 +196,8 @@ static void row(struct modes *m, struct json *j, double t, const double *q, cons
     const struct pk_problem *problem = &m->run->problem;
     const size_t n = m->n, shown = n < MODES ? n : MODES;
     double *p = m->work, *pdot = p + n, sum = 0;
-    /* p - p(rest) = M q'. p(rest) is not 0 if L contains a total derivative. */
+    /* M q' = p - p(rest), where p(rest) is the momentum at rates of 0. p(rest) is not 0 if L
+     * contains a total time derivative. */
     memset(m->p, 0, n * sizeof *m->p);
     problem->system->canonical(problem->params, t, q, m->p, NULL, p, pdot);
     memcpy(m->p, p, n * sizeof *p);

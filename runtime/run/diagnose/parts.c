@@ -4,7 +4,7 @@
 
 #include "../observers/observers.h"
 
-/* Flags of diagnostics that read rows. */
+/* OF_ROWS: the flags of all diagnostics that read rows, combined. */
 #define FLAG_OF_MOTION(name)
 #define FLAG_OF_OF_ROWS(name) | 1u << DIAGNOSE_PLACE_##name
 #define FLAG_OF_REDUCED(name) | 1u << DIAGNOSE_PLACE_##name
@@ -75,11 +75,14 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
     reason = reason ? reason : pk_status_text(status);
     json_text(&d->json, "status", pk_status_name(status));
     json_text(&d->json, "reason", reason);
-    if (status >= 0 || d->run->control.stop) /* diagnose_run() reports an interruption once */
+    /* A user's interruption is not reported here: diagnose_run() reports it once for all
+     * diagnostics. */
+    if (status >= 0 || d->run->control.stop)
         return status >= 0;
     run_say(d->run, "diagnose %s: %s", d->name, reason);
     if (d->code == 0 && status == PK_REFUSED)
-        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* with `all`, refusals are no errors */
+        /* If all diagnostics were requested, inapplicable ones are no errors. */
+        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE;
     else if (d->code == 0)
         d->code = PK_RUN_FAILED;
     return 0;

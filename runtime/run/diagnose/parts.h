@@ -21,13 +21,15 @@ struct diagnostics {
 /* diagnose_open() opens the JSON object of all diagnostics; diagnose_close() closes it. */
 struct diagnostics *diagnose_open(struct pk_run *run);
 void diagnose_close(struct diagnostics *d);
-/* Writes a member of the object by make(), which writes status and reason first. */
+/* Writes one member of the JSON object of all diagnostics by calling make(), which writes the
+ * status and the reason first. */
 void diagnose_one(struct diagnostics *d, const char *name,
                   void (*make)(struct pk_run *run, struct diagnostics *d));
 /* Returns row k of `count` rows that are spread evenly over all kept rows. */
 const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count);
-/* Writes status and reason. If `reason` is NULL, it is that of the failed integrator `it`, or else
- * the text of the status. Returns 1 if the diagnostic succeeded and its numbers must follow. */
+/* Writes the status and its reason. If `reason` is NULL, the reason is that of the failed
+ * integrator `it`; if `it` is NULL, it is the text of the status. Returns 1 if the diagnostic
+ * succeeded, so that its numbers must follow. */
 int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,
                   const struct pk_integrator *it);
 #define DIAGNOSE_NEEDS_GSL(name)                                                               \
@@ -42,9 +44,9 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
 const char *diagnose_not_free(const struct pk_system *system);
 /* Returns why there are no variational equations, or NULL if there are. */
 const char *diagnose_no_variation(const struct pk_run *run);
-/* Returns whether the equations at rest have a kink on the straight line between two positions,
- * where a switch is 0 or changes sign. Returns 1 if there are kinks without switches, which cannot
- * be located. */
+/* Returns whether the equations have a kink on the straight line between two positions, with all
+ * rates 0. A kink is where a switch is 0 or changes sign. If the equations have kinks but no
+ * switches, the kinks cannot be located, and the result is 1. */
 int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to);
 /* Each of these functions writes the diagnostic of its name. */
 #define DIAGNOSE_DECLARE(name, of, kernels) \

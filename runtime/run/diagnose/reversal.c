@@ -1,8 +1,10 @@
-/* Integrates forward and back, and finds the time after which the start is not regained. */
+/* Integrates the run forward and then back to its start. Finds the time after which integrating
+ * back no longer leads to the initial state. */
 
 #include "parts.h"
 
-static const double THRESHOLD = 1e-3; /* distance from the start that counts as not regained */
+/* largest relative error at which integrating back still counts as leading to the start */
+static const double THRESHOLD = 1e-3;
 
 void diagnose_reversal(struct pk_run *run, struct diagnostics *d)
 {

@@ -10,7 +10,7 @@ static void spectrum_lines(struct pk_run *run, struct diagnostics *d, const stru
 {
     const size_t width = 1 + 2 * run->settings.n;
     struct json *j = &d->json;
-    double away = 0, size = 0; /* largest |x - mean - rate t|; largest |x| */
+    double away = 0, size = 0; /* `away`: largest |x - mean - rate t|; `size`: largest |x| */
     char name[128];
     for (size_t k = 0; k < count; k++) {
         const double x = d->rows[k * width + 1 + i];

@@ -19,7 +19,8 @@ void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
     enum pk_status status = PK_DONE, last = PK_DONE;
     size_t made = 0;
     for (size_t k = 0; k < states && status != PK_REFUSED; k++) {
-        const pk_real *row = d->rows ? diagnose_row(d, k, states) : NULL; /* NULL for the start */
+        /* NULL: the initial state */
+        const pk_real *row = d->rows ? diagnose_row(d, k, states) : NULL;
         status = pk_stepmap_find(&map, &run->problem, s->method, &s->options, h, row ? row[0] : 0,
                                  row ? row + 1 : s->q, row ? row + 1 + s->n : s->v, NULL, block,
                                  size);

@@ -19,7 +19,7 @@ static void show(struct pk_run *run, int has_row, const struct moment *at)
     observe_step(run, at);
 }
 
-/* Writes all rows of member i of the batch. Its drifts are measured at rows only. */
+/* Writes all rows of member i of the batch. The drifts of this member are measured at rows only. */
 static void show_all(const struct batch *b, struct pk_run *run, size_t i)
 {
     const struct pk_ensemble *e = &b->e;
@@ -42,8 +42,8 @@ static void show_all(const struct batch *b, struct pk_run *run, size_t i)
     reduce_end(run, run, run->member, e->status[i], &at);
 }
 
-/* Writes a member. Meanwhile its parameters and inputs are in the settings, which observers
- * read. */
+/* Writes the rows and results of a member. Meanwhile the settings contain this member's parameters
+ * and inputs, since observers read them there. */
 static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t member)
 {
     const struct pk_ensemble *e = &b->e;

@@ -1,5 +1,5 @@
-/* An ensemble instead of one trajectory: rows begin with the member, and a report counts
- * failures. */
+/* Runs an ensemble instead of one trajectory: each row begins with the number of the member, and
+ * the report counts members that failed. */
 #ifndef RUN_ENSEMBLE_H
 #define RUN_ENSEMBLE_H
 
@@ -9,8 +9,9 @@
 struct batch {
     struct pk_ensemble e;
     const struct pk_system *system;
-    size_t n, size;          /* degrees of freedom; largest number of members */
-    char *params, *families; /* per member: parameters; memory for families.attach() */
+    size_t n, size; /* `n`: degrees of freedom; `size`: largest number of members in a batch */
+    /* for each member: `params`: parameters; `families`: memory for families.attach() */
+    char *params, *families;
     size_t families_size;
     pk_real *q0, *v0, *u, *t;
     struct pk_run_value *own; /* the given parameters of one member */
@@ -31,8 +32,8 @@ int member_fixed(const struct settings *s);
 /* Members that failed with one status. */
 struct failed {
     enum pk_status status;
-    size_t count, member; /* number of members; index of the first one */
-    pk_real t;            /* last valid time, and reason, of the first one */
+    size_t count, member; /* `count`: number of these members; `member`: index of the first */
+    pk_real t;            /* the first such member's last valid time, and its reason */
     char reason[512];
 };
 
@@ -40,11 +41,15 @@ struct failed {
 struct tally {
     size_t done, failed;
     struct failed *first_failed, failures[-PK_STATUS_LAST];
-    size_t astray, first_astray; /* members whose final energy is wrong: number, first */
-    unsigned long *crossings;    /* per event and switch: crossings of all members */
-    unsigned long *never;        /* per event and switch: members without crossings */
-    unsigned long *doubts;       /* per event and switch: members that may have missed some */
-    pk_real *first; /* time of first crossing by event and member, or infinity; or NULL */
+    /* number of members whose final energy is wrong; index of the first */
+    size_t astray, first_astray;
+    unsigned long *crossings; /* for each event and switch: crossings, summed over members */
+    unsigned long *never;     /* for each event and switch: number of members without crossings */
+    /* for each event and switch: number of members that may have missed crossings */
+    unsigned long *doubts;
+    /* Time of the first crossing, for each event and member; infinity if there is none. NULL
+     * unless settings.asked.watch > 1. */
+    pk_real *first;
 };
 /* Ensembles with watched events or switches, whose members run one by one: watched_begin()
  * allocates the tally; watched_batch() runs members; watched_report() writes "events" and

@@ -19,7 +19,8 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     pk_real *u = b->u + i * system->n_inputs;
     char who[40];
     memcpy(params, s->params, system->params_size);
-    if (b->families_size) { /* memory for families of parameters and factors of M */
+    /* gives the member its own memory for families of parameters and factors of M */
+    if (b->families_size) {
         char *const own = b->families + i * b->families_size;
         memcpy(own, s->families, b->families_size);
         system->families.attach(params, own);
@@ -33,7 +34,8 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     }
     settings_assign(s, params, b->own, n_own);
     const int outside = system->prepare(params);
-    if (outside && !s->asked.lenient) { /* if lenient, the member's integrator reports it */
+    /* With `lenient`, the member fails later: its integrator reports the refused parameters. */
+    if (outside && !s->asked.lenient) {
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
         settings_refused(run, params, outside, who);
         return PK_RUN_USAGE;

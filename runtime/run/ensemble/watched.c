@@ -8,22 +8,25 @@
 
 #include <pk/adaptive_lanes.h>
 
-enum { PARTS = 4 }; /* groups of members per thread */
+enum { PARTS = 4 }; /* a batch is divided into so many groups of members for each thread */
 
-/* A batch of members. Each thread advances `lanes` members at once in SIMD lanes; 1: no lanes. */
+/* A batch of members. Each thread advances `lanes` members at once, one in each SIMD lane; if
+ * `lanes` is 1, it advances them one by one. */
 struct work {
     const struct batch *b;
     const struct pk_run *run; /* the run of the whole ensemble, whose settings the members share */
-    size_t first, count, group, lanes, bytes; /* `group`: number of members per call of make() */
-    struct pk_run *runs;                      /* one per member, until its results are merged */
-    char *block;                              /* `bytes` of memory per thread, for its lanes */
+    /* `group`: number of members that one call of make() runs */
+    size_t first, count, group, lanes, bytes;
+    /* a struct pk_run for each member; freed when its results have been merged */
+    struct pk_run *runs;
+    char *block; /* memory for the lanes: `bytes` for each thread */
 };
 
 struct member {
     const struct work *w;
     struct pk_run *run;
-    size_t i; /* index in the batch */
-    int goes; /* whether another step follows */
+    size_t i; /* index of the member in the batch */
+    int goes; /* whether the member must make another step */
 };
 
 static size_t kinds(const struct settings *s)
@@ -90,7 +93,8 @@ static void end(void *context)
         run_ends(m->run);
 }
 
-/* Calls `part` for a member. Returns 0, with the status PK_NO_MEMORY, if an allocation failed. */
+/* Calls the function `part` for a member. Returns 1, or 0 if an allocation in it failed; the
+ * member's status is then PK_NO_MEMORY. */
 static int try_to(void (*part)(void *context), struct member *m)
 {
     if (memory_try(&m->run->memory, part, m))

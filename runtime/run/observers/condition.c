@@ -1,28 +1,33 @@
-/* Condition numbers along a run (pk/condition.h); an observer. It computes them at about 64 states,
- * and also where a rate changes twice as fast as at any earlier step, since M is nearest to
- * singular there, for a short time. After 1024 steps it examines one step in 8, which keeps the
- * cost below 5 % of explicit runs. */
+/* An observer that computes condition numbers along a run (pk/condition.h). It examines about 64
+ * states, evenly spread in time. It also examines states where a rate changes twice as fast as at
+ * any earlier step: near such states the mass matrix M may be nearly singular for a short time.
+ * After 1024 steps it only considers one step in 8, which keeps its cost below 5 % of explicit
+ * runs. */
 #include "condition.h"
 
-#define LOST PK_C(1e5) /* amplification of rounding in accelerations that gives a warning */
-#define NEAR PK_C(1e3) /* no warning below this condition number: forces only cancel there */
-#define FASTER 2       /* a state is examined if |dv/dt| grows by this factor */
+/* accelerations that amplify rounding by more than this factor give a warning */
+#define LOST PK_C(1e5)
+/* No warning below this condition number: digits are then lost only since forces cancel. */
+#define NEAR PK_C(1e3)
+#define FASTER 2 /* A state is examined if a |dv_i/dt| exceeds all earlier ones by this factor. */
 enum {
-    LOOKS = 64, /* number of states examined over the whole duration */
-    STEPS = 64, /* least number of steps between two states; more above FEW unknowns */
+    LOOKS = 64, /* states examined at equal intervals of the run */
+    /* Least number of steps between two states; with n unknowns, 1 + n / FEW times as many. */
+    STEPS = 64,
     FEW = 16,
-    MOST_RECORDS = 256, /* limit of states examined because a rate changes faster */
-    ALL = 1024,         /* after so many steps only one in PART is examined */
+    MOST_RECORDS = 256, /* limit of additional states, where a rate changes faster than before */
+    ALL = 1024,         /* after ALL steps, only one step in PART is considered */
     PART = 8
 };
 
-struct looking { /* v, turned and block follow this struct in memory */
+struct looking { /* the arrays v and turned, and block, follow this struct in memory */
     struct pk_condition found;
     const struct pk_problem *problem;
     void *block;
     size_t n;
-    pk_real next, t, *v; /* time of the next look; time and v at the last step examined */
-    pk_real *turned;     /* FASTER times the largest |dv_i/dt| of each rate */
+    /* time at which a state is examined next; time and rates at the last step considered */
+    pk_real next, t, *v;
+    pk_real *turned; /* for each rate: FASTER times the largest |dv_i/dt| so far */
     unsigned long seen, steps, records;
 };
 

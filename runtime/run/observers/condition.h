@@ -8,7 +8,8 @@
 
 struct looking;
 
-/* Returns NULL if there are no matrices. memory_drop() frees it; `problem` must outlive it. */
+/* Returns NULL if the system and method have no matrix to examine. memory_drop() frees the result;
+ * `problem` must outlive it. */
 struct looking *condition_begin(struct memory *memory, const struct pk_problem *problem,
                                 const struct pk_method *method);
 /* Called at the start and after each step; with `it` NULL, matrices of steps are not examined. */
@@ -19,7 +20,8 @@ pk_real condition_of_step(struct memory *memory, const struct pk_problem *proble
                           struct pk_integrator *it);
 /* Writes the member "condition" of the report. */
 void condition_report(const struct looking *l, struct json *j);
-/* Writes a warning about nearly singular equations and the digits lost; returns 0 if few were. */
+/* Writes a warning that equations are nearly singular, with the number of digits lost. Returns 0
+ * without a warning if few digits are lost. */
 int condition_warning(const struct looking *l, char *text, size_t size);
 
 #endif

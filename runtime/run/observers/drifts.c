@@ -41,13 +41,14 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
 {
     pk_real exponent, spread;
     const enum pk_growth growth = pk_drift_growth(drift, &exponent, &spread);
-    /* A drift that does not grow may still be large. */
+    /* A bounded drift may still be large. */
     const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
     json_open(j, key, '{');
     json_text(j, "name", name);
     json_reals(j, {"max", pk_drift_max(drift)}, {"final", pk_drift_final(drift)},
                {"slope", pk_drift_slope(drift)});
-    /* `scale`: the unit of max, final and slope. If it is round-off, so is the drift. */
+    /* max, final and slope are relative to `scale`. If `scale` is as small as round-off, the drift
+     * is round-off, too. */
     json_reals(j, {"scale", drift->scale}, {"first", drift->first}, {"exponent", exponent},
                {"spread", spread});
     json_text(j, "growth", far ? "off by more than a tenth" : pk_growth_text(growth));

@@ -58,7 +58,8 @@ pk_real expect_limit(const struct pk_run *run, pk_real t, pk_real limit)
     return next;
 }
 
-/* Checks the relations of kind `when` (t, e, r) for this time, event or row. */
+/* Checks all relations of one kind: `when` is t (at a time), e (at the event with the index
+ * `event`) or r (at rows). */
 static void compare_all(struct pk_run *run, char when, size_t event, const struct moment *at)
 {
     const pk_real *out = NULL;

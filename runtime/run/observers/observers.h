@@ -47,7 +47,7 @@ struct pk_run_diagnose {
 /* Functions of run/ensemble; a program may be linked without them. */
 struct pk_run_ensemble {
     enum pk_run_code (*run)(struct pk_run *run);
-    int (*fixed)(const struct settings *s); /* whether the members take fixed steps */
+    int (*fixed)(const struct settings *s); /* returns whether the members take fixed steps */
 };
 
 /* Rows. */
@@ -70,7 +70,7 @@ const char *rows_not_finite(const struct pk_run *run, char *name, size_t size);
 const struct pk_run_column *rows_fill(struct pk_run *run, const struct moment *at);
 
 /* Stores the reductions of a member that ended at `at`, and resets them. `of` is the member's own
- * run, or else the ensemble's. */
+ * struct pk_run; if it has none, `of` is that of the ensemble. */
 void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_status status,
                 const struct moment *at);
 
@@ -80,8 +80,9 @@ void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_st
 pk_real expect_limit(const struct pk_run *run, pk_real from, pk_real limit);
 /* Checks the relations at a time that expect_limit() returned. */
 void expect_landed(struct pk_run *run, const struct moment *at);
-/* Returns whether the drift of the energy is requested. It is then measured even if the energy is
- * not known to be constant, which may depend on a parameter (--no-reduce). */
+/* Returns whether the drift of the energy is requested. The drift is then measured even if the
+ * facts of the system do not say that the energy is constant, for example since this depends on a
+ * parameter (--no-reduce). */
 int expect_uses_h(const struct pk_run *run);
 /* Returns whether nothing is checked at ends of steps: no drifts, no relations at times. */
 int expect_lean(const struct pk_run *run);
@@ -98,8 +99,10 @@ void drift_begin(struct pk_run *run, const struct pk_problem *problem);
 void report_drift(struct json *j, const char *key, const char *name, const struct pk_drift *drift);
 
 /* Events: times of crossings for the report, and warnings. */
-enum { WATCH_TIMES = 1000 };   /* limit of crossing times of an event in the report */
-#define WATCH_NOISE PK_C(1e-8) /* relative to g's scale in struct crossed; less is rounding */
+enum { WATCH_TIMES = 1000 }; /* limit of crossing times of an event in the report */
+/* an event function g below this fraction of its scale (`parts` in struct crossed) counts as
+ * rounding */
+#define WATCH_NOISE PK_C(1e-8)
 
 /* Returns the name of event k. Events are numbered first, then switches. */
 const char *watch_name(const struct pk_system *system, size_t k);
@@ -109,20 +112,23 @@ const char *watch_name(const struct pk_system *system, size_t k);
 /* Warns of events whose crossings may be only rounding, and of crossings that may be missed. */
 void watch_warn(struct pk_run *run);
 
-/* Whether the result of a run can be trusted. A status describes the computed path. If this path
- * left the true motion earlier, the status says nothing about the motion. */
-#define TRUST_WRONG PK_C(1e-2) /* energy drift, relative to the scale of the energy */
-/* Status in the report if the steps went on past the end of the motion. Only this layer detects it,
- * so that it is not in enum pk_status. */
+/* trust.c determines whether the result of a run can be trusted. The status of a run describes the
+ * path that was computed. If this path left the true motion earlier, the status says nothing about
+ * the true motion. */
+/* an energy drift above this fraction of the energy's scale is wrong */
+#define TRUST_WRONG PK_C(1e-2)
+/* The status in the report of a run whose steps went on past the end of the motion. Only trust.c
+ * detects this case, so the status is not in enum pk_status. */
 #define TRUST_BEYOND_NAME "RUN_BEYOND_END"
 #define TRUST_BEYOND_TEXT "the motion ends before these steps do"
 enum { TRUST_BEYOND_CODE = -100 };
 
-/* Sets run->besides to a text that follows the reason of a failure: the time after which the energy
- * of a conservative system is wrong, and the time at which dop853 at 1e-9 finds the end of the same
- * motion. dop853 is used if the method has fixed steps or a loose tolerance. If fixed steps reach
- * the end of the run, or stop at an event, with a wrong energy, dop853 checks them too: run->beyond
- * is set if the motion ends earlier, at run->ends. */
+/* Sets run->besides to a text that follows the reason of a failure. The text gives the time after
+ * which the energy of a conservative system is wrong. If the method has fixed steps or a loose
+ * tolerance, dop853 with tolerance 1e-9 integrates the same motion, and the text gives the time at
+ * which that ends. dop853 also checks a run of fixed steps that did not fail, but whose energy is
+ * wrong. If dop853 then finds an end of the motion before the end of the run, run->beyond is set,
+ * and run->ends to the time of this end. */
 void trust_judge(struct pk_run *run);
 /* Returns the last time up to which the run is valid; call trust_judge() before. */
 pk_real trust_last_valid(const struct pk_run *run);

@@ -4,7 +4,7 @@
 
 #include "../settings/settings.h"
 
-enum { BEFORE = 2 }; /* cells before the columns: member and t */
+enum { BEFORE = 2 }; /* number of values in run->cells before the columns: the member and t */
 
 /* Returns whether a requested reduction is of one of these kinds. */
 static int has(const struct pk_run *run, const char *kinds)
@@ -44,7 +44,8 @@ static void row(struct pk_run *run, const struct moment *at)
     run->reduces++;
 }
 
-/* Returns whether the current member met the relation in all its checks, at least one. */
+/* Returns whether the relation was checked at least once for the current member, and held in all
+ * these checks. */
 static int met(struct expected *x)
 {
     const int found = x->count > x->counted && x->missed == x->lost;

@@ -99,8 +99,9 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
     }
 }
 
-/* Sets outputs to NaN if round-off of the state changes them by more than the fraction LOST. Near
- * positions where constraints are dependent, these are accelerations and multipliers. */
+/* Sets an output to NaN if round-off of the state changes it by more than the fraction LOST of its
+ * value. Accelerations and constraint forces are such outputs near positions where constraints
+ * become linearly dependent. */
 static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
 {
     const struct settings *s = &run->settings;

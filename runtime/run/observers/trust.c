@@ -9,13 +9,15 @@
 #define JUDGE "dop853"
 #define JUDGE_TOL PK_C(1e-9)
 
-enum { MOST_VALUES = 5000000 }; /* limit of accelerations in judge(), about a second */
+/* limit of the number of accelerations that judge() computes, about 1 s */
+enum { MOST_VALUES = 5000000 };
 
 static void step(struct pk_run *run, const struct moment *at)
 {
     if (!run->looked || !run->monitor.has_energy || run->distrusted)
         return;
-    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* also if it is NaN */
+    /* A drift that is NaN counts as a wrong energy, too. */
+    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG);
     if (!run->distrusted)
         run->trusted = at->t;
 }
@@ -40,7 +42,8 @@ static int doubtful(const struct pk_run *run)
     return found && run->it.t > 0;
 }
 
-/* Integrates the same motion to t by JUDGE, and writes where it ends, or that it goes on. */
+/* Integrates the same motion to t by the method JUDGE, and writes the time at which it ends, or
+ * that it does not end before t. */
 static void judge(struct pk_run *run, pk_real t, FILE *file)
 {
     const struct settings *s = &run->settings;
@@ -61,7 +64,8 @@ static void judge(struct pk_run *run, pk_real t, FILE *file)
         fprintf(file,
                 "; by %s at %.0e the motion goes on to t = %.9g at least: only these steps end",
                 JUDGE, (double)JUDGE_TOL, (double)t);
-        if (run->it.status != PK_STEP_TOO_LONG) /* that reason has this advice, too */
+        /* the reason PK_STEP_TOO_LONG already contains this advice */
+        if (run->it.status != PK_STEP_TOO_LONG)
             fprintf(file, ": make the step%s",
                     run_fixed(run) ? " shorter (--step)" : "s shorter (--step, --rtol)");
     }
@@ -79,7 +83,8 @@ static void judge(struct pk_run *run, pk_real t, FILE *file)
 void trust_judge(struct pk_run *run)
 {
     const int fixed = run_fixed(run), arrived = run->it.status >= 0;
-    /* Fixed steps that reach the end with a wrong energy may have passed the end of the motion. */
+    /* Fixed steps that reach the end of the run with a wrong energy may have passed a point at
+     * which the motion ends. */
     if (run->settings.n_parts ||
         !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;
@@ -118,7 +123,7 @@ void trust_reason(const struct pk_run *run, char *text, size_t size)
         return;
     }
     pk_integrator_reason(it, text, size);
-    /* Only these steps end at the singularity, not the motion. */
+    /* If the motion goes on according to dop853, the singularity only ends these steps. */
     if (run->goes_on && (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
         pk_system_singularity_name(it->problem.system, it->problem.params, it->reason.index, name,
                                    sizeof name);

@@ -1,7 +1,7 @@
 /* Records and reports the crossings of events and switches; an observer. */
 #include "observers.h"
 
-enum { FEW = 4 }; /* so few states do not suffice to judge an event function */
+enum { FEW = 4 }; /* An event function evaluated at no more than FEW states is not judged. */
 
 static void note(struct pk_run *run, size_t event, const struct moment *at)
 {

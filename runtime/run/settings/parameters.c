@@ -11,7 +11,8 @@ static void tell(FILE *file, const char *before, pk_real x)
     numbers_write(file, (double)x);
 }
 
-/* Returns the address of parameter i, or of its first member if it is a family kept as a loop. */
+/* Returns the address of parameter i. If parameter i is a family of variable size, returns the
+ * address of its first member. Sets *range to the size of the family. */
 static const void *place(const struct pk_system *system, const void *params, size_t i,
                          struct pk_range *range)
 {
@@ -24,7 +25,8 @@ static const void *place(const struct pk_system *system, const void *params, siz
     return at;
 }
 
-/* Writes why parameter i is refused: not finite, or outside its bounds (one pair for a family). */
+/* Writes why the value x of parameter i is refused: it is not finite, or outside its bounds. All
+ * members of a family have the same bounds. */
 static void refused_one(FILE *file, const struct pk_system *system, const void *params, size_t i,
                         const struct pk_range *range, pk_real x)
 {

@@ -1,4 +1,5 @@
-/* Values derived from the settings: the problem, computed inputs, numbers of members. */
+/* Values derived from the settings: the struct pk_problem, computed inputs, and the numbers by
+ * which rows and messages name members. */
 #include "settings.h"
 
 const struct pk_words run_options = {

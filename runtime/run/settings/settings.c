@@ -119,7 +119,8 @@ static int has_value(const struct pk_run_value *given, size_t n_given, size_t pa
     return 0;
 }
 
-/* Sets a parameter, or the given members of a family. Returns 0 if the index is out of range. */
+/* Sets the value of a parameter, or the values of those members of a family that are given. Returns
+ * 0 if the index of a member is out of range. */
 static int set(const struct settings *s, void *params, const struct pk_run_value *given,
                size_t n_given, size_t parameter)
 {
@@ -156,7 +157,8 @@ int settings_assign(struct settings *s, void *params, const struct pk_run_value 
                 continue;
             if (range_of(s, at).is_family != families)
                 continue;
-            /* Members that are not given are derived first; they may depend on earlier families. */
+            /* Default values of members are derived before given values replace them; defaults may
+             * depend on families set before. */
             if (families)
                 system->derive(params, s->given);
             if (!set(s, params, asked, n, at) || !set(s, params, more, n_more, at))
@@ -172,7 +174,8 @@ static const char *parameters(struct settings *s)
     return settings_assign(s, s->params, NULL, 0) ? NULL : "there is no such parameter";
 }
 
-/* Copies given values to inputs or, with flags, to the initial state. Returns 0 on a bad index. */
+/* Copies given values to inputs or to the initial state; for the initial state, also sets `flags`.
+ * Returns 0 if an index is out of range. */
 static int take(const struct pk_run_value *x, size_t n_x, pk_real *to, size_t n,
                 unsigned char *flags)
 {
@@ -198,7 +201,7 @@ static const char *start(struct settings *s)
                : "there is no such start or input";
 }
 
-/* Returns how many columns of a kind the model has. */
+/* Returns the number of quantities of the model that a column of this kind may show. */
 static size_t count_of(const struct settings *s, char kind)
 {
     const struct pk_system *system = s->system;

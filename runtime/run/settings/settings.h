@@ -38,7 +38,8 @@ const char *run_method_lack(const char *name);
 
 /* Returns the number of a member in rows and messages; the index `member` begins at 0. */
 long member_number(const struct settings *s, size_t member);
-/* Returns whether each member has a struct pk_run: events are watched, or there are switches. */
+/* Returns whether each member is run with a struct pk_run of its own. This is so if events are
+ * watched or the system has switches. */
 int member_by_one(const struct settings *s);
 
 #endif

@@ -87,5 +87,5 @@ const char *pk_stability_equilibria(struct pk_run *run, size_t tries)
 }
 
 #else
-extern int stability_needs_gsl; /* ISO C forbids an empty file */
+extern int stability_needs_gsl; /* without GSL this file would be empty, which ISO C forbids */
 #endif

@@ -17,7 +17,7 @@ struct pk_stability {
     struct looking *looking; /* NULL if condition numbers are not watched */
     unsigned watch;
     struct memory memory;
-    const double *state; /* given to pk_stability_begin() */
+    const double *state; /* the state given to pk_stability_begin() */
     enum pk_status status;
     char *report;
 };

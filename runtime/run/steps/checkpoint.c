@@ -15,7 +15,8 @@ static enum pk_status everything(struct pk_run *run, checkpoint_keep *keep, void
     return status < 0 ? status : k->wrong ? PK_BLOCK_TOO_SMALL : PK_DONE;
 }
 
-/* Identity of a run: hash of the model (64 characters), marks of all settings; end of its rows. */
+/* A checkpoint belongs to one run: hash of its model (64 characters), hashes of its settings
+ * (marks). `rows` is the end of its rows in their file. */
 struct of {
     char model[64];
     uint64_t marks[MARKS];
@@ -89,7 +90,8 @@ void checkpoint_write(struct pk_run *run, checkpoint_keep *keep, void *context)
     of.rows = checkpoint_place(run->out);
     everything(run, keep, context, &k);
     k.size = k.used + sizeof of;
-    k.to = memory_ask(&run->memory, k.size, 1); /* NULL: the run goes on without a checkpoint */
+    /* if memory runs out, the run continues without this checkpoint */
+    k.to = memory_ask(&run->memory, k.size, 1);
     k.used = 0;
     pk_keep(&k, &of, sizeof of);
     if (k.to)

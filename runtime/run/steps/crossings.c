@@ -1,5 +1,5 @@
-/* Steps that detect crossings of events and switches. They write rows at events and rows due before
- * these, and stop at events. */
+/* Makes steps that detect crossings of events and switches. At a crossing, they first write the
+ * rows that are due earlier, then the row at the event; they may stop there. */
 
 #include "steps.h"
 
@@ -8,7 +8,8 @@ static struct moment moment_of(const struct pk_events *e)
     return (struct moment){e->t, e->q, e->v};
 }
 
-/* Writes rows due up to the switch. The step ends there and then has no dense output. */
+/* Writes the rows that are due up to the switch. The step ends at the switch; no dense output is
+ * available afterwards. */
 static void switched(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
@@ -71,9 +72,9 @@ enum pk_run_code crossings_begin(struct pk_run *run)
     return PK_RUN_DONE;
 }
 
-/* Notes whether each event function g becomes clearly nonzero. A g that is always zero up to
- * errors, such as a constant of the motion, crosses zero by these errors alone. The scale of g is
- * the largest |dg/dx_i| |x_i| over coordinates and rates. */
+/* Notes for each event function g whether it has become clearly nonzero. If g is always zero up to
+ * errors, as a constant of the motion may be, only these errors make it cross zero. The scale of g
+ * is the largest |dg/dx_i| |x_i| over coordinates and rates x_i. */
 static void note_leaving(struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
@@ -83,7 +84,7 @@ static void note_leaving(struct pk_run *run)
     int all = 1;
     for (size_t k = 0; k < m; k++)
         all &= run->crossed[k].leaves;
-    if (all) /* also true if the system has no events */
+    if (all) /* also true if the system has no events, only switches */
         return;
     memcpy(x, run->it.q, n_q * sizeof *x);
     memcpy(x + n_q, run->it.v, n * sizeof *x);

@@ -8,8 +8,9 @@
  */
 #include "steps.h"
 
-/* A quotient may exceed an integer by 1e-12 of itself. From 1e9 intervals on, only round-off is
- * allowed, since 1e-12 of a huge number could be a whole interval. */
+/* A quotient that exceeds an integer by less than the fraction 1e-12 counts as this integer. For
+ * more than 1e9 intervals the fraction is that of round-off, since 1e-12 of a huge quotient could
+ * be a whole interval. */
 pk_real run_intervals(pk_real whole, pk_real part)
 {
     const pk_real ratio = whole / part, round = 4 * PK_EPSILON;
@@ -35,7 +36,7 @@ enum pk_status run_aside(struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const size_t size = pk_integrator_size(&it->problem, it->method);
     struct pk_problem problem = run->problem;
-    if (run->events.params) /* these params have the current sides of the switches */
+    if (run->events.params) /* run->events.params contain the current sides of the switches */
         problem.params = run->events.params;
     run->aside_block = memory_take(&run->memory, size, 1);
     return pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
@@ -87,7 +88,8 @@ static pk_real stop(const struct pk_run *run, pk_real limit)
     return k < x->n_stops && (pk_real)x->stops[k] < limit ? (pk_real)x->stops[k] : limit;
 }
 
-/* Adaptive steps end at times of expectations and, if asked.land is set, at rows. */
+/* An adaptive step ends at the latest at the next expectation; if asked.land is set, also at the
+ * next row. */
 pk_real run_limit(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;

@@ -4,14 +4,16 @@
 #include "../settings/settings.h"
 #include "checkpoint.h"
 
-enum { CLOSE = 8 }; /* steps per call if there are poles, over which long steps may jump */
+/* Steps per call of a system with singularities, which long steps may jump over. */
+enum { CLOSE = 8 };
 
 static int singular(const struct pk_run *run)
 {
     return run->problem.system->singularities.values != NULL;
 }
 
-/* Makes many steps of a large system in one call, about 0.1 s. Drifts are measured at rows only. */
+/* Makes many steps of a large system in one call, which takes about 0.1 s. The drifts of such a
+ * system are measured at rows only. */
 static enum pk_status many(struct pk_run *run, pk_real end)
 {
     struct pk_integrator *it = &run->it;
@@ -54,8 +56,9 @@ static int by_time(const struct pk_run *run)
     return s->has_every || (!s->asked.bare && !s->asked.at);
 }
 
-/* Returns how many fixed steps to make before the next call of the observers: 1, or, if not every
- * step is needed and no row is due, the number up to the next multiple of LOOK. */
+/* Returns how many fixed steps to make before the observers are called again. This is 1 if the
+ * observers need every step, or a row is due soon. Otherwise it is the number of steps up to the
+ * next multiple of LOOK. */
 static unsigned long unseen(const struct pk_run *run)
 {
     enum { ALL = 1024, LOOK = 16 };
@@ -87,8 +90,8 @@ static int step(struct pk_run *run)
     if (pk_waits(it))
         return 1;
     const pk_real h = it->t - it->last_t; /* h is 0 after a stop at an event */
-    /* A step at most half of the next one was limited by a start, event or row, not by its
-     * error. */
+    /* If the next step is at least twice as long, the previous step was not limited by its error
+     * but by the start, an event or a row; h_min ignores it. */
     if (before > 0 && h < 2 * before && (!(run->h_min > 0) || before < run->h_min))
         run->h_min = before;
     if (h > run->h_max)
@@ -137,7 +140,8 @@ int run_starts(struct pk_run *run)
         return 0;
     if (!run->checkpoint.resumed) {
         stop(run);
-        if (by_time(run) && (s->has_every || !s->asked.members)) /* otherwise only a final row */
+        /* in other cases, only the final row is written */
+        if (by_time(run) && (s->has_every || !s->asked.members))
             observe_row(run, run_moment(run));
         observe_step(run, run_moment(run));
     }
@@ -155,7 +159,8 @@ int run_goes(struct pk_run *run)
         return 0;
     if (by_time(run) && !(s->every > 0))
         observe_row(run, run_moment(run));
-    return run->it.t < s->until && goes_on(run); /* a completed run is not interrupted */
+    /* a run that has reached `until` cannot be interrupted any more */
+    return run->it.t < s->until && goes_on(run);
 }
 
 void run_ends(struct pk_run *run)

@@ -1,5 +1,6 @@
-/* Calls the observers of a run in the order of the report: events first, diagnostics last. Drifts
- * precede trust, which reads them; rows precede reductions, which read run->cells. */
+/* Calls the observers of a run in the order of the report: events first, condition numbers and
+ * diagnostics last. Drifts are measured before trust.c reads them; rows fill run->cells before
+ * reductions read it. */
 #include "steps.h"
 
 static const struct observer *const observers[] = {

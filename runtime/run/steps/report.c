@@ -6,7 +6,7 @@ enum { MOST_LISTED = 10000 };
 static void report_motion(struct json *j, const struct pk_run *run)
 {
     const struct pk_integrator *it = &run->it;
-    /* The state of a large system is omitted; the last row has it. */
+    /* The report omits the state of a large system, which the last row contains. */
     const int listed = it->n <= MOST_LISTED;
     json_reals(j, {"t", it->t}, {"last_valid", trust_last_valid(run)});
     json_numbers(j, "q", it->q,
@@ -24,7 +24,7 @@ static void report_work(struct json *j, const struct pk_run *run)
     json_real(j, "step_min", run->h_min > 0 ? run->h_min : run->h_max);
     json_real(j, "step_max", run->h_max);
     json_real(j, "rtol", s->options.rtol);
-    /* atol < 0 means that it is derived from the motion; the report has null. */
+    /* If atol < 0, it is derived from the motion; the report then gives null. */
     json_real(j, "atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol);
     json_counts(j, {"rows", run->rows}, {"steps", c->steps}, {"rejections", c->rejections},
                 {"evaluations", c->evaluations}, {"jacobians", c->jacobians},

@@ -12,9 +12,9 @@ enum pk_run_code run_begin(struct pk_run *run);
 void run_steps(struct pk_run *run);
 void run_end(struct pk_run *run);
 
-/* In integrate.c: run_integrate() makes the whole trajectory. Alternatively, run_starts() returns
- * whether there is a step to make, and run_goes() makes a step and returns whether another
- * follows. */
+/* In integrate.c: run_integrate() makes the whole trajectory. To make it step by step, run_starts()
+ * returns whether a step is needed at all, run_goes() makes one step and returns whether another
+ * one follows, and run_ends() ends the trajectory. */
 void run_integrate(struct pk_run *run);
 int run_starts(struct pk_run *run);
 int run_goes(struct pk_run *run);
@@ -27,21 +27,21 @@ enum pk_status crossings_step(struct pk_run *run, pk_real limit);
 /* In due.c: writes rows and checks expectations that are due up to t in the last step. Returns 0 if
  * the state at such a time cannot be computed. */
 int run_due(struct pk_run *run, pk_real t);
-/* Starts run->aside, which computes states within fixed steps, at the current state. */
+/* Initialises run->aside, which computes states within fixed steps, at the current state. */
 enum pk_status run_aside(struct pk_run *run);
-/* Returns the next time after `from` of a row or an expectation, at most `limit`. */
+/* Returns the time of the first row or expectation after `from`, or `limit` if that is earlier. */
 pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit);
-/* Returns the time at which the next step must end at the latest. */
+/* Returns the time that the next step must not pass. */
 pk_real run_limit(const struct pk_run *run);
 /* Returns the current time and state. */
 const struct moment *run_moment(struct pk_run *run);
-/* Returns the number of intervals of length `part` that cover `whole`, at least 1. An integer
- * quotient may have round-off. */
+/* Returns the least number of intervals of length `part` that cover `whole`, at least 1. Ignores
+ * the round-off of a quotient whole / part that should be an integer. */
 pk_real run_intervals(pk_real whole, pk_real part);
-/* Returns h or, if 1/k of the interval equals it up to round-off for an integer k, this
- * fraction. */
+/* Returns h, or interval / k for an integer k if h equals it up to round-off. */
 pk_real run_step(pk_real interval, pk_real h);
-/* Returns the time of row k of `count`: a double in every precision, since it is written as one. */
+/* Returns the time of row k; row `count` is the last one. The time is rounded to double
+ * even if pk_real is more precise, since rows are written in doubles. */
 pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count);
 
 /* In observe.c: call the function of each observer, in the order of the table there. */

@@ -52,8 +52,9 @@ static enum pk_run_code start(struct pk_run *run)
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0)
         return PK_RUN_FAILED;
-    /* Steps as long as the interval between rows may be too long to detect events. Steps of half
-     * the allowed length have a good interpolant without extra steps. */
+    /* Without a given step size, steps are as long as the interval between rows, which may be too
+     * long to detect events. method->resolved() returns an upper limit; for steps of half this
+     * length the interpolant is good without extra steps. */
     if (run->problem.system->events.n && s->method->resolved && !s->has_step) {
         const pk_real most = s->method->resolved(&run->it) / 2, h = s->options.h;
         s->options.h = h > most ? h / run_intervals(h, most) : h;
