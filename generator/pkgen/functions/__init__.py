@@ -21,7 +21,8 @@ SIDE = "side_"
 # Numbers of arguments of ln(x), which becomes log(x), and of clamp(x, a, b), which becomes
 # min(max(x, a), b).
 WRITTEN_OUT = {"ln": 1, "clamp": 3}
-# Names of functions in other languages; error messages suggest the name in this language.
+# Maps names that other languages give to functions to the names in this language. Error messages
+# suggest the name in this language.
 MEANT = {
     **dict.fromkeys(("heaviside", "Heaviside", "theta", "Theta", "H"), "step"),
     **dict.fromkeys(("sgn", "signum"), "sign"),
