@@ -160,7 +160,7 @@ def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, .
 
 
 def input_index(orders: tuple[int, ...], position: int) -> int:
-    """Returns the flat index of the input declared at `position`."""
+    """Returns the flat index of the input that is at `position` among the declared inputs."""
     return sum(o + 1 for o in orders[:position])
 
 
@@ -173,7 +173,7 @@ def _unit(model: Model, item: Input, order: int) -> str:
 
 
 def per_second(unit: str) -> str:
-    """Returns an SI unit divided by a second: "kg*m/s^2" -> "kg*m/s^3"."""
+    """Returns a unit divided by a second, as text: "kg*m/s^2" -> "kg*m/s^3"."""
     above, *below = (unit or "1").split("/")
     for i, part in enumerate(below):
         name, _, power = part.partition("^")

@@ -100,8 +100,8 @@ class _Seen:
         self.varying = Varying(g)
 
     def atoms(self, node: Node) -> list[Node]:
-        """Returns the atoms (variables) of the node's normal form; the node if it has no normal
-        form."""
+        """Returns the atoms (variables) of the node's normal form. If the node has no normal form,
+        returns the node itself."""
         polynomial = self.normal(node)
         if polynomial is None:
             return [node]

@@ -17,9 +17,9 @@ from ...graph.normal import Normal
 from ...graph.residues import Residues
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
-# The limit of work for all normal forms together: products of two terms.
+# The largest number of products of two terms that are computed for all normal forms together.
 WORK = 4_000
-# The limit of nodes times coordinates: the number of values modulo a prime that are computed.
+# The largest number of values modulo a prime that are computed: nodes times coordinates.
 SWEPT = 10_000
 
 
@@ -138,7 +138,8 @@ def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
 
 
 def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
-    """Returns the atoms (variables) of a node's normal form; the node if it has no normal form."""
+    """Returns the atoms (variables) of a node's normal form. If the node has no normal form,
+    returns the node itself."""
     polynomial = normal(node) if g.depends[node] & STATE else {}
     if polynomial is None:
         return [node]

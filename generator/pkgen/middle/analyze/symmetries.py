@@ -32,7 +32,7 @@ from .coupling import blocks_of
 from .symmetries_ansatz import KINDS, Unknown, ansatz
 from .symmetries_blocks import BLOCK, block_energies
 
-# The limit of work for a normal form: products of two terms.
+# The largest number of products of two terms that are computed for one normal form.
 WORK = 100_000
 # The largest number of nonzero entries of the linear system.
 ENTRIES = 60_000

@@ -19,7 +19,7 @@ from .along import Along
 from .proofs import vanishes
 
 BLOCK = "time shift of a block"
-# The limit of work for a normal form: products of two terms.
+# The largest number of products of two terms that are computed for one normal form.
 WORK = 20_000
 TERMS = 2_000
 # The largest number of coordinates in the name of an energy; further ones become "...".

@@ -90,8 +90,9 @@ class Across:
         return ZERO if self._is_zero(jump) else jump
 
     def _side(self, node: Node, argument: Node) -> int:
-        """Returns 1 if the node is a call that switches branch with the sign of the argument, -1 if
-        it does with the opposite sign, and 0 otherwise."""
+        """Returns 0 unless the node is a function call that switches branch where the argument
+        vanishes. Returns 1 if the branch has the sign of the argument, -1 if it has the opposite
+        sign."""
         own, sign = self.surfaces.of_call(node)
         if not sign:
             return 0

@@ -168,11 +168,11 @@ class PairForce:
     hi: Affine
     first: Affine
     last: Affine
-    # Pairs (family, derivative by its member m).
+    # Pairs (family, derivative of the body by member m of this family).
     by_row: tuple[tuple[str, Node], ...]
-    # Pairs (family, derivative by its member j).
+    # Pairs (family, derivative of the body by member j of this family).
     by_other: tuple[tuple[str, Node], ...]
-    # Pairs (scalar coordinate, derivative by it).
+    # Pairs (scalar coordinate, derivative of the body by this coordinate).
     by_scalar: tuple[tuple[str, Node], ...]
 
 
@@ -220,7 +220,8 @@ class Piece:
     rate: Node
     # The second time derivative of X[m] if the accelerations of all coordinates are 0.
     coasting: Node
-    # The time derivative of X[m] without the part due to explicit dependence on t.
+    # The part of the time derivative of X[m] that is due to coordinates and lower members of X, not
+    # to t itself.
     own: Node
     by: dict[Slot, Node]
     by_rate: dict[Slot, Node]

@@ -222,7 +222,8 @@ class LoopEquations:
 
     @property
     def unseen(self) -> tuple[Group, ...]:
-        """The coordinates whose value has no meaning: their rates are body rates or states."""
+        """The coordinates that have no meaningful value, because their rates are body rates or
+        states."""
         return tuple(g for g in self.coordinates if g.is_turn or g.is_state)
 
     @property

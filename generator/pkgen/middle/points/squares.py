@@ -17,9 +17,9 @@ from ...graph.normal import Normal, squares_merged
 from ...graph.ranges import Ranges
 
 RATES = BIT[Kind.RATE]
-# The limit of work for a normal form: products of two terms.
+# The largest number of products of two terms that are computed for one normal form.
 WORK = 500
-# The largest number of rates that are proved to be 0 by one term.
+# The largest number of rates that one term may prove to be 0.
 SEVERAL = 3
 
 Matrix = list[list[Node]]

@@ -83,8 +83,8 @@ def _not(state: State, e: Equations, which: list[int], why: str) -> State:
 def _recorded(
     state: State, needs: Needs, reduced: Reduced, chosen: list[int], angles: list[int]
 ) -> State:
-    """Returns the state with the reduced equations and a report line for each removed coordinate.
-    Rates of removed coordinates are outputs if they are recorded."""
+    """Returns a State with the reduced equations, and with a report line for each removed
+    coordinate. The rates of removed coordinates become outputs if they are recorded."""
     e, found = state.equations, reduced.equations
     extra = len(e.observed)
     keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]

@@ -203,9 +203,10 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
 
 
 def _bodies(e: Equations, kept: set[int]) -> set[int]:
-    """Returns the indices of all body rates and quaternions that must be kept in addition to
-    `kept`: all three rates of a rotation of which one is kept, and its quaternion if any quaternion
-    is kept or there are constraints."""
+    """Returns body rates and components of quaternions that have to be kept in addition to `kept`,
+    by index. If a body rate or a component of a rotation is kept, all its three body rates are. Its
+    quaternion is kept too if any component of any quaternion is kept, or if there are
+    constraints."""
     n, found = len(e.coordinates), set()
     numbers = [{n + k for k in a.numbers} for a in e.attitudes]
     turned = e.constraints is not None or any(mine & kept for mine in numbers)
