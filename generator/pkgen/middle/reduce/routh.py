@@ -46,8 +46,8 @@ class Reduced:
 
 
 def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) -> Reduced:
-    """Returns the equations without the coordinates `cyclic`. Those of them that are in `angles`
-    become states.
+    """Returns the equations without the coordinates `cyclic`. Coordinates that are in `angles`
+    too become states.
 
     The coordinates must be cyclic, and L of second degree in the rates. Raises NotReduced if the
     coordinates cannot be removed.
