@@ -1,7 +1,8 @@
 """The table of scalar functions of the language: one row per function, for all compiler stages.
 
-To add a function, add a row to `smooth.py` or `kinked.py`; `row.py` explains the fields. A row's
-callables get the graph, balls or polynomials as arguments, so that rows import no compiler code.
+To add a function, add a row to `smooth.py` or `kinked.py`; `row.py` explains the fields. The
+functions in a row get the compiler's objects that they use (such as the graph) as arguments, so
+that rows import no compiler code.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ SIDE = "side_"
 # Numbers of arguments of ln(x), which becomes log(x), and of clamp(x, a, b), which becomes
 # min(max(x, a), b).
 WRITTEN_OUT = {"ln": 1, "clamp": 3}
-# Names of functions in other languages; error messages suggest the name in this language.
+# Maps names that other languages give to functions to the names in this language. Error messages
+# suggest the name in this language.
 MEANT = {
     **dict.fromkeys(("heaviside", "Heaviside", "theta", "Theta", "H"), "step"),
     **dict.fromkeys(("sgn", "signum"), "sign"),

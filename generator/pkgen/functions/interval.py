@@ -17,8 +17,8 @@ ROUND = 1e-12  # tolerance for rounding errors of the end points
 class Range:
     lo: float = -INF
     hi: float = INF
-    above: bool = False  # Whether `lo` itself is excluded.
-    below: bool = False  # Whether `hi` itself is excluded.
+    above: bool = False  # Whether the interval excludes its end `lo`.
+    below: bool = False  # Whether the interval excludes its end `hi`.
 
     @property
     def positive(self) -> bool:
@@ -58,8 +58,9 @@ class Range:
 
 
 def _corner(x: float, x_excluded: bool, y: float, y_excluded: bool) -> tuple[float, bool]:
-    """Returns the product of two end points, and whether the product is excluded."""
-    if x == 0 or y == 0:  # 0 times infinity is 0 too: an infinite end is never attained
+    """Returns the product x y of an end of one interval and an end of another interval. The second
+    result is true if the interval of the products excludes x y, because x or y is excluded."""
+    if x == 0 or y == 0:  # 0 * infinity is taken as 0: intervals contain finite numbers only
         return 0.0, (x != 0 or x_excluded) and (y != 0 or y_excluded)
     return x * y, x_excluded or y_excluded
 

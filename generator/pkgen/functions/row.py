@@ -1,7 +1,7 @@
 """The table row of a function of the language, with all that the compiler needs to know of it.
 
-Most fields have defaults that are valid for any function: for example, the interval of all real
-numbers, no ball, and no exact value, so that a call with constant arguments is not evaluated.
+Most fields have defaults that are valid for any function. For example, by default the values of a
+function may be any real numbers, and the compiler does not evaluate calls with constant arguments.
 """
 
 from __future__ import annotations
@@ -12,21 +12,22 @@ from fractions import Fraction
 from ..record import record
 from .interval import ANY, Range
 
-# Values of `Singularity.use`: why an expression of the equations must not vanish.
+# Values of `Singularity.use`. Each is a reason why an expression in the equations must not vanish.
 COORDINATES, DIVISOR, ROOT, LOGARITHM, ARC = "COORDINATES", "DIVISOR", "ROOT", "LOGARITHM", "ARC"
 CUT = "CUT"  # The Lagrangian jumps where the expression vanishes.
 
 
 def at(point: int, value: int) -> Callable[[Fraction], Fraction | None]:
-    """Returns a value of the field `exact`, for a function with one rational point: f(point) =
-    value."""
+    """Returns a callable for the field `exact` of a function that has a rational value at one
+    rational argument only: f(point) = value."""
     return lambda x: Fraction(value) if x == point else None
 
 
 @record
 class Kinked:
     """The two smooth branches of a function with a kink or a jump, as C expressions in the names of
-    its arguments. The function changes branch where its argument x, or a - b, is zero."""
+    its arguments. The function changes branch where its only argument x, or the difference a - b of
+    its two arguments, is zero."""
 
     below: str
     above: str
@@ -48,15 +49,15 @@ class Function:
 
     # The function on floats.
     real: Callable[..., float]
-    # The function on arrays: its name in NumPy, if that differs from the name in the language, or
-    # a callable (numpy module, arrays) -> array.
+    # The function on arrays: its name in NumPy, if that differs from the name in the language, or a
+    # callable that takes the numpy module and arrays, and returns an array.
     array: str | Callable = ""
     # The function on Fractions. Returns None where the value is not rational.
     exact: Callable[..., Fraction | None] = lambda *_: None
     # Returns the reason why the function is undefined at the given numbers, or "".
     undefined: Callable[..., str] = lambda *_: ""
 
-    # A callable (g, n, a, b) -> the partial derivatives by the arguments.
+    # A callable (g, n, a, b) that returns the partial derivatives with respect to the arguments.
     derivative: Callable[..., tuple]
     # "odd", "even", or "" for neither.
     parity: str = ""
@@ -65,11 +66,12 @@ class Function:
     interval: Callable[..., Range] = lambda *x: ANY
     # The function in ball arithmetic: a callable (Balls, a, b) -> Ball or None.
     ball: Callable = lambda *_: None
-    # Rewrites a call in simpler functions, which reveals identities (graph/exact.py): a callable
-    # (Exact, polynomials) -> polynomial.
+    # A callable (Exact, polynomials) -> polynomial, which rewrites a call in terms of simpler
+    # functions. This lets graph/exact.py recognize more expressions as equal.
     opened: Callable = lambda *_: None
-    # A callable (domain, a, b) -> the value in a domain such as Floats of graph/written.py. Smooth
-    # functions also accept power series. None: the function has no bounds in these domains.
+    # A callable (domain, a, b) -> the value of the function. The domain has the arithmetic of a
+    # kind of numbers, such as Floats of graph/written.py. Smooth functions also accept power
+    # series. None if the function cannot be evaluated in domains.
     enclosed: Callable | None = None
     # Whether the function has several branches: it may jump though its derivative is zero.
     branched: bool = False
@@ -78,12 +80,12 @@ class Function:
 
     # The end points of the domain.
     ends: tuple[int, ...] = ()
-    # A callable (g, a, b) -> (a node that must not vanish, the reason as in `Singularity.use`).
+    # A callable (g, a, b) -> (a node that must not vanish, the reason as a `Singularity.use`).
     singular: Callable | None = None
     # Whether the function vanishes exactly where its argument vanishes.
     like_argument: bool = False
-    # If not 0: where |short x| > 36, the function is constant, 0 or huge, up to rounding
-    # (middle/derive/marks.py).
+    # If not 0, the function varies in a range of short width. Where |short x| > 36, it is constant,
+    # 0 or huge, up to rounding errors (middle/derive/marks.py).
     short: int = 0
 
     # The name in <math.h>, if it differs from the name in the language.

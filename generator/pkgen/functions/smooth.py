@@ -13,7 +13,7 @@ _QUARTER = Range(-math.pi / 2, math.pi / 2)
 
 
 def _one_and_square(g, a, sign: int = 1):
-    """Returns 1 + a^2 for sign 1, 1 - a^2 for sign -1."""
+    """Returns 1 + a^2 if `sign` is 1, and 1 - a^2 if `sign` is -1."""
     square = g.power(a, 2)
     return g.add(g.number(1), square if sign > 0 else g.negate(square))
 
@@ -29,9 +29,9 @@ def _pow(g, n, a, b):
 
 
 def where_positive(g, base, exponent):
-    """Returns |base|^max(exponent, 0). It vanishes where base^-exponent is singular: at base = 0,
-    if the exponent, a parameter known only at run time, is positive. The power of a negative base
-    is NaN, which is reported elsewhere."""
+    """Returns |base|^max(exponent, 0). The parameters in the exponent are known only at run time.
+    At base = 0 the result vanishes if the exponent is positive; there the power base^-exponent is
+    singular. A negative base makes base^-exponent NaN, which other checks report."""
     return g.call("pow", g.call("abs", base), g.call("max", exponent, g.number(0)))
 
 
@@ -40,7 +40,7 @@ def _beyond_one(what: str):
 
 
 def _root(value: Fraction) -> Fraction | None:
-    """Returns the exact square root, or None if it is not rational."""
+    """Returns the exact square root of a rational number, or None if the root is not rational."""
     if value < 0:
         return None
     n, d = math.isqrt(value.numerator), math.isqrt(value.denominator)

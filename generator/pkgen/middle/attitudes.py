@@ -17,8 +17,8 @@ from ..equations import Attitude, Row
 from ..graph.frames import cross
 from ..graph.graph import ZERO, Graph, Kind, Node, Symbol
 
-# The components of the quaternion product Q e_i for each body axis i; each component is a component
-# of Q up to sign, given as (its index, the sign).
+# For each body axis i, the quaternion product Q e_i. Each of its four components equals a component
+# of Q or its negative, which is given as (index of the component of Q, sign).
 _TURNED = (
     ((1, -1), (0, 1), (3, 1), (2, -1)),
     ((2, -1), (3, -1), (0, 1), (1, 1)),
@@ -27,7 +27,8 @@ _TURNED = (
 
 
 def numbers(g: Graph, at: Attitude) -> Row:
-    """Returns the symbols of Q = (w, x, y, z); () if a reduction has removed the quaternion."""
+    """Returns the symbols of the quaternion Q = (w, x, y, z) of the rotation `at`; () if a
+    reduction has removed Q."""
     return tuple(g.symbol(Symbol(Kind.STATE, k)) for k in at.numbers)
 
 
@@ -60,7 +61,8 @@ def body_rates(g: Graph, quaternion: Row, rates: Row) -> Row:
 
 
 def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:
-    """Returns the rate of a state that is a component of the quaternion of `at`."""
+    """Returns the time derivative of one component of the quaternion of the rotation `at`. `state`
+    is the index of the state that stands for this component."""
     return quaternion_rates(g, numbers(g, at), rates(g, at))[at.numbers.index(state)]
 
 

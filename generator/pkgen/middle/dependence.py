@@ -52,8 +52,10 @@ def _without(
     value: Callable[[Node], int | None],
     there: Residues | None,
 ) -> list[Node]:
-    """Makes the substitutions `plain` in each node where this leaves the residue `value` unchanged
-    and saves operations. With `there`, only in nodes whose residue `there` is the same too."""
+    """Makes the substitutions `plain` in those nodes that have fewer operations afterwards and keep
+    their values modulo a prime. `value` gives the value of a node before the substitutions, `here`
+    the value after them. If `there` is given, nodes are skipped whose values by `there` and `value`
+    differ."""
     new = {}
     for node in dict.fromkeys(nodes):
         known = value(node)

@@ -41,10 +41,11 @@ def smaller(
 ) -> Equations:
     """Returns equations with the coordinates `kept` only. Their motion has to be derived again.
 
-    `swap` maps symbols of removed coordinates to expressions. `lagrangian` and `parts` (T and V, or
-    None) belong to the remaining coordinates. All of them are written in the old symbols. The
-    states of the result are `kept_states` (None: all), followed by `angles`: former coordinates
-    that no equation uses, each mapped to (rate, initial value).
+    `swap` maps symbols of removed coordinates to expressions. `lagrangian` is the new L, and
+    `parts` are the new energies T and V (None if unknown). All these expressions contain the
+    symbols of `equations`, before renumbering. The states of the result are `kept_states` (None:
+    all), followed by `angles`: former coordinates that no equation uses, each mapped to (rate,
+    initial value).
     """
     g = equations.graph
     count, states = len(equations.coordinates), len(equations.states)
@@ -120,8 +121,9 @@ def _attitudes(
 
 
 def _fewer(g: Graph, c: Constraints, there, pick) -> Constraints | None:
-    """Returns the constraints without rows in which no rate remains; None if no row remains. Fields
-    that follow from the rows are not updated: they are derived again."""
+    """Returns the constraints without the rows that contain no rate after the removal of
+    coordinates. Returns None if all rows are left out. The fields that are computed from the rows
+    keep their old values, since the constraints are derived again later."""
     own = _moving(g, c.stated, there)
     if own is None:
         return None

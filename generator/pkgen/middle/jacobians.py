@@ -20,7 +20,8 @@ def variables(e: Equations) -> list[Symbol]:
 
 
 def slopes(g: Graph, e: Equations) -> list[Node]:
-    """Returns F. `g` is the equations' graph or a copy of it. `e.acceleration` must not be None."""
+    """Returns the right-hand side F of y' = F(t, y). `g` is the equations' graph or a copy of it.
+    `e.acceleration`, the expressions of the accelerations, must not be None."""
     n = range(len(e.seen))
     found = [g.symbol(Symbol(Kind.RATE, i)) for i in n]
     found += [e.acceleration[i] for i in (*n, *_turning(e))]

@@ -31,17 +31,18 @@ TIME = BIT[Kind.TIME]
 # pendulum of 20 links, this kernel has most of the operations and takes a fifth of the compile
 # time.
 LINEARISED = 16
-LINEAR_OF_FEW = "linear of few"  # The request of "linear" for models up to LINEARISED coordinates.
+# Requested in place of the kernel "linear" if this is wanted up to LINEARISED coordinates only.
+LINEAR_OF_FEW = "linear of few"
 PARTICLES = "particles"  # A kernel that only diagnostics request.
 
 
-# The fields of Equations with Jacobians, as they are if the kernel "jacobian" is not requested.
+# The fields of Equations that have Jacobians, with their values if no Jacobians are requested.
 NO_JACOBIANS: dict[str, None] = dict.fromkeys(("p_q", "pdot_q", "pdot_v"))
 
 
 class Wanted:
-    """The requested kernels (None: all). A call tests whether any of the given kernels is
-    requested."""
+    """The requested kernels (None: all). Called with names of kernels, returns whether at least one
+    of them is requested."""
 
     def __init__(self, kernels: frozenset[str] | None):
         self.kernels = kernels
@@ -84,7 +85,8 @@ def motion_of(
     attitudes: tuple[Attitude, ...] = (),
 ) -> Motion:
     """Returns the equations of motion. `rate_of` gives the time derivative of a coordinate, t or an
-    input. The field `gradient` is dL/dq; for body rates it is X L + p x w (see attitudes.py)."""
+    input. The field `gradient` of the result is dL/dq. For the coordinates of a rotation, it is X L
+    + p x w instead (see attitudes.py)."""
     count = len(forces)
     q, v = symbols(g, Kind.COORDINATE, count), symbols(g, Kind.RATE, count)
     by = gradient(g, energies.lagrangian, STATE | (BIT[Kind.STATE] if attitudes else 0))
@@ -122,10 +124,10 @@ def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
 def shortest(
     g: Graph, lagrangian: Node, motion: Motion, wanted: Wanted, mass_read: bool = False
 ) -> tuple[Motion, Solution | None]:
-    """Returns the motion in the form of fewest operations, and the solution of M a = f; None if the
-    solution is not needed or too large. It is needed if it is requested, or if a momentum depends
-    on a state (see states.py). It is computed with M, or directly from L (pushed.py) if that takes
-    fewer operations. `mass_read`: whether M is needed later in any case."""
+    """Returns the motion in the form of fewest operations, and the solution a of M a = f. The
+    solution is None if it is too large or not needed. It is needed if it is requested, or if a
+    momentum depends on a state (see states.py). It is computed with M, or directly from L without M
+    (pushed.py) if that takes fewer operations. `mass_read` says whether M is needed in any case."""
     n = len(motion.force)
     triangle = [motion.mass[i][j] for i in range(n) for j in range(i, n)]
     outputs = [*triangle, *motion.force]
@@ -154,7 +156,8 @@ def shortest(
         _, _, mass, force, solution = min(found)
         if solved:
             along = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
-            alone = solution is None and stated  # a loop in C cannot solve for a in this case
+            # if a momentum depends on a state, no loop in C can solve M a = f
+            alone = solution is None and stated
             if along is not None and (
                 alone or _operations(g, along, mass) < _operations(g, solution, mass)
             ):
@@ -183,9 +186,9 @@ def with_states(g: Graph, momenta: Row) -> bool:
 def _without_mass(
     g: Graph, lagrangian: Node, mass: Matrix, force: Row
 ) -> tuple[Solution | None, Row]:
-    """Returns the solution of M a = f computed from L without M, and f in few operations. Returns
-    None as solution if a loop that solves M a = f takes fewer operations, even without those of M,
-    or if a pivot vanishes."""
+    """Returns two results: the solution a of M a = f, computed from L without M, and f in few
+    operations. The solution is None if a pivot vanishes, or if solving M a = f by a loop in C takes
+    fewer operations, even when the operations of computing M are not counted."""
     n = len(force)
     if not looped(g, mass):
         return None, force
@@ -200,8 +203,9 @@ def _without_mass(
 
 
 def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
-    """Returns the number of operations of a solution, including pivots. If it is None, M a = f is
-    solved by a loop in C; its operations count half, since they take half the time."""
+    """Returns the number of operations of a solution of M a = f, including its pivots. If
+    `solution` is None, a loop in C solves M a = f. Its operations take half the time of others, and
+    count half."""
     if solution is None:
         return (operations(g, [x for row in mass for x in row]) + _looped(len(mass))) // 2
     return operations(g, [*solution.accelerations, *sum(solution.pivots, ())])
@@ -222,9 +226,9 @@ def _symmetric(triangle: list[Node], n: int) -> Matrix:
 
 
 def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str, Matrix]:
-    """Returns dp/dq, d(pdot)/dq and d(pdot)/dv. `lagrangian`: whether p = dL/dv and
-    gradient = dL/dq for some L. Then d(dL/dq_i)/dq_j is symmetric, and
-    d(dL/dq_i)/dv_j = dp_j/dq_i, which saves work."""
+    """Returns the derivatives dp/dq, dp'/dq and dp'/dv of the momenta p and of p'. `lagrangian`
+    says whether p = dL/dv and gradient = dL/dq for some L. In this case d(dL/dq_i)/dq_j is
+    symmetric, and d(dL/dq_i)/dv_j = dp_j/dq_i, which saves work."""
     n = len(motion.momenta)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     p_q = _matrix(g, motion.momenta, q, COORDINATES)
@@ -238,7 +242,8 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
         applied_q = _matrix(g, motion.applied, q, COORDINATES)
         applied_v = _matrix(g, motion.applied, v, RATES)
         ways = [(_sum(g, second, applied_q), _sum(g, p_q_transposed, applied_v))]
-        # If applied forces cancel a part of the gradient, the derivatives of pdot are shorter.
+        # Applied forces may cancel a part of the gradient. The derivatives of the sum pdot of both
+        # are then shorter than the derivatives of the gradient and of the forces.
         if len(reachable(g, motion.pdot)) <= THOROUGH:
             direct = _matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES)
             ways.append(direct)
@@ -294,7 +299,8 @@ def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> N
 
 
 def shorter(g: Graph, energies: Energies, wanted: Wanted) -> Energies:
-    """Returns the energies. Each one whose kernel is requested is rewritten in few operations."""
+    """Returns the energies. The energies whose kernels are requested are rewritten in few
+    operations."""
     found: dict[str, Node | None] = {}
     for name in ("lagrangian", "kinetic", "potential"):
         node = found[name] = getattr(energies, name)

@@ -22,7 +22,8 @@ def naming(e: Named | Equations) -> Callable[[Symbol], str]:
         if symbol.kind is Kind.TIME:
             return "t"
         row = rows[symbol.kind]
-        if symbol.index >= len(row):  # the derivative of an input that has no index of its own
+        # the time derivative of an input, if it has no name of its own in `row`
+        if symbol.index >= len(row):
             return name(Symbol(symbol.kind, symbol.index - len(row))) + "'"
         return row[symbol.index].name
 

@@ -18,7 +18,8 @@ from ..tree import Range
 @record
 class Family:
     """A declared name: a scalar (lo is None), or a family NAME[lo..hi]. Member lo has the flat
-    index `first`, each further member a flat index larger by `step`."""
+    index `first`. The flat index of each further member is larger by `step` than that of the member
+    before."""
 
     name: str
     first: int
@@ -49,7 +50,8 @@ def error(model: Model, message: str, span: Span, help: str = "") -> ModelError:
 
 
 def too_deep(span: Span) -> tuple[str, Span, str]:
-    """Returns the arguments of error() for expressions nested too deeply for Python's stack."""
+    """Returns the arguments with which error() is called for an expression that is nested too
+    deeply for Python's stack."""
     message = "this is too deep: expressions within expressions, once its vectors are written out"
     return message, span, "give parts of it a name by 'let', or use fewer factors"
 
@@ -130,9 +132,10 @@ def quantities(
     unit: str,
     own: str = "",
 ) -> tuple[Quantity, ...]:
-    """Returns a Quantity for each coordinate or state, in the order of flat indices. The name is in
-    the field `own` of the declaration; if that is empty, it is `form` with the declared name
-    inserted. The unit is in the field `unit`."""
+    """Returns a Quantity for each coordinate or state, in the order of flat indices. `own` and
+    `unit` are the names of the fields of a declaration that have the name and the unit of the
+    Quantity. If the field `own` is empty, the name is the text `form` with the declared name
+    inserted."""
     made = {
         found[c.name].flat(i): Quantity(
             indexed(getattr(c, own), i)
@@ -157,7 +160,7 @@ def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, .
 
 
 def input_index(orders: tuple[int, ...], position: int) -> int:
-    """Returns the flat index of the input declared at `position`."""
+    """Returns the flat index of the input that is at `position` among the declared inputs."""
     return sum(o + 1 for o in orders[:position])
 
 
@@ -170,7 +173,7 @@ def _unit(model: Model, item: Input, order: int) -> str:
 
 
 def per_second(unit: str) -> str:
-    """Returns an SI unit divided by a second: "kg*m/s^2" -> "kg*m/s^3"."""
+    """Returns a unit divided by a second, as text: "kg*m/s^2" -> "kg*m/s^3"."""
     above, *below = (unit or "1").split("/")
     for i, part in enumerate(below):
         name, _, power = part.partition("^")

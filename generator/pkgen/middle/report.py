@@ -26,19 +26,21 @@ class ReportLine:
 class Report:
     """The report of all reductions.
 
-    `starts` maps initial values that became parameters to the names of these. `unused` has the
-    coordinates whose initial values have no effect, and the parameters that nothing uses.
-    `operations` and `coordinates` are numbers before and after the reductions.
+    `starts` maps initial values that became parameters to the names of these parameters. `unused`
+    has the coordinates whose initial values have no effect, and the parameters that nothing uses.
+    `operations` and `coordinates` are pairs of numbers: one before and one after the reductions.
     """
 
     lines: tuple[ReportLine, ...] = ()
     starts: dict[Start, str] = field(default_factory=dict)
     unused: frozenset[str] = frozenset()
-    operations: tuple[int, int] = (0, 0)  # operations of the accelerations and rates of states
+    # numbers of operations that compute accelerations and rates of states
+    operations: tuple[int, int] = (0, 0)
     coordinates: tuple[int, int] = (0, 0)
 
     def unread(self, slots: tuple[ParameterSlot, ...], kept: Collection[int]) -> Report:
-        """Returns the report with a line about the parameters whose index is not in `kept`."""
+        """Returns the report with a further line, about the parameters that nothing uses any more.
+        `kept` has the indices of the other parameters."""
         gone = [slot for k, slot in enumerate(slots) if k not in kept]
         if not gone:
             return self

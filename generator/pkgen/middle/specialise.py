@@ -82,7 +82,8 @@ def _member(of: Hold | Name, model: Model) -> tuple[str, int | None]:
 
 
 def _members(value: Expr, model: Model) -> set[tuple[str, int | None]]:
-    """Returns the (name, index) pairs in an expression without loop variables."""
+    """Returns a pair (name, index) for each name in an expression. The expression must not contain
+    loop variables."""
     return {_member(part, model) for part in within(value) if isinstance(part, Name)}
 
 
@@ -127,8 +128,8 @@ def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
 
 
 def _start(model: Model, item: Hold, index: int | None) -> Expr:
-    """Returns the initial value of the coordinate by the last statement about it; 0 if there is
-    none."""
+    """Returns the initial value of the coordinate that `item` holds. If several statements set it,
+    the last one counts; if none does, it is 0."""
     found: Expr = Number(Fraction(0), item.span)
     for start in model.starts:
         if start.order:
@@ -210,9 +211,9 @@ def _shorter(
 
 
 def _ends(model: Model, old: End, item: Hold, family: Family, fixed: End) -> list[End]:
-    """Returns an end of a family with its index written out, since without an index it would refer
-    to the shorter family. A free end next to the held member gets the fixed value of that
-    member."""
+    """Returns the declaration `old` of an end of a family as declarations with explicit indices.
+    Without an index, `old` would refer to the ends of the shorter family. A free end next to the
+    held member gets the fixed value of the held member."""
     if old.name != item.name:
         return [old]
     places = [old.index] if old.index is not None else [family.lo - 1, family.hi + 1]
@@ -247,8 +248,8 @@ def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
 
 
 def with_definitions(model: Model, new: list[Definition]) -> Model:
-    """Returns the model with new definitions. All old definitions may use them, so that they are
-    inserted before the old ones; definitions that the new ones use are moved to the front."""
+    """Returns the model with the definitions `new`. They are placed before all old definitions, so
+    that these may use them, except for old definitions that the new ones use: these come first."""
     wanted = frozenset().union(*(names(item.value) for item in new))
     first: list[Definition] = []
     for item in reversed(model.definitions):

@@ -1,5 +1,5 @@
-"""Tests whether the equations of motion are linear in the state: v' = A q + B v + c, with constant
-A, B and c."""
+"""Tests whether the equations of motion are linear in the coordinates q and the rates v: v' = A q +
+B v + c, with constant A, B and c."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def affine(equations: Equations, normal: Normal) -> bool:
-    """Returns whether f and the rates of states are affine in q, v and the states, with constant
-    coefficients. Tests each expression as written and in normal form. M has to be constant."""
+    """Returns whether the forces f in M a = f and the time derivatives of states are affine in
+    coordinates, rates and states, with constant coefficients. Tests each expression as written and
+    in normal form. The mass matrix M has to be constant."""
     g = equations.graph
     moving = [*equations.force, *equations.state_rates]
     varying = {
@@ -43,15 +44,16 @@ NONE, CONSTANT, VARYING, MORE = range(4)
 
 
 def of_rates(equations: Equations) -> int:
-    """Returns how f and the accelerations depend on the rates, if M is constant; see in_rates."""
+    """Returns how the forces f and the accelerations a in M a = f depend on the rates: a value that
+    in_rates() returns. The mass matrix M has to be constant."""
     if equations.states or equations.constraints is not None:
         return MORE
     return in_rates(equations.graph, [*equations.force, *(equations.acceleration or ())])
 
 
 def linear(equations: Equations) -> bool:
-    """Returns whether f and the rates of states, as written, are A q + B v + c(t) with constant A
-    and B."""
+    """Returns whether the forces f in M a = f and the time derivatives of states, as written, have
+    the form A q + B v + c(t), with coordinates q, rates v and constant matrices A and B."""
     moving = [*equations.force, *equations.state_rates]
     return in_rates(equations.graph, moving, of=STATE) <= CONSTANT
 
@@ -62,10 +64,11 @@ def in_rates(
     constant: frozenset[Node] = frozenset(),
     of: int = BIT[Kind.RATE],
 ) -> int:
-    """Returns how the nodes, as written, depend on the rates v. NONE: not at all. CONSTANT: they
-    are affine, C v + d, with a constant C. VARYING: they are affine, and C depends on q, t or
-    inputs. MORE: otherwise. The symbols `constant` are treated as constants. If given, the symbols
-    of the kinds in the mask `of` take the place of the rates."""
+    """Returns how the nodes, as written, depend on the rates v. The result is NONE if they do not
+    depend on v, CONSTANT if they have the form C v + d with a constant matrix C, VARYING if they
+    have this form and C depends on q, t or inputs, and MORE otherwise. The symbols `constant` are
+    treated as constants. `of` is a mask of kinds of symbols; symbols of these kinds take the place
+    of v."""
     found: dict[Node, int] = {}
     varying: set[Node] = set()
     for node in reachable(g, nodes, VARIABLE):

@@ -29,8 +29,9 @@ class Along:
         self.known: dict[int, Node] = {}
         # The rates that constraints determine, mapped to expressions in the other rates.
         self.bound: dict[Node, Node] | None = None
-        # The momenta and the energy, whose time derivatives are known without accelerations. Maps
-        # each node without its scale to the scale and the index of the momentum (None: the energy).
+        # The momenta and the energy, whose time derivatives are known without accelerations. Each
+        # node is split into a numeric scale and the rest. Maps the rest to the scale and the index
+        # of the momentum, which is None for the energy.
         self.leaves: dict[Node, tuple[Node, int | None]] = {}
         known = [*enumerate(equations.momenta), (None, equations.energy)]
         for i, node in known if equations.momenta else []:
@@ -57,9 +58,9 @@ class Along:
         return [x for x in substituted(self.graph, terms, self.bound) if x != ZERO]
 
     def _of_large_blocks(self, slopes: dict[Node, Node]) -> list[Node]:
-        """Returns the terms for the rates of large blocks, if these terms can be written without
-        accelerations (combination.py). Removes these rates from `slopes`, the derivatives by
-        them."""
+        """Returns the terms of a node's time derivative that are due to the rates of large blocks,
+        if these terms can be written without accelerations (combination.py). `slopes` has the
+        derivatives of the node by its symbols; those by the rates of such blocks are removed."""
         g, e, terms = self.graph, self.equations, []
         for block in dict.fromkeys(self.block.values()):
             rates = [g.symbol(Symbol(Kind.RATE, i)) for i in block]
@@ -97,8 +98,9 @@ class Along:
         return self.graph.divide(rate, scale)
 
     def energy_rate(self) -> Node:
-        """Returns the time derivative of the energy, dh/dt = v.(Q - dD/dv) - dL/dt. Constraints add
-        (J v).lambda = -j0.lambda."""
+        """Returns the time derivative of the energy h, dh/dt = v.(Q - dD/dv) - dL/dt, with the
+        rates v, the applied forces Q and the dissipation D. Constraints J v + j0 = 0 with the
+        multipliers lambda add the power (J v).lambda = -j0.lambda."""
         g, e = self.graph, self.equations
         rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied))]
         applied, c = e.applied, e.constraints
@@ -112,8 +114,8 @@ class Along:
         return g.subtract(g.subtract(power, moved), slopes)
 
     def explicit(self, node: Node, first: int = 0) -> Node:
-        """Returns a node's time derivative at constant coordinates and rates. States with an index
-        below `first` are constant too."""
+        """Returns a node's time derivative at constant coordinates and rates. States whose index is
+        below `first` are held constant too."""
         g = self.graph
         slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE])
         return g.sum(
@@ -135,8 +137,8 @@ class Along:
         return g.symbol(Symbol(Kind.INPUT, self._next_input(symbol.index)))
 
     def _next_input(self, index: int) -> int:
-        """Returns the index of the time derivative of the input at `index`. The result is larger
-        than all indices of inputs if the equations do not contain the derivative."""
+        """Returns the index of the time derivative of the input at `index`. If the equations do not
+        contain this derivative, the returned index is larger than all indices of inputs."""
         names = [q.name for q in self.equations.inputs]
         following = names[index] + "'" if index < len(names) else ""
         return index + 1 if following in names[index + 1 : index + 2] else index + len(names)
@@ -161,9 +163,9 @@ class Along:
 
 
 def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
-    """Solves each row of J v + j0 = 0 for one rate, and returns the expressions by rate. Divides by
-    a constant entry of J if possible. If the divisor vanishes at some states, a proof still holds
-    there by continuity."""
+    """Solves each constraint row J v + j0 = 0 for one of the rates v, and returns the solutions,
+    keyed by rate. Divides by a constant entry of J if possible. Another divisor may vanish at some
+    states; what is proved at all other states then holds at these states by continuity."""
     c = equations.constraints
     count = len(equations.momenta)
     rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(count)]

@@ -38,8 +38,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     applied = equations.applied if bound is None else bound.free_applied
     unforced = all(node == ZERO for node in applied)
     of_motion = [equations.lagrangian, *applied]
-    # If first-order variables occur in L or forces, the energy may vary. Quaternions, which are the
-    # first of them, are positions and do not count.
+    # If first-order variables occur in L or forces, the energy may vary. Quaternions are the
+    # first-order variables with the lowest indices; they are positions and do not count.
     untouched = not seen.occurs(of_motion, STATES, equations.quaternions)
     steady = not seen.occurs(of_motion, TIME_OR_INPUT)
     kept = [] if bound is None else [*bound.positions, *bound.residual, *equations.applied]
@@ -100,8 +100,8 @@ class _Seen:
         self.varying = Varying(g)
 
     def atoms(self, node: Node) -> list[Node]:
-        """Returns the atoms (variables) of the node's normal form; the node if it has no normal
-        form."""
+        """Returns the atoms (variables) of the node's normal form. If the node has no normal form,
+        returns the node itself."""
         polynomial = self.normal(node)
         if polynomial is None:
             return [node]
@@ -109,7 +109,8 @@ class _Seen:
 
     def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
         """Returns whether any of the nodes depends on a symbol of the kinds in `mask` whose index
-        is at least `first`. False is proved."""
+        is at least `first`. If the result is False, this is proved; if True, the nodes may still
+        not depend on it."""
         g = self.graph
         nodes = [node for node in nodes if g.depends[node] & mask]
         if first:
@@ -144,7 +145,8 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     free -= ties(equations).keys()  # constraint forces may act on these coordinates
     open_ = {i for i in free if equations.gradient[i] != ZERO}
     acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
-    # For a body rate, `gradient` has the term p x w too, so that it has to be proved zero itself.
+    # For the body rates w of a rotation, `gradient` is X L + p x w (attitudes.py). That X L is zero
+    # is not enough: the whole sum has to be proved zero.
     acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
         atoms = seen.atoms(equations.lagrangian)

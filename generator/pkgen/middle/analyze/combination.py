@@ -14,7 +14,7 @@ from ...graph.nullspace import Eliminated
 from ...graph.residues import PRIME, Residues
 
 DENOMINATORS = range(1, 13)
-LARGEST = 1_000  # the largest numerator that is tried
+LARGEST = 1_000  # the largest numerator of x that is tried
 
 
 def combination(g: Graph, rows: list[list[Node]], wanted: list[Node]) -> list[Fraction] | None:

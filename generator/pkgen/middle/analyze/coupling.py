@@ -1,8 +1,9 @@
-"""Finds which coordinates are coupled: by entries of M, and by the equations of motion.
+"""Finds which coordinates are coupled by entries of the mass matrix M, and which by the equations
+of motion.
 
-States are numbered after the coordinates; each state is a block of M by itself. Couplings may be
-overestimated: a coordinate that occurs in an acceleration may cancel, which is not detected where
-the accelerations are not solved for, or are too large for normal forms.
+States are numbered after the coordinates; each state is a block of M by itself. Some of the
+couplings found may not exist, since the terms with a coordinate in an acceleration may cancel. This
+is not detected where the accelerations are not solved for, or are too large for normal forms.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from ...graph.normal import Normal
 from ...graph.residues import Residues
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
-# The limit of work for all normal forms together: products of two terms.
+# The largest number of products of two terms that are computed for all normal forms together.
 WORK = 4_000
-# The limit of nodes times coordinates: the number of values modulo a prime that are computed.
+# The largest number of values modulo a prime that are computed: nodes times coordinates.
 SWEPT = 10_000
 
 
@@ -45,8 +46,8 @@ def influences(equations: Equations, blocks: Indices) -> Indices:
     in its acceleration, or a constraint contains both. If the system has impulses, all coordinates
     influence each other, since an impulse conserves only the total energy.
 
-    `blocks` are the blocks of M: an acceleration depends on all forces and entries of M of its
-    block.
+    `blocks` are the blocks of the mass matrix M. The acceleration of a coordinate depends on all
+    forces and all entries of M in the block of the coordinate.
     """
     found = _in_motion(equations, blocks)
     if equations.impulsive:
@@ -123,9 +124,9 @@ def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
 
 
 def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
-    """Yields the numbers of rows in which a coordinate occurs but may cancel: the row's value
-    modulo a prime does not change with the coordinate. Yields nothing if that takes too much
-    work."""
+    """Yields the numbers of the expressions `rows` in which the terms with some coordinate may
+    cancel: the value of the expression modulo a prime does not change with the coordinate. Yields
+    nothing if the computation takes too much work."""
     if n * len(reachable(g, rows, STATE)) > SWEPT:
         return
     here = Residues(g)
@@ -137,7 +138,8 @@ def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
 
 
 def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
-    """Returns the atoms (variables) of a node's normal form; the node if it has no normal form."""
+    """Returns the atoms (variables) of a node's normal form. If the node has no normal form,
+    returns the node itself."""
     polynomial = normal(node) if g.depends[node] & STATE else {}
     if polynomial is None:
         return [node]
@@ -145,8 +147,8 @@ def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
 
 
 def _occurring(g: Graph, rows: list[list[Node]], n: int) -> list[tuple[int, ...]]:
-    """Returns for each row the numbers of the coordinates and states that occur in its nodes. A
-    coordinate also occurs if its rate does; states are numbered from n on."""
+    """Returns for each row (a list of nodes) the numbers of the coordinates and states that occur
+    in it. A coordinate also counts if only its rate occurs. State k has the number n + k."""
     bits: dict[Node, int] = {}
     for node in reachable(g, [node for row in rows for node in row], STATE):
         if g.op[node] is Op.SYMBOL:

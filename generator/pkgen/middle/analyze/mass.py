@@ -1,5 +1,5 @@
-"""Proves that the mass matrix is positive definite, by the pivots of M = L D L^T or by T as a sum
-of squares."""
+"""Proves that the mass matrix M is positive definite, either by its pivots (the entries of D in M =
+L D L^T), or by writing the kinetic energy as a sum of squares."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def definite(equations: Equations) -> bool:
 
 
 def singular(equations: Equations) -> tuple[str, ...]:
-    """Returns the names of the expressions at whose zeros M may be singular; see
-    points/singularities.py."""
+    """Returns the names of expressions. Where one of these vanishes, the mass matrix M may be
+    singular; see points/singularities.py."""
     return tuple(
         singularity.quantity.name
         for singularity in equations.singularities

@@ -36,15 +36,16 @@ PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
 # The largest number of values shown in a counterexample.
 SHOWN = 12
 VISIBLE = 1e-300
-# A derivative larger than this, relative to its terms, refutes a claim at the start. Rounding
-# errors, and the allowed errors of a start that has to satisfy constraints, are smaller.
+# A time derivative at the initial state refutes a claim if its ratio to the size of its terms is
+# larger than this number. Rounding errors, and the allowed errors of an initial state that has to
+# satisfy constraints, have smaller ratios.
 OFF = 1e-6
 NOWHERE = "states at which the constraints hold, other than the start, were not looked for"
 
 
 def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Claim, ...]:
-    """Returns the outcome for each `conserve` statement. `blocks` are the blocks of M; `jumping`:
-    whether L contains a step."""
+    """Returns the outcome for each `conserve` statement. `blocks` are the blocks of the mass
+    matrix, `jumping` says whether L contains a step."""
     if not equations.conserved:
         return ()
     along = Along(equations, blocks)
@@ -114,9 +115,9 @@ def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
 
 
 def _jolted(along: Along, node: Node) -> str:
-    """Returns the reason why a quantity may jump at an impulse, where rates jump, or "". Momenta
-    without a component of the impulse do not jump. The energy does not jump either if the surfaces
-    of impulses and the constraints do not depend on t."""
+    """Returns the reason why a quantity may jump at an impulse, or "". The momentum of a coordinate
+    does not jump if no impulse has a component along this coordinate. The energy does not jump
+    either if the surfaces of impulses and the constraints do not depend on t."""
     g, e = along.graph, along.equations
     if not e.impulsive:
         return ""
@@ -147,20 +148,21 @@ def _jolted(along: Along, node: Node) -> str:
 
 
 def _divisors(g: Graph, ranges: Ranges, nodes: list[Node]) -> set[Node]:
-    """Returns the divisors in the nodes that may vanish."""
+    """Returns those divisors in the nodes that are not proved to be nonzero."""
     divisors = [base for base, use in dangerous(g, ranges, nodes) if use == DIVISOR]
     found = {zero for base in divisors for zero, _ in zeros(g, ranges, base)}
     return found | {square for zero in found for square in squared(g, zero)}
 
 
 def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> Claim:
-    """Returns the outcome from the derivative at the initial state only, because no other states
-    that satisfy the constraints are known."""
+    """Returns the outcome of the claim that the quantity `name` is constant. Evaluates its time
+    derivative at the initial state only, because no other states that satisfy the constraints are
+    known."""
     e = along.equations
     try:
         start = started(e.graph, e.parameters, (e.start_q, e.start_v, e.state_start))
         rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], start)
-    except KeyError:  # a symbol without value: an input, or an acceleration not solved for
+    except KeyError:  # inputs and unsolved accelerations have no value
         return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
     size = sum(map(abs, parts))
     says = f"d{name}/dt = {rate:.4g}, where its terms are {size:.4g} in size, at the start"
@@ -171,7 +173,7 @@ def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> 
 
 class _Tried:
     """Evaluates a time derivative, given as a list of terms, at sample states. Stores the state
-    with the clearest counterexample."""
+    that shows best that the derivative is not zero."""
 
     def __init__(self, along: Along, name: str, terms: list[Node]):
         self.along, self.name = along, name

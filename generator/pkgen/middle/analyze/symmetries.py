@@ -32,7 +32,7 @@ from .coupling import blocks_of
 from .symmetries_ansatz import KINDS, Unknown, ansatz
 from .symmetries_blocks import BLOCK, block_energies
 
-# The limit of work for a normal form: products of two terms.
+# The largest number of products of two terms that are computed for one normal form.
 WORK = 100_000
 # The largest number of nonzero entries of the linear system.
 ENTRIES = 60_000
@@ -54,7 +54,7 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
     why = "the model is large"
     try:
         solved = null_space(rows, len(others)) if sum(map(len, rows)) <= ENTRIES else None
-    except ModuleNotFoundError:  # SymPy is optional, since invariants appear only in comments
+    except ModuleNotFoundError:  # SymPy is optional: constants of the motion are only comments
         solved, why = None, "SymPy, which solves for the others, is not installed"
     if solved is None:
         searched = f"shifts of time and of single coordinates only: {why}"
@@ -73,7 +73,7 @@ def _columns(
     equations: Equations, along: Along, unknowns: list[Unknown]
 ) -> list[Polynomial] | None:
     """Returns for each unknown its coefficient in dI/dt, as a polynomial. All coefficients may be
-    multiplied by one common factor. Returns None if they are too large."""
+    multiplied by the same factor. Returns None if the coefficients are too large."""
     g = along.graph
     n = len(equations.coordinates)
 
@@ -84,7 +84,7 @@ def _columns(
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
     nodes += [g.negate(along.energy_rate()), ONE]
     exact = Exact(g, WORK)
-    # If a common denominator is too much work, it is left out: then fewer terms cancel.
+    # Without a common denominator, fewer terms cancel; it is used unless it takes too much work.
     made = exact.numerators(nodes) or Exact(g, WORK).all(nodes)
     if made is None:
         return None
@@ -164,7 +164,8 @@ class _Said:
         g = self.graph
         entries = [(self.unknowns[k], self.normal.plain(x)) for k, x in sorted(vector.items())]
         kinds = [u.kind for u, _ in entries]
-        if "d0" in kinds:  # changes the sign, so that the energy has a plus sign
+        # changes the sign of the invariant, so that the energy in it has a plus sign
+        if "d0" in kinds:
             entries = [(u, g.negate(x)) for u, x in entries]
         terms, shifts = [], []
         order = list(KINDS)

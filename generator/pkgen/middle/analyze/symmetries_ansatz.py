@@ -21,10 +21,10 @@ class Unknown:
 
 @record
 class Meaning:
-    """How a kind of unknown appears in the results. `factors` returns the names of its factors in
-    the invariant. `along` returns its term in the generator of the symmetry: the names of factors,
-    and the variable x of d/dx; it is None for coefficients of G. `sign` is its sign in the
-    invariant."""
+    """How an unknown coefficient of one kind appears in the results. `factors` returns the names of
+    the quantities by which the coefficient is multiplied in the constant of the motion, and `sign`
+    is its sign there. `along` returns the term of the coefficient in the symmetry's generator, as
+    the names of its factors and the variable x of d/dx. `along` is None for coefficients of G."""
 
     factors: Callable[[Unknown, list[str], list[str]], tuple[str, ...]]
     along: Callable[[Unknown, list[str]], tuple[tuple[str, ...], str]] | None
@@ -46,8 +46,8 @@ KINDS = {
 
 
 def ansatz(n: int, mass: Matrix, influences: Indices) -> tuple[list[Unknown], str]:
-    """Returns the unknowns, and a text that describes the symmetries they include. Elimination
-    expresses the first unknowns by later ones."""
+    """Returns the unknowns, and a text that describes the symmetries they include. The order
+    matters: elimination expresses unknowns at the beginning of the list by later ones."""
     whole = n <= WHOLE
     pairs = [(i, j) for i in range(n) for j in range(n)]
     if not whole:

@@ -1,7 +1,8 @@
 """Finds blocks of coordinates with a constant energy of their own.
 
-If L is a sum of Lagrangians of blocks that do not influence each other, the energy h of one block
-has the time derivative dh/dt = sum v_i Q_i - dL/dt, where the sum and L belong to this block.
+Let L be a sum of Lagrangians of blocks that do not influence each other. The energy h of one block
+then has the time derivative dh/dt = sum v_i Q_i - dL_b/dt, where L_b is the Lagrangian of this
+block, and the sum is over its rates v_i and applied forces Q_i.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from .along import Along
 from .proofs import vanishes
 
 BLOCK = "time shift of a block"
-# The limit of work for a normal form: products of two terms.
+# The largest number of products of two terms that are computed for one normal form.
 WORK = 20_000
 TERMS = 2_000
 # The largest number of coordinates in the name of an energy; further ones become "...".
@@ -28,8 +29,8 @@ NAMED = 4
 def block_energies(
     e: Equations, along: Along, blocks: Indices, known: Collection[str]
 ) -> Iterator[Invariant]:
-    """Yields the constant energies of blocks. Leaves out a block of one coordinate whose momentum
-    is a `known` constant of the motion."""
+    """Yields the constant energies of blocks. `known` has the names of the constants of the motion
+    found before: a block of one coordinate is left out if its momentum is one of these."""
     g = along.graph
     for block, lagrangian in _split(g, e.lagrangian, blocks):
         if any(i >= len(e.momenta) for i in block):  # the block contains a first-order variable

@@ -98,8 +98,9 @@ def to_sympy(
     shortened: Callable[[sympy.Expr], sympy.Expr] | None = None,
     given: Mapping[Node, sympy.Expr] | None = None,
 ) -> list[sympy.Expr]:
-    """Returns the nodes as SymPy expressions. `symbol` converts a symbol; `shortened` simplifies
-    the expression of each node; `given` maps some nodes to expressions that are used as they are.
+    """Returns the nodes as SymPy expressions. `symbol` converts a symbol. `shortened` is applied to
+    the expression of each node to simplify it. `given` maps nodes to expressions by which they are
+    replaced.
 
     The function `reciprocal`, which is 0 at 0, becomes 1/x.
     """

@@ -46,9 +46,10 @@ class CannotConstrain(Exception):
 def constrain(
     g: Graph, motion: Motion, rows: Rows, rate_of: Callable[[Node], Node]
 ) -> tuple[Motion, Solution, Constraints]:
-    """Returns three results: the motion, with J^T lambda added to `applied`, `pdot` and `force`;
-    the accelerations, with the pivots of M; and the constraints, with the multipliers and the
-    motion's fields without J^T lambda.
+    """Returns three results. The first is the motion, where the constraint force J^T lambda is
+    added to the fields `applied`, `pdot` and `force`. The second has the accelerations and the
+    pivots of M. The third has the constraints, their multipliers, and these fields of the motion
+    without J^T lambda.
 
     `rate_of` gives the time derivative of a coordinate, a state, t or an input. Raises
     CannotConstrain if a row is not affine in the rates or contains none, if rows are linearly
@@ -93,11 +94,12 @@ def constrain(
 
 
 def _least(g: Graph, multipliers: Row, shares: Matrix) -> Row:
-    """Returns the multipliers of least norm with the same constraint force, of all rows.
+    """Returns for all rows, also redundant ones, the multipliers of least norm that give the same
+    constraint force as `multipliers`, in which redundant rows have none.
 
-    Let the redundant rows be C times the other rows; `shares` is C. The multipliers of the other
-    rows are lambda - C^T x, the multipliers of the redundant rows x, with
-    (1 + C C^T) x = C lambda.
+    Let lambda be `multipliers`, C be `shares`, and the redundant rows be C times the other rows. In
+    the result, the other rows have the multipliers lambda - C^T x, and the redundant rows have the
+    multipliers x, where (1 + C C^T) x = C lambda.
     """
     if not shares:
         return multipliers
@@ -149,8 +151,9 @@ def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
 def _solved(
     g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node], more: Matrix
 ) -> tuple[Row, Solution, Pivots, Matrix]:
-    """Returns the multipliers, the accelerations with the pivots of M, the pivots of S, and for
-    each redundant row in `more` its coefficients as a linear combination of the rows of J."""
+    """Returns four results: the multipliers; the accelerations with the pivots of M; the pivots of
+    S; and for each redundant row (in `more`) the coefficients by which it is a linear combination
+    of the rows of J."""
     columns = [factored.forward(g, row) for row in J]
     force = factored.forward(g, motion.force)
 
@@ -199,8 +202,8 @@ def _solved(
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:
-    """Whether constraint forces do no work: j0 is 0, and neither the rows nor phi depend on t or
-    inputs."""
+    """Whether the constraint forces do no work. This is so if j0 = 0 in the rows J v + j0 = 0, and
+    neither these rows nor the functions phi of holonomic constraints depend on t or inputs."""
     normal = Normal(g)
     timeless = BIT[Kind.TIME] | BIT[Kind.INPUT]
     if any(g.depends[node] & timeless for node in (*rows.residual, *rows.positions)):

@@ -27,29 +27,31 @@ from .nearest_start import nearest_start
 EPS = sys.float_info.epsilon
 # The tolerance of a constraint, relative to its terms: models state initial values with few digits.
 WRITTEN = 1e-8
-# The rounding error of a number that should be 0, relative to the largest number of the start.
+# The rounding error of a number that should be 0, relative to the largest number of the initial
+# state.
 DEBRIS = 64 * EPS
 # The number of sweeps over rows and columns when the matrix is scaled.
 SWEEPS = 3
-# Entries smaller than this, relative to their row, may be rounding errors, and do not affect the
-# scale of their column.
+# Entries of a row whose ratio to its largest entry is smaller than this number may be rounding
+# errors. They do not affect the scale of their column.
 ROUNDING = 1e-12
-# A row whose entries are all smaller may consist of rounding errors.
+# A row may consist of rounding errors if all its entries are smaller than this number.
 SMALL = 1e-9
-# A row is linearly dependent on other rows if its component orthogonal to them, relative to its
-# length, is at most this. The square of this ratio corresponds to a relative pivot of S.
+# Take the component of a row that is orthogonal to other rows, divided by the length of the row.
+# The row is linearly dependent on the other rows if this ratio is at most the number here. The
+# square of the ratio is about the pivot of S divided by the diagonal entry of S.
 DEPENDENT = math.sqrt(16 * EPS)
 
 
 @record
 class Start:
-    """The initial state. `unit` has for each rate the square root of its diagonal entry of M, by
-    which rates and coordinates are scaled."""
+    """The initial state. `unit` maps each rate to the square root of its diagonal entry of the mass
+    matrix M. Rates and coordinates are multiplied by this number to compare them in one unit."""
 
     values: dict[Symbol, float]
     unit: dict[Node, float]
-    far: float  # The largest scaled coordinate; the coordinate of a rotation counts as 1.
-    fast: float  # The largest scaled rate.
+    far: float  # The largest scaled coordinate of the state; coordinates of rotations count as 1.
+    fast: float  # The largest scaled rate of the state.
 
 
 def at_the_start(
@@ -61,8 +63,9 @@ def at_the_start(
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
 ) -> tuple[Rows | None, list[Diagnostic]]:
-    """Returns the rows, with linearly dependent rows in the field `redundant`, and errors about
-    constraints that the initial state violates or whose row is 0 there. `starts` has the initial
+    """Returns two results. The first has the constraint rows; its field `redundant` has the
+    linearly dependent ones. The second is a list of errors about constraints that the initial state
+    violates, and about constraint rows that are 0 at the initial state. `starts` has the initial
     values of coordinates, rates and states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return c, []
@@ -123,8 +126,8 @@ def _start(
 def _residual(
     g: Graph, c: Rows, k: int, row: dict[Node, float], start: Start
 ) -> tuple[float, bool] | None:
-    """Returns the error of constraint k at the start, and whether the rates violate it rather than
-    the coordinates. Returns None if the constraint is satisfied."""
+    """Returns None if constraint k is satisfied at the start. Otherwise returns its error, and True
+    if the rates cause the error, False if the coordinates do."""
     slope = math.fsum(map(abs, row.values()))
     nodes = [(c.residual[k], slope * start.fast, True)]
     if k < c.holonomic:
@@ -147,13 +150,13 @@ def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
 
 
 def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
-    """Returns a row of J by rate, scaled with M. Returns zeros if all entries may be due to
-    rounding errors of the initial values."""
+    """Returns a row of J as a map from rates to entries, which are scaled with M. If all entries
+    may be mere rounding errors of the initial values, all entries are returned as zeros."""
     by = gradient(g, residual, BIT[Kind.RATE])
     entries = evaluate(g, by.values(), start.values)
     row = {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
     if any(abs(x) > SMALL * max(1.0, start.far) for x in row.values()):
-        return row  # large entries need no test with second derivatives
+        return row  # entries this large cannot be rounding errors
     for node, x in zip(by.values(), entries, strict=True):
         bends = gradient(g, node, BIT[Kind.COORDINATE])
         slopes = evaluate(g, bends.values(), start.values)

@@ -34,7 +34,9 @@ def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
                 if not moves:
                     held = names(item.value) and not _of_the_free(x, item.value)
                     if held and normal(node) == {}:
-                        continue  # all its coordinates are held by the scene, and satisfy it
+                        # the scene holds all coordinates in the constraint, and their motion
+                        # satisfies it
+                        continue
                     message = f"the constraint '{name}' holds or fails whatever the motion"
                     help = (
                         "state its other components one by one" if "." in name else "leave it out"
@@ -75,9 +77,10 @@ def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelEr
 
 
 def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
-    """Defines the names of multipliers for outputs and events: lambda_NAME, and least_lambda_NAME
-    of least norm. A multiplier that is not unique has only the second name. Constraints left out
-    because the scene holds their coordinates have neither name."""
+    """Defines names of multipliers, for outputs and events. A unique multiplier gets the names
+    lambda_NAME and least_lambda_NAME. A multiplier that is not unique only gets the latter name,
+    for its value in the solution of least norm. A constraint that is left out because the scene
+    holds its coordinates gets neither name."""
     c = constraints
     if c is None:
         return

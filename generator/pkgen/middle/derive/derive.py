@@ -42,8 +42,9 @@ from .lagrange import Derived, derived, located, singularities
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
     """Returns the equations of motion. `kernels` are the requested kernels (None: all); costly
-    kernels are left out if they are not requested. `unrolled` is the reason why the families of the
-    model cannot stay loops, for the error message about a model that is too large."""
+    kernels are left out if they are not requested. `unrolled` is the reason why the model cannot be
+    compiled to loops over the members of families. The error message about a model that is too
+    large gives this reason."""
     _check_size(model, unrolled)
     return entered(model, lambda orders: _derive(model, kernels, orders))
 
@@ -108,8 +109,8 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             model.span,
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
-    # The nodes whose time derivatives were taken so far. Outputs add further nodes, which do not
-    # affect the motion.
+    # A copy of the nodes whose time derivatives have been taken so far. The time derivatives in
+    # outputs, which are taken below, need no check since outputs do not affect the motion.
     primes = x.primes[:]
     outputs = _outputs(x, found, rates)
     check_rates(model, x.graph, primes, naming(named))
@@ -255,8 +256,8 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
 
 
 def _singular(x: Expander, coordinate: int) -> ModelError:
-    """Returns the error for a singular M, such as that of (x' + y')^2, where x and y have no
-    inertia of their own."""
+    """Returns the error for a mass matrix that is singular because `coordinate` has no inertia of
+    its own. An example is x or y in the kinetic energy (x' + y')^2."""
     item, index = x.members[coordinate]
     name = indexed(item.rate or item.name, index)
     message = f"'{name}' has no inertia of its own: the mass matrix is singular"

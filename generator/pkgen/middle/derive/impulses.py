@@ -37,7 +37,8 @@ from ..attitudes import slopes
 from ..quantities import error
 from .switches import Surfaces, argument_of, free
 
-# Flags: OF_ENERGY if L or a holonomic row may jump, OF_ROLLING if a rolling row may jump.
+# Bits of `impulse`, a field of Switch. OF_ENERGY: L or a holonomic constraint row may jump.
+# OF_ROLLING: a row of a `rolling` statement may jump.
 OF_ENERGY, OF_ROLLING = 1, 2
 _PLACES = BIT[Kind.COORDINATE]
 
@@ -89,8 +90,9 @@ class Across:
         return ZERO if self._is_zero(jump) else jump
 
     def _side(self, node: Node, argument: Node) -> int:
-        """Returns 1 if the node is a call that switches branch with the sign of the argument, -1 if
-        it does with the opposite sign, and 0 otherwise."""
+        """Returns 0 unless the node is a function call that switches branch where the argument
+        vanishes. Returns 1 if the branch has the sign of the argument, -1 if it has the opposite
+        sign."""
         own, sign = self.surfaces.of_call(node)
         if not sign:
             return 0
@@ -98,8 +100,9 @@ class Across:
         return sign * side * (own == surface)
 
     def _zero(self, argument: Node) -> tuple[dict[Node, Node], dict[Node, Node]]:
-        """Returns two maps of substitutions that hold where the argument vanishes: 0 for the
-        argument; and, if it is linear in a symbol, the solution for this symbol."""
+        """Returns two maps of substitutions that hold where the argument vanishes. The first
+        replaces the argument by 0. If the argument is linear in a symbol, the second replaces this
+        symbol by the solution of argument = 0; otherwise the second is empty."""
         g = self.graph
         known = {argument: ZERO, g.negate(argument): ZERO}
         by = gradient(g, argument, VARIABLE)
@@ -160,9 +163,9 @@ def with_impulses(
     name: Callable[[Symbol], str],
     rate_of: Callable[[Node], Node],
 ) -> tuple[Switch, ...]:
-    """Returns the switches `known` of the equations of motion, followed by new ones at which only L
-    or a constraint jumps. The field `impulse` is set for all switches with impulses. Raises
-    ModelError if the motion after a jump is undefined."""
+    """Returns the switches `known`, which belong to the equations of motion, followed by new
+    switches, at whose zeros only L or a constraint jumps. Sets the field `impulse` of all switches
+    with impulses. Raises ModelError if the motion after a jump is undefined."""
     c = e.constraints
     rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
     jumping = [e.lagrangian, *e.momenta, *rows]
@@ -227,8 +230,9 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
 def _slopes(
     e: Equations, argument: Node, text: str, rate_of: Callable[[Node], Node]
 ) -> tuple[tuple[Node, ...], Node]:
-    """Returns the derivatives of the argument by the coordinates (along the body axes for a
-    rotation), and by t at constant coordinates. If the former are all 0, the latter is 0 too."""
+    """Returns two results: the derivatives of the argument by the coordinates (for a rotation,
+    along its body axes), and the derivative by t at constant coordinates. If all derivatives by
+    coordinates are 0, the derivative by t is returned as 0 too."""
     g, count = e.graph, len(e.coordinates)
     beside = BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE]
     by = gradient(g, argument, _PLACES | beside)
@@ -264,7 +268,8 @@ def _span(e: Equations) -> Span:
 def check_rates(
     model: Model, g: Graph, taken: list[tuple[Node, Span]], name: Callable[[Symbol], str]
 ) -> None:
-    """Raises ModelError if an expression whose time derivative was taken may jump."""
+    """Raises ModelError if an expression may jump whose time derivative was taken. `taken` has all
+    such expressions, each with its place in the model's text."""
     if not arguments_of(g, [node for node, _ in taken]):
         return
     across = Across(g)

@@ -137,12 +137,13 @@ def singularities(
     e: Named | Equations,
     attitudes: tuple[Attitude, ...],
 ) -> tuple[Singularity, ...]:
-    """Returns the singularities of the equations of motion. Their names contain the names of
-    quantities in `e`."""
+    """Returns the singularities of the equations of motion. `e` has the names of coordinates and
+    other quantities, which occur in the names of the singularities."""
     motion = found.free
     solution = found.solution
     acceleration = motion.force
-    if solution and found.constraints is None:  # singular constraints are found at run time
+    # singularities due to constraints are found at run time
+    if solution and found.constraints is None:
         acceleration = solution.accelerations
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
@@ -154,7 +155,7 @@ def singularities(
         word = lock(g, end.node, attitudes, name)
         quantity = replace(end.quantity, name=word) if word else end.quantity
         apart.setdefault(word or end.node, replace(end, quantity=quantity))
-    return tuple(apart.values())  # duplicates, such as one gimbal lock of two angles, are removed
+    return tuple(apart.values())  # two angles with the same gimbal lock have one singularity
 
 
 def located(equations: Equations) -> Equations:

@@ -7,10 +7,10 @@ rounding for u < -36, 1/cosh(u) for |u| > 36, and 1 - tanh(u)^2 for |u| > 18. Th
 (src/core/short_force_limiter.c) evaluates u along each step. It limits the step size so that u
 changes little in a step as long as |u| < 36.
 
-Inverses and roots of a + b(q, t) with a constant a vary over a short range where |b| is at most
-|a|; their mark is u = 1 + b/a. Since these functions decay only like powers, they have the further
-marks u/1000, u/1000^2, ..., by which the step size decreases gradually. For 1/r, where a = 0, no
-width is known.
+Inverses and roots of a sum a + b(q, t), where a is the constant part, vary over a short range where
+|b| is at most |a|. Their mark is u = 1 + b/a. Since these functions decay only like powers, they
+have the further marks u/1000, u/1000^2, ..., by which the step size decreases gradually. For 1/r,
+where a = 0, no width is known.
 
 A high power b^n with |b| <= 1, such as cos(t)^1000, is bounded by exp(u) with u = n (b^2 - 1)/2.
 """
@@ -41,7 +41,8 @@ def _arguments(g: Graph, node: Node) -> list[Node]:
     if not (divides or (op is Op.CALL and data == "sqrt")):
         return []
     base = g.args[node][0]
-    constant, addends = ZERO, [base]  # the constant a, and terms of the sum not visited yet
+    # the constant part a of the sum a + b, and terms of the sum not visited yet
+    constant, addends = ZERO, [base]
     while addends:
         addend = addends.pop()
         if g.op[addend] is Op.ADD:

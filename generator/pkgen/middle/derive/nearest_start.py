@@ -48,7 +48,7 @@ def nearest_start(
     sizes, turns = np.linalg.eigh((M + M.T) / 2)
     if not sizes[0] > 0:
         return ""
-    root = turns / np.sqrt(sizes)  # the product root root^T is M^-1
+    root = turns / np.sqrt(sizes)  # root root^T is the inverse of M
 
     def corrected(
         residual: Sequence[Node], nodes: Sequence[Node], kind: Kind, kept: Sequence[bool]
@@ -76,8 +76,9 @@ def nearest_start(
     energy = np.sqrt(M.diagonal())
 
     def written(kind: Kind, i: int) -> str:
-        """Returns coordinate or rate i as text. A number that may be a rounding error, compared to
-        the largest one after scaling with M, becomes 0."""
+        """Returns the value of coordinate or rate i as text. Compares it to the largest value of
+        all coordinates or rates, after scaling all values with M. A value so small that it may be a
+        rounding error becomes 0."""
         far = max(energy[k] * abs(values.get(Symbol(kind, k), 0.0)) for k in range(count))
         x = values.get(Symbol(kind, i), 0.0)
         return f"{x if energy[i] * abs(x) > CLOSE * far else 0.0:.15g}"

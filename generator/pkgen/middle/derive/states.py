@@ -64,9 +64,10 @@ def as_rates(
 ) -> tuple[Equations, Structure]:
     """Returns equations in which states are the rates of dummy coordinates, and their facts.
 
-    The dummy coordinates come last; matrices grow from n x n to (n + count) x (n + count). Sets the
-    fields `unconstrained`, `inertia` and `terms` if there are rotations, constraints or momenta
-    that depend on states. The equations must not have been converted before."""
+    The dummy coordinates come last. For n coordinates and `count` states, n x n matrices become (n
+    + count) x (n + count) matrices. If the model has rotations, constraints, or momenta that depend
+    on states, the fields `unconstrained`, `inertia` and `terms` of the result are set. The
+    equations must not have been converted before."""
     if not e.states and not e.attitudes:
         own = _unconstrained(e.graph, e, tuple, ())
         if own is None:
@@ -126,8 +127,8 @@ def as_rates(
 
 
 def _unread(g: Graph, n: int, motion: Motion) -> int:
-    """Returns the number of states at the end on which no equation depends. `n` is the number of
-    coordinates, after which the states come."""
+    """Returns how many states at the end of the list of states occur in no equation. In `motion`,
+    the states are the rates with indices from the number n of coordinates on."""
     nodes = (*motion.momenta[:n], *motion.pdot)
     read = (s.index for s in symbols_in(g, nodes, BIT[Kind.RATE]))
     return len(motion.pdot) - max(n, *(i + 1 for i in read), 0)
@@ -152,7 +153,8 @@ def _solved(g: Graph, acceleration: Row) -> Motion:
 
 
 def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
-    """Returns Lagrange's equations extended by the equations x' = g, with unit entries in M."""
+    """Returns Lagrange's equations of `e`, extended by the equations x' = g of the states x. The
+    right-hand sides g are `rates`. In M, each state gets the diagonal entry 1."""
     n, count = len(e.coordinates), len(rates)
     none = (ZERO,) * count
     return Motion(
@@ -174,9 +176,9 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
 def _unconstrained(
     g: Graph, e: Equations, there, rates: Row, solved: bool = False
 ) -> tuple[Row, Row] | None:
-    """Returns the momenta p and pdot without constraint forces, for rotations, constraints,
-    impulses, and the solved form (in which the kernel `canonical` has v instead of p). Returns None
-    for other equations."""
+    """Returns the momenta p and their time derivatives without constraint forces. Returns None
+    unless there are rotations, constraints or impulses, or the equations are in solved form
+    (`solved`). In solved form the kernel `canonical` has the rates v in place of p."""
     if not solved and not e.quaternions and e.constraints is None and not e.impulsive:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot

@@ -36,8 +36,8 @@ class Surfaces:
         self.normal = Normal(g)
 
     def __call__(self, argument: Node) -> tuple[object, int]:
-        """Returns a key that is equal for arguments with the same zeros, and the sign of the
-        argument's numeric factor."""
+        """Returns two results: a key for dictionaries that is equal for arguments with the same
+        zeros, and the sign of the argument's numeric factor."""
         form = self.normal(argument)
         if not form:
             return argument, 1
@@ -45,8 +45,8 @@ class Surfaces:
         return frozenset((m, c / first) for m, c in form.items()), 1 if first > 0 else -1
 
     def of_call(self, node: Node) -> tuple[object, int]:
-        """Returns the key and the sign for the argument at whose zeros a call has a kink or a jump;
-        (None, 0) for any other node."""
+        """Applies __call__ to the argument at whose zeros a function call has a kink or a jump.
+        Returns (None, 0) if `node` is no such call."""
         g = self.graph
         argument = _deciding(g, node)
         if argument == ZERO or not g.depends[argument] & VARIABLE:
@@ -81,7 +81,8 @@ def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
     zeros of their arguments.
 
     An example is max(0, x) in max(0, x)^(3/2), where the kink is at the end of the domain of the
-    power. A step goes a little beyond x = 0, where the branch x would give an undefined power."""
+    power. A step may go a little beyond the kink to x < 0. If max(0, x) kept its branch x there,
+    the power of the negative x would be undefined."""
     g, found = g.copy(), set()
     for n in reachable(g, nodes, VARIABLE):
         ends = _ends(g, n)
@@ -98,8 +99,8 @@ def _ends(g: Graph, node: Node) -> tuple[int, ...]:
 
 
 def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
-    """Whether the argument of `node` may be equal to one of `ends` where `call` has its kink or
-    jump."""
+    """Whether the argument of `node` may have one of the values `ends` at the kink or jump of
+    `call`."""
     name, args = g.data[call], g.args[call]
     at = [ZERO]
     if name in ("step", "sign"):
@@ -121,9 +122,10 @@ def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
 def sides(
     g: Graph, switches: Sequence[Switch], positions: Iterable[Node]
 ) -> dict[Node, tuple[int, int]]:
-    """Returns for each call that is kept on one branch within a step the index of its switch, and 1
-    if the call's argument has the sign of the switch, -1 if it has the opposite sign. All calls in
-    the nodes `positions` whose switch has an impulse are included."""
+    """Returns a map from each call that is kept on one branch within a step to (index of its
+    switch, sign). The sign is 1 if the call's argument has the sign of the switch, -1 if it has the
+    opposite sign. If a switch has an impulse, all its calls in the nodes `positions` are
+    included."""
     surfaces, found = Surfaces(g.copy()), {}
     places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
     loose = free(g, range(len(g))) if places else set()

@@ -50,9 +50,9 @@ class NeedsDerivative(Exception):
 
 
 def entered(model: Model, derive: Callable[[tuple[int, ...]], Derived]) -> Derived:
-    """Returns derive(orders), where `orders` has for each input the number of its time derivatives
-    that get symbols. Whenever `derive` raises NeedsDerivative, the call is repeated with one more
-    derivative."""
+    """Returns derive(orders). For each input, `orders` has the number of its time derivatives that
+    get symbols. If `derive` needs a further derivative of an input, it raises NeedsDerivative, and
+    is called again with one more derivative of this input."""
     orders = [item.order for item in model.inputs]
     while True:
         try:
@@ -108,7 +108,8 @@ class Names(ABC):
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.refusals: dict[tuple[str, int | None], tuple[str, str]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        # The expressions of the rates of states; None while accelerations are not allowed.
+        # Maps the symbol of each state's time derivative to its expression. None while the model's
+        # statements must not use accelerations.
         self.solved: Mapping[Node, Node] | None = None
         self._ends = _ends(model, self.coordinates | self.states)
         # The nodes whose time derivatives were taken, with the places in the model's text.
@@ -178,7 +179,8 @@ class Names(ABC):
         self.defined.setdefault(name, {})[index] = value
 
     def refuse(self, name: str, index: int | None, message: str, help: str) -> None:
-        """Declares that a name has no value, and sets the error message for its use."""
+        """Declares that the name `name` has no value, and sets the error message for expressions
+        that use it."""
         self.refusals[name, index] = message, help
 
     def scalar(self, expr: Expr, loop: Loop | None = None) -> Node:
@@ -225,8 +227,8 @@ class Names(ABC):
         raise error(self.model, f"unknown name '{name}'", expr.span)
 
     def coordinate(self, name: str, index: int | None, span: Span) -> Node:
-        """Returns the node of a coordinate or a state. For an index outside the family, the
-        declaration of the end gives the value."""
+        """Returns the node of a coordinate or a state. For an index outside the family, returns the
+        value that the model declares for this end of the family."""
         kind = Kind.STATE if name in self.states else Kind.COORDINATE
         at = self._place(name, index, span)
         return self.scalar(at.value) if isinstance(at, End) else self.graph.symbol(Symbol(kind, at))
@@ -241,8 +243,8 @@ class Names(ABC):
         return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
 
     def _place(self, name: str, index: int | None, span: Span) -> int | End:
-        """Returns the flat index of a coordinate or a state. For an index at a fixed end of the
-        family, returns the End."""
+        """Returns the flat index of a coordinate or a state. For an index outside the family at a
+        fixed end, returns the declaration of this end."""
         family = self.states[name] if name in self.states else self.coordinates[name]
         if not family.has(index) and index is not None:
             end = self._ends.get((name, index)) or self._ends.get((name, None))
@@ -287,7 +289,8 @@ class Names(ABC):
 
 
 def _ends(model: Model, coordinates: dict[str, Family]) -> dict[tuple[str, int | None], End]:
-    """Returns the declared ends by family and index. For a periodic family the index is None."""
+    """Returns the declarations of the ends of families, by family and index. For a periodic family
+    the index is None."""
     result: dict[tuple[str, int | None], End] = {}
     for end in model.ends:
         family = coordinates[end.name]

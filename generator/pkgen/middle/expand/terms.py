@@ -163,8 +163,8 @@ def _unit(g: Graph, axis: Vector3) -> Vector3:
 
 
 def _rotate(g: Graph, n: Vector3, angle: Node, a: Vector3) -> Vector3:
-    """Returns a vector a, rotated about the unit vector n, by Rodrigues' formula:
-    c a + s n x a + (1 - c) n (n.a), with c and s the cosine and sine of the angle."""
+    """Returns a vector a, rotated about the unit vector n, by Rodrigues' formula: c a + s (n x a) +
+    (1 - c) (n.a) n, with c and s the cosine and sine of the angle."""
     c, s = g.call("cos", angle), g.call("sin", angle)
     along = g.multiply(g.subtract(ONE, c), dot(g, n, a))
     return tuple(

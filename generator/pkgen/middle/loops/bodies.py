@@ -1,7 +1,8 @@
 """Expands the summands of an energy, here called bodies: in sum(f(i), i = lo..hi), the body is f.
 
-A body is needed in two forms: at i = m, and for the equation (row) of each member in it, shifted so
-that this member has the index m.
+A body is needed in two forms. One is the body at i = m. The other is needed for each member of a
+family that occurs in the body, to add to the equation of motion of this member: the indices in the
+body are shifted so that this member has the index m.
 """
 
 from __future__ import annotations
@@ -31,25 +32,27 @@ class Gathered:
         self.entries: dict[tuple[str, str, int], list[Part]] = defaultdict(list)
         self.border: dict[tuple[str, str], list[Part]] = defaultdict(list)
         self.corner: dict[tuple[str, str], Total] = defaultdict(Total)
-        # The contributions of double sums in L.
+        # The contributions to the equations of motion of double sums in L.
         self.pairs: list[PairForce] = []
-        # The contributions of double sums in D, and of forces that contain sums.
+        # The contributions to the equations of motion of double sums in D, and of generalized
+        # forces that contain sums.
         self.drags: list[PairForce] = []
         self.limits: list[Limit] = []
         self.wraps: dict[str, int] = {}
 
 
 class Bodies:
-    """Expands bodies. Records the conditions on sizes (limits) under which all members in a body
-    exist."""
+    """Expands bodies. Records the conditions (limits) on the sizes of the model, such as N in
+    q[1..N], under which all members exist that occur in a body."""
 
     def __init__(self, x: LoopExpander, found: Gathered):
         self.x = x
         self.found = found
 
     def views(self, term: Term) -> Iterator[tuple[str, Affine, Node]]:
-        """Yields (family, offset, body) for each member of a family in a term's body. The body is
-        shifted so that the member has the index m; before, its index was m + offset."""
+        """For each member of a family that occurs in a term's body, yields (family, offset, body).
+        The indices in this body are shifted so that the member, which had the index m + offset, has
+        the index m."""
         body = self.at_row(term)
         for names, at in self._moved(body):
             shift, seen = at, body
@@ -61,8 +64,9 @@ class Bodies:
         self.x.members.clear()
 
     def _moved(self, body: Node) -> list[tuple[tuple[str, ...], Affine | None]]:
-        """Returns the coordinates on which a body depends, with the index of the member. The names
-        come in tuples, since a quaternion belongs to three coordinates."""
+        """Returns the coordinates on which a body depends, as pairs (names, index of the member).
+        There are several names if the body depends on a quaternion, which belongs to the three
+        coordinates of a rotation."""
         slots = [slot for slot in self.x.slots.below(body) if slot.kind in CELLS]
         return list(dict.fromkeys((self.x.rotations.moved(slot), slot.at) for slot in slots))
 
@@ -95,9 +99,9 @@ class Bodies:
             raise Unrolled(f"a sum reaches {reached} from its index i")
 
     def in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
-        """Records the conditions on sizes under which a member exists for m = lo..hi, or has a
-        given value beyond an end. For a periodic family, records how far beyond the ends the index
-        is."""
+        """Records the conditions on the sizes of the model under which a member exists for all m =
+        lo..hi, where the value of a member beyond a fixed end is given. For a periodic family,
+        records instead how far the index goes beyond the ends."""
         if slot.kind not in REACHED or slot.at is None or lo is None:
             return
         group = self.x.coordinates[slot.name]

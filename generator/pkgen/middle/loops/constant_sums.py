@@ -24,8 +24,8 @@ MOVES = (*CELLS, "a", "input", "sum")  # kinds of symbols that initial values mu
 
 @dataclass
 class _Scope:
-    """One level of nested loops: the ranges of its loop variables by name, and the sums that are
-    computed inside these loops."""
+    """One level of nested loops. `ranges` has the ranges of the loop variables of this level, by
+    name. `found` has the sums that are computed at this level."""
 
     ranges: dict[str, Range] = field(default_factory=dict)
     found: list[Summed] = field(default_factory=list)
@@ -80,8 +80,8 @@ class Once:
 def assigned(
     x: LoopExpander, name: str, order: int, over: tuple, expr, limits: list[Limit]
 ) -> tuple[Assigned, list[Node]]:
-    """Returns the values that a statement assigns to members lo..hi of a name, and all nodes in
-    them. `over` is (lo, hi, values of loop variables)."""
+    """Returns the assignment of the expression `expr` to the members lo..hi of a name, and all
+    nodes of this assignment. `over` is (lo, hi, values of the names in indices)."""
     lo, hi, loop = over
     if lo is not None and lo == hi:  # a single member needs no loop
         loop = {name: lo if at == variable(ROW) else at for name, at in loop.items()}

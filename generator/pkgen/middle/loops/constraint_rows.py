@@ -23,12 +23,12 @@ from .terms import Term, terms
 
 
 def bound_of(x: LoopExpander, gather: Gather) -> tuple[Bound, ...]:
-    """Returns all constraint rows, those of holonomic constraints first. Defines the names of their
-    multipliers in `x`."""
+    """Returns all constraint rows, those of holonomic constraints first. `x` then knows the names
+    of the multipliers of these rows."""
     declared = sorted(x.model.constraints, key=lambda item: not item.holonomic)
     found = tuple(_bound(x, gather, item, str(k)) for k, item in enumerate(declared))
     for rows in found:
-        # The multiplier of least norm is the same one, since no row is redundant.
+        # No row is redundant, so that lambda_NAME and least_lambda_NAME are the same multiplier.
         for name in multipliers(rows.name):
             x.multipliers.setdefault(name, []).append(rows.group)
     return found
@@ -64,8 +64,8 @@ def _bound(x: LoopExpander, gather: Gather, item: Constraint, key: str) -> Bound
 def _values(
     x: LoopExpander, gather: Gather, item: Constraint, node: Node
 ) -> tuple[Node, Node, Node, tuple[Node, ...]]:
-    """Returns phi; the row J v + j0; its time derivative at zero acceleration of all coordinates;
-    and the sizes (bounds of the rounding error) of phi and of the row."""
+    """Returns four results: phi (0 for `rolling`); J v + j0; the time derivative of J v + j0 if all
+    accelerations are 0; and bounds of the rounding errors of phi and of J v + j0."""
     rate = x.derivative(node) if item.holonomic else node
     position = node if item.holonomic else ZERO
     if x.totals.moving(rate, position):

@@ -173,7 +173,7 @@ def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
 def _of_states(x: LoopExpander, momenta: Vector, carried: tuple[Carried, ...]) -> bool:
     """Returns whether a momentum of a coordinate depends on a state."""
     own = [g.name for g in x.coordinates.values() if g.is_state]
-    nodes = vector_nodes(momenta, frozenset(own))  # includes the rows of recurrences
+    nodes = vector_nodes(momenta, frozenset(own))  # `nodes` also has the momenta of recurrences
     nodes += [n for item in carried for piece in item.pieces for n in piece.by.values()]
     return any(slot.kind == "s" for slot in x.totals.below(*nodes))
 
@@ -206,8 +206,9 @@ def _check_inertia(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) ->
 
 
 def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
-    """Returns the conditions on sizes, without those that always hold, and with the condition that
-    no family is empty. Raises Unrolled if the model's sizes do not satisfy them."""
+    """Returns the conditions `found` on the model's sizes, such as N in q[1..N], and the conditions
+    that no family is empty. Leaves out conditions that always hold. Raises Unrolled if the sizes
+    given in the model do not satisfy them."""
     sizes = size_values(x.model)
     wanted = [Limit(g.count - 1, None) for g in x.coordinates.values() if g.is_family]
     kept: dict[Limit, None] = {}

@@ -37,7 +37,8 @@ class Totals(Sums, Protocol):
 
 
 class Alongside(Protocol):
-    """Converts members of `let` definitions that only outputs use to nodes."""
+    """Converts `let` definitions that only outputs use: `member` returns the value of a member,
+    `rate` its time derivative."""
 
     def member(self, name: str, index: Affine) -> Value: ...
     def rate(self, slot: Slot) -> Node: ...
@@ -75,10 +76,10 @@ class LoopExpander(Indices):
         # The object that converts `let` definitions that only outputs use. Outputs (statements.py)
         # sets it.
         self.alongside: Alongside | None = None
-        # The object that converts sums while an initial value or a parameter is converted; None
-        # while other expressions are converted.
+        # The object that converts sums in initial values and parameters. It is None unless an
+        # initial value or a parameter is being converted.
         self.once: Sums | None = None
-        # The number of sums that `once` has converted.
+        # The number of sums in initial values and parameters that have been converted.
         self.summed = 0
         # Whether the expressions that are converted are outputs.
         self.watched = False
@@ -205,8 +206,8 @@ class LoopExpander(Indices):
         return nodes if len(nodes) > 1 else nodes[0]
 
     def groups_of(self, name: str) -> tuple[tuple[str, ...], tuple[Group, ...]]:
-        """Returns the names and groups of the components of an indexed `let` definition; one each
-        if it is not a vector."""
+        """Returns a name and a Group for each component of an indexed `let` definition. A
+        definition that is not a vector has one component."""
         pieces = self.pieces(name)
         (lo, _, first), (_, hi, _) = pieces[0], pieces[-1]
         around, self.members = self.members, []
@@ -265,8 +266,8 @@ class LoopExpander(Indices):
         return next((end for at, end in ends if at == index and end.kind == "fixed"), None)
 
     def given(self, name: str, index: Affine) -> Node:
-        """Returns the given value of a fixed end. For a rotation's coordinates, which have no
-        values, returns ZERO."""
+        """Returns the value that the model gives to a member beyond a fixed end. Returns ZERO for a
+        coordinate of a rotation, which has no value."""
         value = self._fixed_at(name, index).value
         return ZERO if value is None else self.plain(value)
 
@@ -278,8 +279,8 @@ class LoopExpander(Indices):
         return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
 
     def _cell(self, name: str, index: Affine | None) -> Node:
-        """Returns the symbol of a member. An index beyond a free or periodic end is replaced by
-        that of the member with the same value."""
+        """Returns the symbol of a member. If the index is beyond a free or periodic end, returns
+        the symbol of the family's member that has the same value."""
         group = self.coordinates[name]
         kind = "s" if group.is_state else "q"
         if index is None or any(index.factor(v) for v in LOOPS):
@@ -336,7 +337,8 @@ def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> 
 
 
 def around(x: LoopExpander, loop: Loop) -> frozenset[str]:
-    """Returns the names in `loop` whose values depend on a loop variable."""
+    """Returns the names whose values depend on a loop variable. `loop` has the values of all names
+    that indices may contain."""
     sizes = {name for at in x.sizes.values() for name, _ in at.terms}
     return frozenset(name for name, at in loop.items() if {v for v, _ in at.terms} - sizes)
 

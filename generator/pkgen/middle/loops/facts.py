@@ -126,7 +126,7 @@ def total_nodes(totals: Iterable[Total]) -> list[Node]:
 
 
 def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[Node]:
-    """Returns all nodes of a vector, except the rows of the coordinates in `without`."""
+    """Returns all nodes of a Vector, except the nodes that belong to the coordinates `without`."""
     rows = [row for name, row in vector.rows.items() if name not in without]
     totals = [total for name, total in vector.totals.items() if name not in without]
     found = [part.node for row in rows for part in row.parts] + total_nodes(totals)
@@ -136,7 +136,7 @@ def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[
 
 
 def own_nodes(vector: Vector, name: str) -> list[Node]:
-    """Returns the nodes of a vector that belong to one family or scalar coordinate."""
+    """Returns the nodes of a Vector that belong to the family or scalar coordinate `name`."""
     rows = [vector.rows[name]] if name in vector.rows else []
     found = [part.node for row in rows for part in row.parts]
     found += total_nodes([vector.totals[name]] if name in vector.totals else [])

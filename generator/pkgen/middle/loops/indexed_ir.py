@@ -5,12 +5,12 @@ a family is also called a cell. The derivative of L by cell m of a family,
 
     row(m) = sum over terms, sum over offsets c,  [lo <= m - c <= hi] d body/d q[i+c] at i = m - c
 
-has a contribution (Part) of each body and offset c, with the condition in brackets. The members m
-for which all conditions hold and no cell beyond an end occurs are called the interior; there the
-row is one expression without conditions. A cell beyond an end is a given function of t (`fixed`
-end), equal to the cell at this end (`free`), or equal to a cell at the other end (`periodic`). In
-the last two cases, by the chain rule, its row is added to the row of the cell to which it is equal.
-This is valid for every length of a family, down to one member.
+has a contribution (Part) of each body and offset c. The brackets are 1 if the condition in them
+holds, else 0. The members m for which all conditions hold and no cell beyond an end occurs are
+called the interior; there the row is one expression without conditions. A cell beyond an end is a
+given function of t (`fixed` end), equal to the cell at this end (`free`), or equal to a cell at the
+other end (`periodic`). In the last two cases, by the chain rule, its row is added to the row of the
+cell to which it is equal. This is valid for every length of a family, down to one member.
 """
 
 from __future__ import annotations
@@ -31,17 +31,18 @@ class Unrolled(Exception):
 @record
 class Slot:
     """The meaning of a symbol of the graph: a kind, a name, and the index `at` of a family's member
-    (None for a scalar). A cell beyond a fixed end is called given. The kinds are:
+    (None for a scalar). A member beyond a fixed end, whose value the model gives as a function of
+    t, is called a given member here. The kinds are:
 
     "q": a coordinate.
     "v": a rate.
     "s": a first-order variable, which C stores among the rates.
-    "w": the acceleration of a given cell; 0 for other cells. For a recurrence (`Carried`), its
+    "w": the acceleration of a given member; 0 for other members. For a recurrence (`Carried`), its
         acceleration if the accelerations of all coordinates are 0.
-    "d": the rate of a coordinate; 0 for a given cell. For a recurrence, the part of its rate that
+    "d": the rate of a coordinate; 0 for a given member. For a recurrence, the part of its rate that
         is due to the rates of coordinates.
-    "a": the acceleration of a coordinate as an unknown; 0 for a given cell. For a first-order
-        variable, its time derivative, also in a given cell.
+    "a": the acceleration of a coordinate as an unknown; 0 for a given member. For a first-order
+        variable, its time derivative, also in a given member.
     "param", "size", "index", "input": a parameter, a size, a loop variable, an input.
     "sum": the value of the Total whose number is the name.
     "lambda": a multiplier of the constraint rows with this name.
@@ -50,7 +51,7 @@ class Slot:
     "flux": the force between two neighbouring members (back/c/loops_interior.py).
     "place": an element of a C array, with its C text as name.
     "p", "let", "acc": in outputs only, a momentum, a member of a `let` definition, and an
-        acceleration, also of a given cell.
+        acceleration, also of a given member.
     """
 
     kind: str
@@ -58,9 +59,9 @@ class Slot:
     at: Affine | None = None
 
 
-# The kinds of symbols (see Slot) of coordinates, rates and first-order variables.
+# The kinds of symbols (see Slot) that stand for coordinates, rates and first-order variables.
 CELLS = ("q", "v", "s")
-# The kinds of symbols whose index must be that of an existing member.
+# The kinds of symbols whose index has to be that of an existing member of a family.
 REACHED = (*CELLS, "a", "acc")
 
 
@@ -96,8 +97,8 @@ class Group:
 
     @property
     def is_turn(self) -> bool:
-        """Whether the group is a coordinate of a rotation: its rate is a body rate, and its value
-        has no meaning."""
+        """Whether the group is a coordinate of a rotation. Such a coordinate has a rate, which is a
+        body rate, but no value."""
         return isinstance(self.declared, Coordinate) and bool(self.declared.rate)
 
     @property
@@ -114,7 +115,7 @@ class Group:
 class Part:
     """The contribution of one body at one offset to the rows m = lo..hi.
 
-    `inner` is the contribution in the interior, where no given cell occurs.
+    `inner` is the contribution to rows in the interior. There no member beyond a fixed end occurs.
     """
 
     lo: Affine
@@ -124,15 +125,15 @@ class Part:
 
     @property
     def is_point(self) -> bool:
-        """Whether the range lo..hi has a small constant length, whatever the length of the
-        family."""
+        """Whether the range lo..hi has a constant length of a few members, which does not depend on
+        the length of the family."""
         length = self.hi - self.lo
         return length.is_constant and length.constant <= 8
 
 
 @record
 class Row:
-    """A quantity with a value for each cell of a family."""
+    """A quantity with a value for each member of a family."""
 
     parts: tuple[Part, ...] = ()
 
@@ -140,7 +141,7 @@ class Row:
 @record
 class PairPart:
     """The double sum of `node` over m = lo..hi and j = first..last, where `first` and `last` may
-    contain m. Each pair occurs once."""
+    contain m. No pair (m, j) occurs twice."""
 
     lo: Affine
     hi: Affine
@@ -167,11 +168,11 @@ class PairForce:
     hi: Affine
     first: Affine
     last: Affine
-    # Pairs (family, derivative by its member m).
+    # Pairs (family, derivative of the body by member m of this family).
     by_row: tuple[tuple[str, Node], ...]
-    # Pairs (family, derivative by its member j).
+    # Pairs (family, derivative of the body by member j of this family).
     by_other: tuple[tuple[str, Node], ...]
-    # Pairs (scalar coordinate, derivative by it).
+    # Pairs (scalar coordinate, derivative of the body by this coordinate).
     by_scalar: tuple[tuple[str, Node], ...]
 
 
@@ -187,9 +188,10 @@ class Vector:
 
 @record
 class Band:
-    """The mass matrix. `entries` maps (family, other family, d) to the entries of M that couple
-    cell m of the first with cell m + d of the second. `border` has the entries that couple a scalar
-    coordinate with cell m of a family, `corner` those that couple two scalar coordinates."""
+    """The mass matrix M. `entries` maps (family, other family, d) to the entries of M in the row of
+    member m of the first family and the column of member m + d of the other one. `border` has the
+    entries that couple a scalar coordinate with member m of a family. `corner` has the entries that
+    couple two scalar coordinates."""
 
     entries: dict[tuple[str, str, int], Row]
     border: dict[tuple[str, str], Row]
@@ -205,11 +207,11 @@ class Band:
 
 @record
 class Piece:
-    """The recurrence for the members lo..hi of a quantity X (see `Carried`), which gives X[m] from
-    lower members of X, coordinates and t.
+    """The recurrence for the members lo..hi of a quantity X (see `Carried`). It gives X[m] from
+    members of X with lower indices, coordinates and t.
 
-    `by` has the partial derivatives of X[m] by coordinates and by lower members of X; `by_rate` has
-    the time derivatives of these.
+    `by` has the partial derivatives of X[m] by coordinates and by members of X with lower indices.
+    `by_rate` has the time derivatives of these partial derivatives.
     """
 
     lo: Affine
@@ -218,7 +220,8 @@ class Piece:
     rate: Node
     # The second time derivative of X[m] if the accelerations of all coordinates are 0.
     coasting: Node
-    # The time derivative of X[m] without the part due to explicit dependence on t.
+    # The part of the time derivative of X[m] that is due to coordinates and lower members of X, not
+    # to t itself.
     own: Node
     by: dict[Slot, Node]
     by_rate: dict[Slot, Node]
@@ -251,11 +254,11 @@ class Bound:
 
     # The declared name.
     name: str
-    # The name of the group is a number, which is used in C.
+    # In C, constraints are numbered: the name of this group is the number of the constraint.
     group: Group
-    # phi; 0 for `rolling`.
+    # The function phi of a holonomic constraint phi = 0; for a `rolling` statement, 0.
     position: Row | Total
-    # J v + j0.
+    # The left-hand side of the constraint J v + j0 = 0.
     rate: Row | Total
     # The time derivative of J v + j0 if the accelerations of all coordinates are 0.
     coasting: Row | Total

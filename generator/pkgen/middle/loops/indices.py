@@ -64,9 +64,10 @@ class Indices:
         return total
 
     def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
-        """Returns the conditions on sizes under which all recorded members exist, and clears the
-        record. `at` has the ranges of loop variables; `length` is the length of the outer range,
-        less 1, or None."""
+        """Returns the conditions on the model's sizes under which all recorded members exist, and
+        deletes the record. `at` has the ranges of loop variables. `length` is the length minus 1 of
+        the range of the outer loop: the conditions are not needed if it is negative. None: they are
+        always needed."""
         found = []
         for lo, hi, index in self.members:
             first, last = extremes(index, at)
@@ -75,8 +76,8 @@ class Indices:
         return found
 
     def limits_over(self, lo: Affine | None, hi: Affine | None) -> list[Limit]:
-        """Returns the conditions of `limits_of` for the loop m = lo..hi; `lo` is None if there is
-        no loop."""
+        """Returns the conditions of `limits_of` for members that occur in the loop m = lo..hi, or
+        outside all loops if `lo` is None."""
         return self.limits_of(None, {}) if lo is None else self.limits_of(hi - lo, {ROW: (lo, hi)})
 
     def over(
@@ -93,7 +94,8 @@ class Indices:
 
 
 def unlike_loops(size: str) -> str:
-    """Returns the name of a size in index expressions, which differs from all loop variables."""
+    """Returns the name that stands for a size, such as N in q[1..N], in index expressions. A prime
+    is appended to a name that is also the name of a loop variable."""
     return f"{size}'" if size in LOOPS else size
 
 

@@ -28,12 +28,12 @@ from .slots import Slots
 
 @record
 class Slopes:
-    # The unknowns with a value for each index.
+    # The unknowns that have a value for each index of a family, each with its family.
     families: tuple[tuple[Unknown, Group], ...]
     scalars: tuple[Unknown, ...]
     mass: Matrix
-    # M, extended by rows for the additional equations and by columns for the additional unknowns;
-    # None if there are no additional unknowns.
+    # The matrix M, extended by rows for the additional equations and by columns for the additional
+    # unknowns (see the module). None if there are no additional unknowns.
     closed: Matrix | None
     p_q: Matrix
     pdot_q: Matrix
@@ -112,8 +112,8 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
 
 
 def _totals(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> list[int]:
-    """Returns the numbers of those sums over members (Total) in the nodes that may vary with
-    time."""
+    """Returns the numbers of the sums over members (Total) that occur in the nodes and may vary
+    with time."""
     found: set[int] = set()
     while nodes:
         below = {int(slot.name) for slot in slots.below(*nodes) if slot.kind == "sum"}

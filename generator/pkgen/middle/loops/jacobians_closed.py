@@ -38,7 +38,8 @@ class Motion:
         return self.slots.node("a", name, None if shift is None else M + shift)
 
     def force(self, rows: Bound, shift: int = 0) -> Node:
-        """Returns the multiplier lambda of constraint row m + shift, or of a single row."""
+        """Returns the multiplier lambda of constraint row m + shift; if the constraint has a single
+        row, the multiplier of this row."""
         at = None if rows.is_single else M + shift
         return self.slots.node("lambda", rows.group.name, at)
 

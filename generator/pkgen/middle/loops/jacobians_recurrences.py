@@ -67,8 +67,8 @@ class Chain(Motion):
     # -- rows ---------------------------------------------------------------------------------
 
     def gone_over(self, kind: str, rates: bool = False) -> Stated:
-        """Returns C^T times the unknowns of a kind ("hung_p" or "hung_f"); with `rates`, C'^T times
-        these."""
+        """Returns the product of C^T and the unknowns of a kind, "hung_p" or "hung_f". With
+        `rates`, returns the product of C'^T and these unknowns."""
         rows: dict[str, list[Part]] = {g.name: [] for g in self.e.rows}
         totals: dict[str, list[Total]] = {g.name: [] for g in self.e.scalars}
         for item in self.e.carried:
@@ -90,8 +90,8 @@ class Chain(Motion):
         return Stated(rows, totals)
 
     def own(self, of: Stated) -> Stated:
-        """Returns the rows that belong to coordinates, without those that belong to the values X of
-        recurrences."""
+        """Returns the rows of `of` that belong to coordinates. Leaves out the rows that belong to
+        the values X of recurrences."""
         rows = {key: row for key, row in of.rows.items() if key[1] not in self.names}
         return Stated(rows, of.totals)
 

@@ -26,9 +26,9 @@ class Summed:
 
 @record
 class Assigned:
-    """An assignment to the members m = lo..hi of a declared name. The value is a node that may
-    contain m. The sums `before` are computed before the loop over m, the sums `each` in each pass
-    of the loop."""
+    """An assignment to the members m = lo..hi of a declared name. The value `node` may contain m.
+    The sums `before` are computed before the loop over m. The sums `each` are computed inside this
+    loop, for each m."""
 
     name: str
     order: int  # 1 if the assignment is to the rate of a coordinate, else 0
@@ -55,8 +55,9 @@ class Observed:
 
 @record
 class Along:
-    """An indexed `let` definition that only outputs use, or its time derivative (then the name ends
-    with '). It is computed in a loop over the index."""
+    """An indexed `let` definition that only outputs use, or the time derivative of such a
+    definition: then `name` ends with a prime ('). The values are computed in a loop over the
+    index."""
 
     name: str
     group: Group
@@ -65,8 +66,9 @@ class Along:
 
 @record
 class Limit:
-    """A condition on sizes: `needs` >= 0, or `unless` < 0. The latter means that a range is empty,
-    so that the condition is not needed; `unless` is the length of the range minus 1."""
+    """A condition on the model's sizes, such as N in q[1..N]. It holds if `needs` >= 0, or if
+    `unless` < 0, where `unless` is the length of an index range minus 1: if the range is empty,
+    nothing is needed. None: `needs` >= 0 must hold."""
 
     needs: Affine
     unless: Affine | None
@@ -109,7 +111,7 @@ class LoopEquations:
     model: Model
     graph: Graph
     slots: tuple[Slot, ...]
-    # Coordinates, followed by states, which are the rates of dummy coordinates.
+    # Coordinates, followed by states. A state is the rate of a dummy coordinate.
     coordinates: tuple[Group, ...]
     parameters: tuple[Group, ...]
     # The number of time derivatives of each input.
@@ -127,14 +129,14 @@ class LoopEquations:
     energy: Total | None
     # Sums over members inside expressions, in the order in which they can be computed.
     sums: tuple[Total, ...]
-    # The indices in `sums` of those that depend on parameters and sizes only.
+    # The indices of the elements of `sums` that depend on parameters and sizes only.
     fixed: frozenset[int]
     outputs: tuple[Observed, ...]
     conserved: tuple[Node, ...]
     events: tuple[Node, ...]
     # The value, rate and acceleration of each given member beyond an end, by (family, index).
     given: dict[tuple[str, Affine], tuple[Node, Node, Node]]
-    # The default values, in the order of `parameters`.
+    # The default values of parameters, in the order of `parameters`.
     defaults: tuple[Assigned, ...]
     bounds: tuple[Bounded, ...]
     starts: tuple[Assigned, ...]
@@ -148,7 +150,8 @@ class LoopEquations:
     facts: Facts | None = None
     singularities: tuple[LoopSingularity, ...] = ()
     switches: tuple[LoopSwitch, ...] = ()
-    # Whether the pivots of M are singularities too; they come before `singularities`.
+    # Whether the pivots of M are singularities too. In numbering, they come before the elements of
+    # `singularities`.
     pivots: bool = False
     # Recurrences, sorted by level.
     carried: tuple[Carried, ...] = ()
@@ -181,7 +184,8 @@ class LoopEquations:
 
     @property
     def banded(self) -> tuple[Group, ...]:
-        """The groups with a row in the banded matrix of M a = f for each index, in order."""
+        """The groups whose members have rows in the banded matrix of M a = f, in the order of these
+        rows."""
         return (*self.carried_groups, *self.families) if self.extended else self.families
 
     @property
@@ -218,7 +222,8 @@ class LoopEquations:
 
     @property
     def unseen(self) -> tuple[Group, ...]:
-        """The coordinates whose value has no meaning: their rates are body rates or states."""
+        """The coordinates that have no meaningful value, because their rates are body rates or
+        states."""
         return tuple(g for g in self.coordinates if g.is_turn or g.is_state)
 
     @property

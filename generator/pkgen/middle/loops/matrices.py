@@ -18,8 +18,8 @@ M = variable(ROW)
 # multipliers, "place", "rate", "hung_p" and "hung_f" for recurrences (jacobians_recurrences.py),
 # and "sum" for sums over members, with their number as name.
 Unknown = tuple[str, str]
-# The kinds of symbols (see Slot) by which a matrix has derivatives. BY_MORE includes all symbols of
-# recurrences.
+# The kinds of symbols (see Slot) by which derivatives are taken: positions, rates, additional
+# unknowns (including those of recurrences), and sums over members.
 BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")
 BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")
 BY_TOTALS = ("sum",)
@@ -39,9 +39,10 @@ K = TypeVar("K")
 class Matrix:
     """A banded matrix of derivatives with a border.
 
-    `entries` maps (family, other, d) to the derivatives of member m of `family` by member m + d of
-    `other`. `right` has the derivatives of members m by a scalar, `bottom` those of a scalar by
-    members m, `corner` those of a scalar by a scalar.
+    In the band, `entries` maps (quantity, unknown, d) to the derivative of the quantity's value at
+    index m by the unknown's value at index m + d. In the border, `right` has derivatives of values
+    at index m by scalars, `bottom` has derivatives of scalars by values at index m, and `corner`
+    has derivatives of scalars by scalars.
     """
 
     entries: dict[tuple[Unknown, Unknown, int], Row]
@@ -129,7 +130,8 @@ class Derive:
 
 
 def seen_from(slots: Slots, part: Part, distance: int) -> Part:
-    """Returns the part with all indices shifted so that the member at m + distance is at m."""
+    """Returns the contribution `part` with all indices shifted: the member with the index m +
+    distance gets the index m."""
     node, inner = (slots.shifted(x, -distance) for x in (part.node, part.inner))
     return Part(part.lo + distance, part.hi + distance, node, inner)
 

@@ -66,8 +66,9 @@ class Alongside:
     # -- order of computation -----------------------------------------------------------------
 
     def passes(self) -> tuple[tuple[Along, ...], ...]:
-        """Returns the definitions in tuples. Definitions that depend on each other are in the same
-        tuple, in the order in which they have to be computed for one index."""
+        """Returns tuples of definitions, in the order in which they can be computed. Definitions
+        that depend on each other are in the same tuple. Its definitions are computed together, one
+        after the other for each index."""
         left, found = dict.fromkeys(self.parts), []
         below = {key: self._below(key) for key in left}
         while left:
@@ -79,8 +80,8 @@ class Alongside:
         return tuple(found)
 
     def _direct(self, key: str, own: bool = False) -> set[str]:
-        """Returns the names of the definitions that the definition `key` uses; with `own`, only
-        those used with the same index m."""
+        """Returns the names of the definitions that occur in the definition with the name `key`.
+        With `own`, definitions that occur only with other indices than m are left out."""
         slots = self.x.slots.below(*(part.node for part in self.parts[key]))
         lets = [slot for slot in slots if slot.kind == "let"]
         return {s.name for s in lets if not own or s.at == Affine(0, ((ROW, 1),))}

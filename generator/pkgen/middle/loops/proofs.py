@@ -1,12 +1,13 @@
 """Proves claims about constants of the motion for models with loops, by unrolling the model.
 
 Up to TRIED_AT coordinates, a model is unrolled at its own sizes. For a longer family, the claim
-that A is constant is proved with two short families, if all members have the same expressions in L
-and the forces, and these couple members at most K indices apart. Then the derivative of dA/dt
-by a member depends only on members near it, and on an end if it is within 4 K. All such
-neighbourhoods occur in a family of n = 8 K + 1 members. If dA/dt vanishes with n members, dA/dt
-therefore does not depend on the state with any number of members. Its value is affine in this
-number, so that it is 0 if dA/dt vanishes with n + 1 members as well.
+that a quantity A is constant is proved with two short families. All members must have the same
+expressions in L and the forces, and these expressions must couple members at most K indices apart.
+The derivative of dA/dt by one member then depends only on neighbours of this member, and on an end
+of the family only if the end is at most 4 K indices away. All such neighbourhoods occur in a family
+of n = 8 K + 1 members. If dA/dt vanishes with n members, dA/dt therefore does not depend on the
+state with any number of members. The value of dA/dt is then affine in the number of members, so
+that dA/dt = 0 for all numbers if it also vanishes with n + 1 members.
 """
 
 from __future__ import annotations
@@ -74,8 +75,8 @@ def with_proofs(
 
 
 def _of_energy(item: Definition, claim: Claim) -> Claim:
-    """Returns the claim; if it is that the energy is constant, as proved. To be called only for a
-    conservative model."""
+    """Returns the outcome of a claim for a conservative model: proved if the claim says that the
+    energy is constant, else `claim`."""
     if not (isinstance(item.value, Name) and item.value.id == "energy"):
         return claim
     return Claim(item.name, PROVED, "neither time nor a force beyond L enters the equations")

@@ -20,8 +20,8 @@ from .loops import Limit
 from .pair_sums import ATTITUDES, STATE, M
 from .rows import Gather
 
-# The largest number of unknowns in an elimination step of M a = f: the scalars, and the families
-# times the largest distance of coupled indices.
+# M a = f is solved by elimination index by index. One step has as unknowns all scalar coordinates,
+# and several neighbouring members of each family. This is the largest number of unknowns in a step.
 FRONT = 24
 
 
@@ -38,7 +38,7 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
                 found = [_piece(x, gather, lo, hi, value[k]) for lo, hi, value in values]
                 pieces[group.name] = tuple(found)
     levels = _levels(pieces)
-    for _ in pieces:  # repeats, since a recurrence may depend on any other recurrence
+    for _ in pieces:  # repeated, because a recurrence varies with time if one that it uses does
         gather.moving |= {n for n, own in pieces.items() if any(_moves(x, gather, p) for p in own)}
     groups = x.coordinates
     found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
@@ -118,7 +118,9 @@ def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
     """Returns the level of each recurrence: 0 if it uses no other recurrence at the same index,
     else 1 more than the highest level of the recurrences that it uses at the same index."""
     levels = dict.fromkeys(pieces, 0)
-    for _ in pieces:  # so many passes suffice, since the checker has refused circular definitions
+    # Each repetition finds one more level. One for each recurrence is enough, since the checker has
+    # refused circular definitions.
+    for _ in pieces:
         for name, found in pieces.items():
             same = {z.name for piece in found for z in piece.by if z.at == M and z.name in pieces}
             levels[name] = max((levels[z] + 1 for z in same), default=0)
@@ -134,8 +136,9 @@ def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
 
 
 def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool:
-    """Returns whether M a = f can be solved by elimination index by index, with code of moderate
-    size. If not, the accelerations of the recurrences' values are additional unknowns."""
+    """Returns whether M a = f can be solved by elimination index by index, with at most FRONT
+    unknowns in each step. If not, the accelerations of the recurrences' values are additional
+    unknowns."""
     if x.model.constraints or x.model.rotations:
         return False
     groups = x.coordinates
@@ -162,8 +165,8 @@ def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
 
 
 def inert(names: set[str], carried: tuple[Carried, ...]) -> set[str]:
-    """Returns the names of the variables that have inertia: `names`, which have diagonal entries in
-    M, and for recurrences among them the variables in the recurrences."""
+    """Returns the names of the variables that have inertia. `names` have diagonal entries in M. If
+    a recurrence is among them, the variables in the recurrence have inertia too."""
     found = set(names)
     for item in reversed(carried):
         if item.group.name in found:

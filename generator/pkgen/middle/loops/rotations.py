@@ -28,8 +28,8 @@ class Rotations:
 
     def moved(self, slot: Slot) -> tuple[str, ...]:
         """Returns the names of the coordinates whose equations of motion contain derivatives by the
-        symbol with this meaning. For a component of a quaternion these are the three coordinates of
-        the rotation."""
+        symbol `slot`. For a component of a quaternion, these are the three coordinates of the
+        rotation."""
         own = self.turns.get(slot.name) or self.numbers.get(slot.name)
         if own:
             return own[0].turns
@@ -47,9 +47,9 @@ class Rotations:
         return quaternion_rates(self.g, own, self.body_rates(rotation, at))
 
     def slope(self, by: Slopes, name: str, at: Affine | None, momenta: bool) -> Node:
-        """Returns the derivative of a function along a coordinate, for a rotation along its body
-        axis; `by` maps symbols to derivatives of the function. With `momenta`, the function is L
-        and p x w is added (see attitudes.py)."""
+        """Returns the derivative of a function F along the coordinate `name`. For a coordinate of a
+        rotation, this is the derivative along a body axis. `by` maps symbols to the derivatives of
+        F by them. With `momenta`, F is L, and p x w is added for rotations (see attitudes.py)."""
         if name not in self.turns:
             return by.get(self.slots.node("q", name, at), ZERO)
         rotation, axis = self.turns[name]

@@ -68,8 +68,9 @@ class Gather:
     def _enter_motion(
         self, name: str, shift: Affine | None, body: Node, term: Term, sign: int
     ) -> Node:
-        """Adds the contributions of a body of L to the equations of one family or scalar coordinate
-        (`shift` is None). Returns the contribution to its momentum."""
+        """Adds the contributions of a term of L with this body to the equations of one family, or
+        of a scalar coordinate if `shift` is None. Returns the contribution to the momentum of the
+        family or coordinate."""
         at = M if term.ranges and shift is not None else shift
         by = gradient(self.g, signed(self.g, body, sign), STATE | ATTITUDES)
         slope, momentum = self.x.rotations.slope(by, name, at, True), self._by(by, "v", name, at)
@@ -104,8 +105,8 @@ class Gather:
         self.totals.over(self.drag, True)
 
     def of_total(self, term: Term, factor: Node, drag: bool) -> None:
-        """Adds the force due to one term of a sum over members (total). `factor` is the derivative
-        of L by the sum; with `drag`, that of -D."""
+        """Adds the force due to one term of a sum S over members (total). `factor` is the
+        derivative dL/dS; with `drag`, it is -dD/dS."""
         x, g = self.x, self.g
         if len(term.ranges) == 2:
             force = scaled(g, factor, pair_force(x, term, self.totals.body(term), drag))
@@ -148,8 +149,8 @@ class Gather:
     def _add_over(
         self, whats: tuple[str, ...], name: str, lo: Affine | None, hi: Affine | None, node: Node
     ) -> None:
-        """Adds a node to the quantities `whats` of the members lo..hi; of a scalar if `lo` is
-        None."""
+        """Adds a node to the quantities named `whats` of the members lo..hi of a family, or of a
+        scalar coordinate if `lo` is None."""
         for slot in self.x.slots.below(node):
             self.bodies.in_reach(slot, lo, hi)
         for what in whats:
@@ -180,7 +181,8 @@ class Gather:
             self.found.corner[group.name, group.name] = Total(ONE)
 
     def energy(self, found: list[tuple[Term, int]]) -> Total:
-        """Returns the energy h = v.p - L; `found` has the terms of L with their signs."""
+        """Returns the energy h = v.p - L. `found` has the terms of L, each with its sign 1 or
+        -1."""
         result = Total()
         for term, sign in found:
             if len(term.ranges) == 2:

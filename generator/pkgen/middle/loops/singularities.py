@@ -32,8 +32,8 @@ from .pair_sums import M
 from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
-# The suffix of a name for each kind of symbol. The kind "a" occurs for time derivatives of states
-# only.
+# The text that follows the name of a coordinate or state, for each kind of symbol (see Slot).
+# Symbols of kind "a" occur only as time derivatives of states.
 _PRIMES = {"v": "'", "d": "'", "a": "'"}
 # Ranges of indices: () for a single value, (lo, hi), or (lo, hi, first, last) for pairs.
 Over = tuple[Affine, ...]
@@ -104,8 +104,8 @@ class _Singularities:
     # -- singularities of M -------------------------------------------------------------------
 
     def _charts(self) -> tuple[dict[_Guarded, None], bool]:
-        """Returns the factors of the entries of a diagonal M that may vanish, and whether the
-        pivots of M have to be checked at run time."""
+        """Returns two results: the factors of the entries of a diagonal M that may vanish, and
+        whether the pivots of M have to be checked at run time."""
         e = self.e
         found: dict[_Guarded, None] = {}
         if e.facts.mass_constant:
@@ -152,8 +152,9 @@ class _Singularities:
     # -- shifted indices ----------------------------------------------------------------------
 
     def _canonical(self, over: Over, node: Node) -> _Guarded:
-        """Returns the expression shifted so that its least index is m, with its range. The same
-        expression in the equations of different members thus becomes equal."""
+        """Returns the expression `node`, with all indices shifted so that the least index is m, and
+        the range of m. If an expression occurs in the equations of several members, the results are
+        equal."""
         slots = self.x.slots.below(node)
         members = [s.at for s in slots if s.at is not None and s.at.factor(ROW)]
         if len(over) != 2:
@@ -204,7 +205,7 @@ def _rows(e: LoopEquations) -> Iterator[tuple[Over, Node]]:
 
 
 def moves(x: LoopExpander, node: Node) -> bool:
-    """Returns whether an expression may vary with time."""
+    """Returns whether the value of an expression may vary with time."""
     moving = ("input", "w", "a")
     return bool(x.totals.depends(node) & MOVES) or any(
         slot.kind in moving for slot in x.totals.below(node)
@@ -253,8 +254,8 @@ def _total(x: LoopExpander, found: Total) -> str:
 
 
 def _ranged(total: Total) -> Iterator[_Guarded]:
-    """Yields the constant, the sums and the double sums of a Total as (index ranges, summand).
-    Leaves out a constant of 0."""
+    """Yields (index ranges, summand) for each sum and double sum of a Total, and for its constant,
+    unless this is 0. The constant has the index ranges ()."""
     if total.constant != ZERO:
         yield (), total.constant
     yield from (((part.lo, part.hi), part.node) for part in total.parts)
@@ -267,7 +268,7 @@ def _covers(part: Part, group: Group) -> bool:
 
 
 def _known(x: LoopExpander, e: LoopEquations) -> dict[Node, Range]:
-    """Returns the ranges of values of all parameters and sizes, by node."""
+    """Maps each parameter and each size, as a node, to the range of its possible values."""
     g, found = x.graph, {}
     bounds = dict(zip(x.parameters, e.bounds, strict=True))
     for slot in list(x.slots.all):

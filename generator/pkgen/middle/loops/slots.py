@@ -11,8 +11,8 @@ from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from .indexed_ir import Slot
 
-# The kind of the graph's symbol for each kind of Slot. Expressions of parameters alone are computed
-# before the loops.
+# Maps the kind of a Slot to the kind of its symbol in the graph. A symbol of kind PARAMETER can be
+# computed before all loops.
 _KINDS = {
     "q": Kind.COORDINATE,
     "s": Kind.STATE,
@@ -27,9 +27,10 @@ _KINDS = {
 
 
 def _domain(slot: Slot) -> str:
-    """Returns the kind of the graph's symbol for a Slot."""
+    """Returns the kind (Kind) of the graph's symbol that stands for a Slot."""
     if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
-        return Kind.INPUT  # its value depends on a loop variable: to be computed inside the loop
+        # the parameter depends on a loop variable, and is computed inside the loop
+        return Kind.INPUT
     return _KINDS[slot.kind]
 
 
@@ -50,7 +51,7 @@ class Slots:
         return self.graph.symbol(Symbol(_domain(slot), self._places[slot]))
 
     def of(self, node: Node) -> Slot | None:
-        """Returns the meaning of a symbol; None for any other node."""
+        """Returns the Slot for which a symbol stands; None if the node is no such symbol."""
         data = self.graph.data[node]
         if isinstance(data, Symbol) and data.kind not in (Kind.PI, Kind.TIME):
             return self.all[data.index]
@@ -64,8 +65,8 @@ class Slots:
         return [slot for slot in found if slot is not None]
 
     def swapped(self, node: Node, swap: Callable[[Slot], Node | None]) -> Node:
-        """Returns the node after replacing each symbol in it by the node that `swap` returns for
-        its meaning. A symbol for which `swap` returns None is kept."""
+        """Returns the node after substitutions of symbols. `swap` maps the meaning of a symbol to
+        the node that replaces the symbol, or to None if the symbol is kept."""
         values = {}
         for slot in self.below(node):
             value = swap(slot)
@@ -86,9 +87,10 @@ class Slots:
         return self.swapped(node, swap)
 
     def inside(self, node: Node, carried: Container[str]) -> Node:
-        """Returns the node for an index m far from the ends of families (in the interior), where it
-        contains no members with prescribed values: symbols of kind "d" become "v", symbols of kind
-        "w" become 0. Symbols of recurrences (names in `carried`) are kept."""
+        """Returns the node in the form that is valid for an index m far from the ends of families
+        (in the interior). There it contains no members with prescribed values. Symbols of kind "d"
+        therefore become symbols of kind "v", and symbols of kind "w" become 0. Symbols of
+        recurrences are kept; `carried` has their names."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.name in carried:

@@ -127,8 +127,8 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
 
 
 def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
-    """Returns the value, rate and acceleration of each fixed end, by (family, index). A rate or an
-    acceleration that no equation uses is ZERO."""
+    """Returns the value, rate and acceleration at each fixed end of a family, by (family, index).
+    Rates and accelerations that no equation uses are returned as ZERO."""
     rated = {
         s.name for s in x.slots.all if s.kind in ("v", "d", "w", "a", "acc") and s.at is not None
     }

@@ -40,9 +40,9 @@ class Members:
         self.g, self.slots = g, slots
 
     def __call__(self, node: Node) -> tuple[Node, Affine | None]:
-        """Returns the expression with its least index shifted to m, and the index that became m.
-        Returns the expression itself and None if it contains no members, or both members of a
-        pair."""
+        """Returns the expression with all indices shifted so that the least one becomes m, and the
+        index that became m. If the expression contains no members, or contains both members m and j
+        of a pair, returns the expression itself and None."""
         slots = self.slots.below(node)
         found = [slot.at for slot in slots if slot.at is not None]
         loops = _loops(slots)
@@ -63,7 +63,8 @@ class Members:
         """Returns the node with its indices shifted so that the index `at` becomes m."""
         own = Affine(0, ((ROW, 1),))
         name = next((v for v in (ROW, OTHER) if at.factor(v)), None)
-        back = own - at.without(name or "")  # the old loop variable as an expression in m
+        # `back` is the loop variable before the shift, as an expression in the new index m
+        back = own - at.without(name or "")
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind == "index":
@@ -93,7 +94,8 @@ class Members:
 
 
 def _loops(slots: list[Slot]) -> set[str]:
-    """Returns the loop variables that occur in symbols, as indices or as numbers."""
+    """Returns the loop variables on which symbols depend: through the index of a member, or because
+    the symbol stands for the loop variable itself."""
     found = {v for s in slots if s.at is not None for v in LOOPS if s.at.factor(v)}
     return found | {s.name for s in slots if s.kind == "index"}
 
@@ -212,7 +214,8 @@ class _Switches:
             return None
         sizes = size_values(self.x.model)
         for at in still:
-            apart = [lo - at - 1, at - hi - 1]  # `at` is outside lo..hi if one is nonnegative
+            # `at` is outside lo..hi if one of these two numbers is not negative
+            apart = [lo - at - 1, at - hi - 1]
             if any(d.is_constant and d.constant >= 0 for d in apart):
                 continue
             met = [d for d in apart if d.value(sizes) >= 0]

@@ -16,14 +16,16 @@ from .expand import LoopExpander, around, has_sum, independent
 from .indexed_ir import Unrolled
 from .indices import Loop
 
-# A sum over a constant number of indices up to this is written out term by term.
+# A sum over a constant number of indices, which is at most this number, is written out term by
+# term.
 SHORT = 8
 
 
 @record
 class Factor:
-    """A factor or divisor of a term. `loop` has the values of its loop variables: each factor needs
-    its own, since a `let` definition may use a name for another index than the statement does."""
+    """A factor or divisor of a term. `loop` has the values of the loop variables in `expr`. Each
+    factor has its own values: a `let` definition and the statement that uses it may have loop
+    variables with the same name but different values."""
 
     expr: Expr
     exponent: int  # 1 or -1

@@ -52,7 +52,7 @@ class _Member:
 
 @record
 class _Rate:
-    """The time derivative of a term."""
+    """The time derivative of the term `of`. It can be used like a term."""
 
     of: Term
 
@@ -90,8 +90,8 @@ class Totals:
         return self._entered(found)
 
     def _entered(self, found: list[Term]) -> Node:
-        """Returns the symbol of the total of the given terms. The list of members recorded so far
-        is not changed."""
+        """Returns the symbol of the total with the terms `found`. Members that are used while the
+        total is made are not added to the record of members."""
         met, self.x.members = self.x.members, []
         total = self.gather.total([(term, 1) for term in found])
         self.x.members = met
@@ -182,8 +182,8 @@ class Totals:
         return frozenset(int(slot.name) for slot in slots if self.is_fixed(slot))
 
     def moving(self, *nodes: Node) -> list[Slot]:
-        """Returns those totals in the given nodes that may vary with time, as the meanings of their
-        symbols."""
+        """Returns the totals in the given nodes that may vary with time. Each is returned as the
+        Slot of its symbol."""
         return [s for s in self.below(*nodes) if s.kind == "sum" and not self.is_fixed(s)]
 
     # -- derivatives --------------------------------------------------------------------------
@@ -199,8 +199,8 @@ class Totals:
             found[k] = self.gather.with_(found.get(k, Total()), term, node)
 
     def over(self, found: dict[int, Total], drag: bool) -> None:
-        """Adds the forces due to totals by the chain rule. `found` has the derivatives of L by
-        totals, with `drag` those of -D; it is emptied."""
+        """Adds the forces due to totals S by the chain rule. `found` has the derivatives dL/dS for
+        all S; with `drag`, the derivatives -dD/dS. At the end `found` is empty."""
         while found:
             k = max(found)
             slope = self.node(found.pop(k))

@@ -16,7 +16,8 @@ from ...model import Model
 from ...record import record
 
 AXES = "xyz"
-# The part of the name that all components of a position share, and the axis 0, 1 or 2.
+# The key of a component of a position: the part of the name that all components of the position
+# share, and the axis 0, 1 or 2.
 Key = tuple[Hashable, int]
 Item = TypeVar("Item")
 
@@ -32,7 +33,7 @@ class NoParticles(Exception):
 @record
 class Body:
     mass: Node
-    place: Row  # The three components of the position; z is 0 in a plane.
+    place: Row  # The components x, y and z of the position; z is 0 in a plane.
     name: str  # The name of the position, such as "(x, y)".
 
 

@@ -22,8 +22,8 @@ from ..points.singularities import defaults
 
 # The nonzero entries i <= j of a symmetric matrix.
 Entries = dict[tuple[int, int], Node]
-# For each mass, the indices of the positions with the same J^T J, at any of which it may be, and
-# the mass.
+# A list with an element for each mass. The element has the indices of positions, and the mass. The
+# positions have equal J^T J, so that the mass may be at any of them.
 Masses = list[tuple[list[int], Node]]
 STATES = 5
 # The relative tolerance within which two numbers count as equal.
@@ -62,7 +62,8 @@ def _states(
     fixed: dict[Symbol, float],
     given: Given,
 ) -> list[dict[Symbol, float]]:
-    """Returns the values of all symbols at STATES states, which approach the start."""
+    """Returns a list of STATES states, as maps from all symbols to values. Each state is nearer to
+    the initial state than the state before."""
     start = {}
     for kind, row in ((Kind.COORDINATE, given.start_q), (Kind.STATE, given.start_states)):
         for i, value in enumerate(evaluate(g, row, fixed)):
@@ -79,8 +80,8 @@ def _states(
 
 
 def _about(draw: random.Random, at: float, part: int) -> float:
-    """Returns a random number that differs from `at` by at most |at|/part. If `at` is 0, it is
-    between 0.1/part and 1/part."""
+    """Returns a random number near `at`: the difference is at most |at|/part. If `at` is 0, the
+    number is between 0.1/part and 1/part."""
     return at * (1 + draw.uniform(-1, 1) / part) or draw.uniform(0.1, 1) / part
 
 
@@ -118,8 +119,8 @@ def _in_numbers(
 
 
 def _adds(basis: list, vector) -> bool:
-    """Returns whether a unit vector is linearly independent of the orthonormal basis. If so,
-    extends the basis by it."""
+    """Returns whether a unit vector is linearly independent of the vectors of an orthonormal basis.
+    If it is, its orthogonal component is normalized and appended to the basis."""
     import numpy as np
 
     for _ in range(2):  # reorthogonalizes once
@@ -148,7 +149,8 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
     rows = [np.reshape(evaluate(g, nodes, values), (len(at), len(matrices))) for values in states]
     every = np.concatenate(rows)
     largest = np.abs(every).max(axis=1)
-    good = (largest > 0) & (largest < np.inf)  # comparisons with NaN are false too
+    # rows with NaN are left out too, since comparisons with NaN are false
+    good = (largest > 0) & (largest < np.inf)
     every = every[good] / largest[good, None]
     return every[:, :-1], every[:, -1]
 
@@ -179,7 +181,7 @@ def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) ->
     for place in sorted({place for matrix in matrices for place in matrix}):
         try:
             row = substituted(g, [matrix.get(place, ZERO) for matrix in matrices], swap)
-        except ArithmeticError:  # the numbers cause a division by zero
+        except ArithmeticError:  # for these values of the coordinates, an entry divides by zero
             continue
         if any(node != ZERO for node in row[:-1]):
             rows.append(tuple(row))
@@ -187,8 +189,8 @@ def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) ->
 
 
 def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Row]:
-    """Returns as many linearly independent equations as there are masses, preferably simple ones;
-    [] if there are not enough."""
+    """Returns as many linearly independent equations as there are masses; [] if there are not
+    enough. Equations with few masses and few nodes are preferred."""
     import numpy as np
 
     count = len(rows[0]) - 1 if rows else 0

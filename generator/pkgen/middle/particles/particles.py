@@ -50,7 +50,8 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
         return Particles((), (), (), (), why=TURNING, span=span)
     found: list[Particles] = []
     refusals: list[NoParticles] = []
-    # Polar coordinates come last: they may be relative to another particle instead of the origin.
+    # Polar coordinates are tried last: the origin from which they are measured may be another
+    # particle, which is not known.
     for proposals in (_by_text, particles_places.proposals, partial(_by_text, polar=True)):
         try:
             for bodies in proposals(x, energies, given):
@@ -94,14 +95,15 @@ def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:
 
 
 def _beyond(x: Expander, energies: Energies, total: Node) -> str | None:
-    """Returns a text about further terms of the energy besides the sum over particles, `total`; ""
-    if there are none. Returns None if the sum is not proved to be the part of second degree in the
-    rates."""
+    """Compares the energy with `total`, the sum of m/2 |r'|^2 over particles. Returns a text about
+    the further terms of the energy, or "" if there are none. Returns None if `total` is not proved
+    to be the part of the energy that has degree 2 in the rates."""
     g, kinetic = x.graph, energies.kinetic
     if kinetic is not None and _is_zero(g, g.subtract(total, kinetic)):
         return ""
-    # For any vector w, w.d/dv of `rest` vanishes if it has no terms of degree 1 or more in the
-    # rates; (w.d/dv)^2 vanishes if it has none of degree 2 or more.
+    # The directional derivative w.d/dv, for any w, shows the degree of `rest` in the rates v. If
+    # w.d/dv of `rest` is zero, the degree is 0. If only (w.d/dv)^2 of `rest` is zero, the degree is
+    # 1.
     rest = g.subtract(total, energies.lagrangian if kinetic is None else kinetic)
     once = _along(x, rest)
     if not _is_zero(g, _along(x, once)):
@@ -112,8 +114,8 @@ def _beyond(x: Expander, energies: Energies, total: Node) -> str | None:
 
 
 def _along(x: Expander, node: Node) -> Node:
-    """Returns the directional derivative w.d/dv of a node. The w_i are symbols: those of the
-    accelerations are used."""
+    """Returns the directional derivative w.d/dv of a node by the rates v. The symbols of the
+    accelerations serve as the components of the arbitrary vector w."""
     g = x.graph
     slopes = gradient(g, node, BIT[Kind.RATE]) if g.depends[node] & BIT[Kind.RATE] else {}
     w = {v: g.symbol(Symbol(Kind.ACCELERATION, g.data[v].index)) for v in slopes}

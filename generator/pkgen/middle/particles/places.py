@@ -23,7 +23,8 @@ from .bodies import Body, Key, NoParticles, keys, lengths, listed, places
 from .masses import Entries, Given, Masses, masses_of
 
 RATES, COORDINATES = BIT[Kind.RATE], BIT[Kind.COORDINATE]
-# The largest numbers of positions and of coordinates. The computation then takes a few seconds.
+# The largest numbers of positions and of coordinates. With more of them, the computation would take
+# longer than a few seconds.
 PLACES, COUNT = 100, 150
 # The largest number of positions with the same J^T J that are tried for one particle.
 ALIKE = 4
@@ -32,13 +33,14 @@ ALIKE = 4
 @record
 class _Place:
     name: str
-    at: Row  # The three components of the position.
+    at: Row  # The three components of the position r.
     square: Entries  # The matrix J^T J with J = dr/dq.
 
 
 def proposals(x: Expander, energies: Energies, given: Given) -> list[list[Body]]:
-    """Returns candidates for the list of all particles. They have the same masses, at different
-    positions with equal J^T J. Raises NoParticles if there are none."""
+    """Returns a list of proposals, each of which is a list of all particles of the model. The
+    proposals have the same masses, but place these at different positions with equal J^T J. Raises
+    NoParticles if no particles are found."""
     found = _named(x)
     if not found:
         raise NoParticles(
@@ -99,7 +101,7 @@ def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
                     (index, x.value(item.value, loop))
                     for index, loop in x.unrolled(item.index, item.range)
                 ]
-        except ModelError:  # an output with energies or momenta, which are not derived yet
+        except ModelError:  # the output contains energies or momenta, which are not derived yet
             continue
         for index, value in members:
             nodes = value if isinstance(value, tuple) else (value,)
@@ -120,7 +122,8 @@ def _place(g: Graph, name: str, at: Row) -> _Place:
 
 
 def _flat(g: Graph, place: _Place) -> _Place:
-    """Returns the position without its third component: its name may match by coincidence."""
+    """Returns the position with 0 as third component. That the name of the third component matches
+    the names of the other two may be a coincidence."""
     names = place.name.split(", ")
     if len(names) < 3:
         return place

@@ -33,8 +33,10 @@ class _Unread(Exception):
 
 @record
 class _Square:
-    """The term factor * (place')^2 of the energy. Squares that share a key, or are in the same
-    bracket (`bracket` is its number), may belong to one particle."""
+    """The term factor * (place')^2 of the energy, where `place` is an expression, such as a
+    coordinate or a component of a position. Squares may belong to one particle if they have a key
+    in common (see Key), or if they are in the same bracket of the text. `bracket` is the number of
+    this bracket."""
 
     factor: Node
     place: Node
@@ -86,8 +88,8 @@ class _Reader:
         return not any(g.depends[slope] & RATES for slope in slopes)
 
     def opened(self, expr: Expr, loop: Loop) -> tuple[Expr, Loop] | None:
-        """Returns the expression and loop variables of the definition that a name refers to; None
-        for other expressions."""
+        """If the expression is a name with a definition, returns the defining expression and the
+        values of the loop variables in it. Returns None for other expressions."""
         if not isinstance(expr, Name):
             return None
         at = None if expr.index is None else integer(expr.index, loop)
@@ -149,7 +151,8 @@ class _Reader:
         return factor, moving
 
     def square(self, base: Expr, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
-        """Yields the squares of rates of which factor * base^2 consists."""
+        """Writes factor * base^2 as a sum of squares of rates with factors, and yields these
+        squares."""
         match base:
             case Prime(of=of):
                 name, known = self.named(of, loop)
@@ -177,8 +180,9 @@ class _Reader:
         raise _Unread
 
     def vector(self, expr: Expr, loop: Loop, factor: Node) -> Iterator[_Square]:
-        """Yields the squares of rates of which factor * |expr|^2 consists, for a vector `expr`. If
-        it is the rate of a vector, a particle is added to `bodies` instead."""
+        """Writes factor * |expr|^2, for a vector `expr`, as a sum of squares of rates with factors,
+        and yields these squares. If `expr` is the time derivative of a vector, nothing is yielded;
+        a particle at this vector is added to `bodies`."""
         match expr:
             case Prime(of=of):
                 name, _ = self.named(of, loop)
@@ -194,8 +198,8 @@ class _Reader:
                 raise _Unread
 
     def named(self, of: Expr, loop: Loop) -> tuple[str, tuple[Key, ...]]:
-        """Returns the text of a component of a position, and its keys, by which components of one
-        position are found."""
+        """Returns the text of an expression that may be a component of a position, and its keys
+        (see Key), which show to which position the component belongs."""
         text = self.x.model.source.text[of.span.start : of.span.end]
         match of:
             case Component(of=whole, axis=axis):

@@ -37,8 +37,8 @@ def half_cosine(g: Graph, angle: Node) -> Node:
 
 
 def switched(e: Equations, forces: Sequence[Node]) -> list[Node]:
-    """Returns y for each angle atan2(y, x) at whose branch cut forces jump and the energy does
-    not."""
+    """Returns the argument y of each angle atan2(y, x) at whose branch cut forces jump, but not the
+    energy."""
     g, ranges = e.graph, Ranges(e.graph, [bounds_of(e.graph, slot) for slot in e.parameters])
     ends = {*jumping_angles(g, [e.lagrangian], ranges)}
     return [g.args[x][0] for x in jumping_angles(g, forces, ranges) if x not in ends]

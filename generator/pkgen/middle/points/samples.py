@@ -20,7 +20,7 @@ from .squares import bounds_of
 
 # The largest number of states. In the first half, parameters have their default values.
 TRIED = 72
-# The largest number of node evaluations, which take about 2 s.
+# The largest number of evaluations of nodes for all samples. So many evaluations take about 2 s.
 EFFORT = 100_000
 # Values near constants in the equations are tried if the constants have magnitudes in this range.
 LEAST, MOST = 1e-3, 1e6
@@ -29,16 +29,18 @@ LEAST, MOST = 1e-3, 1e6
 @record
 class Sample:
     values: dict[Symbol, Ball]
-    # The values in `values` except parameters at their defaults and accelerations.
+    # A part of `values`, without accelerations, and without parameters that have their default
+    # values.
     chosen: dict[Symbol, Fraction]
     # Whether a parameter has another value than its default.
     varied: bool
 
 
 def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:
-    """Yields sample states, with values for all symbols in the nodes. In turn, the values are near
-    the initial values, of magnitude 1, and near constants that occur in the nodes. If the nodes
-    contain accelerations, these are solved for."""
+    """Yields sample states, with values for all symbols in the nodes. The states alternate between
+    three kinds: values near the initial values, values of magnitude 1, and values near constants
+    that occur in the nodes. If the nodes contain accelerations, these are computed from the
+    equations of motion."""
     draw = random.Random(2385)
     solved = any(g.depends[node] & BIT[Kind.ACCELERATION] for node in nodes)
     if solved:

@@ -30,17 +30,19 @@ from .squares import bounds_of, definite_by_squares, summands
 
 # The number of random states at which the pivots of M are evaluated.
 SAMPLES = 25
-# The number of node evaluations in the search for the smallest pivot, which take about 0.05 s.
+# The largest number of evaluations of nodes in the search for the smallest pivot. So many
+# evaluations take about 0.05 s.
 EFFORT = 50_000
 # The largest number of states with random parameters.
 SCATTER = 200
-# Random values of a parameter without bounds differ from its default by at most this factor.
+# A random value of a parameter without bounds is its default value times a factor between 1/WIDE
+# and WIDE.
 WIDE = 1e3
-# The number of random states from which the usual ratio of a pivot to its diagonal entry of M is
-# found.
+# Each pivot is divided by its diagonal entry of M. The usual value of this ratio is found from this
+# number of random states.
 USUAL = 4
-# M counts as singular if the smallest ratio of a pivot to its diagonal entry that the search finds
-# is at most this factor times the usual ratio.
+# Each pivot is divided by its diagonal entry of M. M counts as singular at a state if this ratio is
+# at most NEARLY times its usual value.
 NEARLY = 1e-4
 
 
@@ -132,8 +134,9 @@ def about(g: Graph, singularity: Node) -> Node:
 
 
 def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
-    """Yields the factors of a node that may vanish, and for each whether it is a sum. For a
-    function that vanishes where its argument does, yields the factors of the argument."""
+    """Yields pairs: a factor of the node that may vanish, and whether this factor is a sum. If a
+    factor is a function that vanishes where its argument does, yields the factors of the argument
+    instead."""
     for base, _ in g.factors(node):
         if not g.depends[base] & VARIABLE or ranges(base).never_zero:
             continue
@@ -184,8 +187,9 @@ def defaults(
     parameters: tuple[ParameterSlot, ...],
     change: Callable[[int, float], float] = lambda _, value: value,
 ) -> dict[Symbol, float]:
-    """Returns the default values of the parameters. `change` maps (index, default) to the value
-    that is used instead, also in the defaults of later parameters."""
+    """Returns the default values of the parameters. The function `change` is called with the index
+    and the default value of each parameter, and returns the value to be used. Default values that
+    depend on this parameter follow the change."""
     fixed: dict[Symbol, float] = {}
     for k, slot in enumerate(parameters):
         fixed[Symbol(Kind.PARAMETER, k)] = change(k, evaluate(g, [slot.default], fixed)[0])
@@ -196,8 +200,8 @@ def _anywhere(
     g: Graph, parameters: tuple[ParameterSlot, ...], nodes: list[Node]
 ) -> Iterator[dict[Symbol, float]]:
     """Yields random states with random parameters. A parameter with two bounds gets a value between
-    them; any other gets its default times a factor between 1/WIDE and WIDE, limited to its
-    bound."""
+    them. Any other parameter gets its default value times a factor between 1/WIDE and WIDE; if this
+    is beyond a bound of the parameter, it gets the bound."""
     draw = random.Random(2385)
     moving, used = _moving(g, nodes)
     bounds = {k: bounds_of(g, parameters[k]) for k in used}
@@ -240,8 +244,9 @@ def _ratios(g: Graph, pivots: Iterable[tuple[Node, Node]]) -> Callable[..., list
 def _least_definite(
     g: Graph, parameters: tuple[ParameterSlot, ...], pivots: Pivots
 ) -> Iterator[dict[Symbol, float]]:
-    """Yields states at which M is closest to singular, found by a search: one for all parameters at
-    their defaults, and one for each bound of a parameter that it may attain."""
+    """Searches for states at which M is closest to singular, and yields one for each choice of
+    parameters. In the first choice all parameters have their default values. In each further
+    choice, one parameter has one of its bounds, if it can attain this bound."""
     nodes = [x for pair in pivots for x in pair]
     moving, used = _moving(g, nodes)
     cases: list[tuple[int, float]] = [(-1, 0.0)]

@@ -42,7 +42,8 @@ def accelerations(
         for row, f in zip(mass, force, strict=True)
     ]
     size = mp.mnorm(inverse, mp.inf)
-    # A bound of the rounding errors of inverse * matrix below, plus the radii of M.
+    # A bound of the rounding errors of the product inverse * matrix, plus the radii of the entries
+    # of M.
     blur = n * balls.tiny * mp.mnorm(matrix, mp.inf) + max(sum(m.rad for m in row) for row in mass)
     contraction = mp.mnorm(inverse * matrix - mp.eye(n), mp.inf) + size * blur
     if contraction >= mp.mpf(1) / 2:

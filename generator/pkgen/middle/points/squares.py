@@ -17,9 +17,9 @@ from ...graph.normal import Normal, squares_merged
 from ...graph.ranges import Ranges
 
 RATES = BIT[Kind.RATE]
-# The limit of work for a normal form: products of two terms.
+# The largest number of products of two terms that are computed for one normal form.
 WORK = 500
-# The largest number of rates that are proved to be 0 by one term.
+# The largest number of rates that one term may prove to be 0.
 SEVERAL = 3
 
 Matrix = list[list[Node]]
@@ -28,9 +28,10 @@ Matrix = list[list[Node]]
 def definite_by_squares(
     g: Graph, parameters: tuple[ParameterSlot, ...], lagrangian: Node, count: int
 ) -> bool:
-    """Returns whether T is proved positive definite. If T = 0 and no term is negative, all terms
-    are 0. If a term is positive definite in the rates that are not yet known to be 0, these are 0
-    too. This is repeated until all rates are known to be 0, or no term shows more."""
+    """Returns whether the kinetic energy T is proved positive definite in the rates. If no term of
+    T is negative and T = 0, all terms are 0. If a term is positive definite in those of its rates
+    that are not yet known to be 0, these rates are 0 too. This step is repeated until all rates are
+    known to be 0, or no term gives a further rate."""
     g = g.copy()
     positive = Positive(g, parameters)
     degree, rates = _degrees_and_rates(g, lagrangian)

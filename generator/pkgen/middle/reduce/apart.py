@@ -40,8 +40,8 @@ def parts_of(
 
 def _joined(equations: Equations, blocks: Indices) -> Indices:
     """Returns the blocks after merging some of them. The three rates of a rotation get into one
-    block, even if they do not influence each other, as for a ball. Blocks of states without a
-    coordinate are merged with the block of coordinate 0."""
+    block, even if they do not influence each other, as for a body with three equal moments of
+    inertia. Blocks that consist of states only are merged with the block of coordinate 0."""
     n = len(equations.coordinates)
     free = tuple(i for block in blocks if block[0] >= n for i in block)
     together = (*blocks, *(tuple(a.rates) for a in equations.attitudes), (0, *free))

@@ -15,15 +15,16 @@ from ..report import ReportLine
 from .reduction import Needs, State, cost
 from .routh import NotReduced, Reduced, routh
 
-# The operations of an integrator for each number in the state, per evaluation of the equations:
-# from about 7 (rk4) to 16 (gauss).
+# How many operations an integrator takes for one number of the state, in addition to the evaluation
+# of the equations. The number is per evaluation, and is about 7 for rk4 and 16 for gauss.
 OF_A_STATE = 10
 
 
 def cyclic(state: State, needs: Needs) -> State:
     """Replaces cyclic coordinates by their constant momenta (routh.py)."""
     e, lines = state.equations, []
-    # Body rates are left out: they are not the rates of angles, even if their momenta are constant.
+    # Coordinates of rotations are left out. Their rates are body rates, which are not the time
+    # derivatives of angles, even if their momenta are constant.
     cyclic = enumerate(state.structure.cyclic)
     found = [i for i, is_cyclic in cyclic if is_cyclic and i not in e.turning]
     if not found:
@@ -82,8 +83,8 @@ def _not(state: State, e: Equations, which: list[int], why: str) -> State:
 def _recorded(
     state: State, needs: Needs, reduced: Reduced, chosen: list[int], angles: list[int]
 ) -> State:
-    """Returns the state with the reduced equations and a report line for each removed coordinate.
-    Rates of removed coordinates are outputs if they are recorded."""
+    """Returns a State with the reduced equations, and with a report line for each removed
+    coordinate. The rates of removed coordinates become outputs if they are recorded."""
     e, found = state.equations, reduced.equations
     extra = len(e.observed)
     keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]

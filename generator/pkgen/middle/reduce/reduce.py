@@ -38,25 +38,28 @@ class Reduced:
     equations: Equations
     structure: Structure
     report: Report
-    parts: tuple[Subsystem, ...]  # empty if the system is integrated as a whole
+    parts: tuple[Subsystem, ...]  # () if the whole system is integrated as one
 
 
 def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
-    """Returns those of the requested kernels (None: all) that are needed for the whole system if
-    its parts are integrated separately."""
+    """The parts of the system are integrated separately. Returns the requested kernels that are
+    needed for the system as a whole. `kernels` are all requested kernels (None: all that exist)."""
     return OF_WHOLE if kernels is None else kernels & OF_WHOLE
 
 
 def of_a_part(kernels: frozenset[str] | None) -> frozenset[str] | None:
-    """Returns those of the requested kernels (None: all) that are needed for a separate part."""
+    """Returns the requested kernels that are needed for a part that is integrated separately.
+    `kernels` are all requested kernels (None: all that exist)."""
     return None if kernels is None else kernels - (OF_WHOLE - {"canonical"})
 
 
 def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
 ) -> Reduced:
-    """Returns the reduced equations, with the requested kernels (None: all)."""
-    equations = replace(equations, fast=None)  # only the method respa uses it, without reductions
+    """Applies all reductions, and returns the reduced equations with their facts and the report.
+    `kernels` are the requested kernels (None: all that exist)."""
+    # The field `fast` is used only by the method respa, without reductions.
+    equations = replace(equations, fast=None)
     state = State(equations, structure, Report())
     for name, reduction in REDUCTIONS.items():
         if name not in needs.off:
@@ -100,8 +103,8 @@ _OUTPUTS = {"observed": "not recorded, so not computed", "conserved": "proved, s
 
 
 def outputs(state: State, needs: Needs) -> State:
-    """Removes outputs that are not recorded, and events that are not requested. A `conserve` has
-    been proved, and need not be recorded."""
+    """Removes the outputs that are not recorded, and the events that are not requested. A
+    `conserve` statement that is not recorded is removed too, since it was proved before."""
     e, lines, left = state.equations, [], {}
     for field, what, wanted, why in _unread(e.model, needs, needs.columns):
         named = f"{field.removesuffix('s')}_names"
@@ -120,8 +123,8 @@ def outputs(state: State, needs: Needs) -> State:
 
 
 def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tuple]:
-    """Yields for each kind of output: its field in the equations, its name in messages, the
-    requested names, and the reason for dropping outputs that are not requested."""
+    """Yields a tuple for each kind of output, and for events: the field of the equations, the name
+    of the kind in messages, the requested names, and the reason why others are dropped."""
     for field, why in _OUTPUTS.items():
         yield field, field, columns, why
     asked = needs.events | {event.name for event in model.events if event.stop}
@@ -186,8 +189,8 @@ def unconnected(state: State, needs: Needs) -> State:
 
 
 def _wanted(e: Equations, needs: Needs) -> set[int]:
-    """Returns the indices of coordinates and states that are recorded, or occur in an output or an
-    event."""
+    """Returns the indices of coordinates and states that are recorded themselves, or that occur in
+    an output or an event."""
     n, nodes = len(e.coordinates), [*e.observed, *e.conserved, *e.events]
     names = {**_named(e.coordinates), **_named(e.rates)}
     names |= {q.name: n + i for i, q in enumerate(e.states)}
@@ -200,9 +203,10 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
 
 
 def _bodies(e: Equations, kept: set[int]) -> set[int]:
-    """Returns the indices of all body rates and quaternions that must be kept in addition to
-    `kept`: all three rates of a rotation of which one is kept, and its quaternion if any quaternion
-    is kept or there are constraints."""
+    """Returns body rates and components of quaternions that have to be kept in addition to `kept`,
+    by index. If a body rate or a component of a rotation is kept, all its three body rates are. Its
+    quaternion is kept too if any component of any quaternion is kept, or if there are
+    constraints."""
     n, found = len(e.coordinates), set()
     numbers = [{n + k for k in a.numbers} for a in e.attitudes]
     turned = e.constraints is not None or any(mine & kept for mine in numbers)

@@ -13,7 +13,7 @@ from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
 from ..report import Report, ReportLine
 
-# The kernels that have to be derived between reductions.
+# The kernels that are derived for the equations between two reductions.
 ENOUGH = frozenset({"acceleration"})
 
 
@@ -24,9 +24,10 @@ class Needs:
 
     columns: frozenset[str]
     events: frozenset[str] = frozenset()
-    facts: tuple[str, ...] = ()  # The facts about the equations that the integrator requires.
+    # Facts about the equations without which the integrator cannot be used.
+    facts: tuple[str, ...] = ()
     apart: bool = True  # Whether parts of the system may be integrated separately.
-    off: frozenset[str] = frozenset()  # The names of the reductions that are switched off.
+    off: frozenset[str] = frozenset()  # The names of the reductions that the user switched off.
 
 
 @record

@@ -46,8 +46,8 @@ class Reduced:
 
 
 def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) -> Reduced:
-    """Returns the equations without the coordinates `cyclic`. Coordinates in `angles`, which are
-    some of these, become states.
+    """Returns the equations without the coordinates `cyclic`. Coordinates that are in `angles`
+    too become states.
 
     The coordinates must be cyclic, and L of second degree in the rates. Raises NotReduced if the
     coordinates cannot be removed.
@@ -103,8 +103,9 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
 def _momenta(
     equations: Equations, cyclic: Sequence[int]
 ) -> tuple[StartParameters, dict[int, Node]]:
-    """Returns the parameters, including new ones for the initial values on which the momenta
-    depend and for the momenta; and the latter by coordinate."""
+    """Returns two results: the parameters, and the constant momentum of each cyclic coordinate as a
+    new parameter. The parameters include these momenta, and the initial values on which they
+    depend."""
     g = equations.graph
     nodes = [equations.momenta[i] for i in cyclic]
     for i, node in zip(cyclic, nodes, strict=True):
@@ -114,7 +115,7 @@ def _momenta(
             raise NotReduced(f"{equations.momenta_names[i].name} contains a state")
     parameters = StartParameters(equations)
     swap = {g.symbol(s): parameters.of(s) for s in symbols_in(g, nodes, STATE)}
-    swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # every run starts at t = 0
+    swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # the momenta are those at the start of a run, t = 0
     at_start = substituted(g, nodes, swap)
     says = "constant momentum, follows the starts"
     return parameters, {
@@ -124,8 +125,9 @@ def _momenta(
 
 
 def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
-    """Returns block^-1 y and y.block^-1 y. The latter is a sum of squares divided by the pivots of
-    the block, which takes few operations."""
+    """Returns the vector x = block^-1 y and the number y.x, where `block` is a block of M. The
+    number is computed as a sum of squares divided by the pivots of the block, which takes few
+    operations."""
     order, _ = elimination_order(g, block)
     try:
         found = factors(g, block, order)
@@ -133,7 +135,8 @@ def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
         found = None
     if found is None:
         raise NotReduced("their block of M is singular")
-    # The pivots are simplified: I1 + (I3 - I1) cos^2 - I3 cos^2 becomes I1 sin^2.
+    # Pivots are simplified: with constants I1 and I3, I1 + (I3 - I1) cos^2 - I3 cos^2 becomes I1
+    # sin^2.
     pivots = [fewest(g, [pivot])[0] for pivot in found.pivots]
     inverses = [g.power(pivot, -1) for pivot in pivots]
     found = Factors(order, found.lower, pivots, inverses)
