@@ -1,4 +1,6 @@
-"""Makes an integration method of a tableau or of weights: its runtime family, its table in C."""
+"""Makes an integration method from a tableau or from weights: chooses the family of the runtime
+that runs the method, and writes the table of coefficients in C.
+"""
 
 from __future__ import annotations
 
@@ -73,7 +75,8 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
     more, traits, family = "", set(), "ERK"
     if tableau.bhat is not None:
         lists["e"] = [x - y for x, y in zip(tableau.b, tableau.bhat, strict=True)]
-        if same_last:  # The weight of the derivative at the new point.
+        # This entry is the weight of the derivative at the new point.
+        if same_last:
             lists["e"][stages] = -tableau.bhat[stages]
         else:
             lists["e"].append(Fraction(0))

@@ -36,7 +36,7 @@ class Scenes(Checks):
         self.expects = Expects(shared, self.settings)
 
     def head(self, scene: st.Scene) -> None:
-        """Does nothing: check() runs later, when all names are known."""
+        """Does nothing. Scenes are checked by check() later, when all names are known."""
 
     def check(self, scene: st.Scene) -> None:
         if any(s.name == scene.name for s in self.parts["scenes"]):

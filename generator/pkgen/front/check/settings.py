@@ -14,7 +14,8 @@ from .names import KIND_TEXT
 from .scope import PLACES, Scope
 from .shared import Checks, as_is
 
-# The smallest accuracy allowed: rounding of the result and of its formula, in double precision.
+# The smallest `accuracy` that a scene may demand: the rounding error of a result in double
+# precision, plus that of the formula for the result.
 FINEST = 2.0**-51
 
 
