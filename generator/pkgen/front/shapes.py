@@ -1,7 +1,7 @@
 """The shapes of `draw` and `view`, one row each. The subject is the value after a shape's word.
 
-These words are special only in these statements, where a name after a complete value starts a
-clause. Elsewhere a model may use them as names, such as `rod` or `radius`.
+The words of shapes and clauses are special only in these statements, where a name after a complete
+value starts a clause. Elsewhere a model may use them as names, such as `rod` or `radius`.
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ class Statement:
     fills: str = ""  # The field of Model for the results of the check.
     needs: str = ""  # Dimension of the expression: "energy", "power" or "" (any).
     once: bool = False  # A scene has at most one such clause.
-    soft: bool = False  # Elsewhere than at its start, the keyword can be a name.
+    soft: bool = False  # Inside of statements the keyword can be a name.
 
     @property
     def stands_in(self) -> str:
