@@ -91,7 +91,8 @@ def parse_all(source: Source) -> st.File:
 
 
 class _Reader:
-    """Parses statements and groups the clauses of each scene with its first line."""
+    """Parses statements, and joins the first line of each scene and its clauses into one
+    statement."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -99,7 +100,7 @@ class _Reader:
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
         self.scene: st.Head | None = None
-        self.headless = False  # The first line of the scene did not parse.
+        self.headless = False  # Whether the first line of the current scene did not parse.
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
@@ -162,7 +163,7 @@ class _Reader:
         try:
             statement = lark.parse(lexed.tokens)
         except UnexpectedToken as error:
-            if len(self.errors) > limits.DIAGNOSTICS:  # Too many to explain.
+            if len(self.errors) > limits.DIAGNOSTICS:  # There are too many errors to explain.
                 self.errors.append(Diagnostic("a statement that does not parse", lexed.span))
             else:
                 self.errors.append(explain(self.source, lexed, error))

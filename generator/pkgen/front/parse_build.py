@@ -40,7 +40,8 @@ def _product(parts: tuple) -> tree.Expr:
 
 @v_args(inline=True)
 class Build(Transformer):
-    """One method for each rule of the grammar; `comment` is that of the current statement."""
+    """One method for each rule of the grammar. `comment` is the comment of the current
+    statement."""
 
     comment = ""
 

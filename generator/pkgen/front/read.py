@@ -103,7 +103,8 @@ def from_text(path: str, text: str) -> Source:
 
 def _bytes(path: str, wanted: str) -> bytes:
     try:
-        # Checked before opening: opening a pipe would block, and a device might never end.
+        # The kind of file is checked before the file is opened: opening a pipe would block, and a
+        # device might never end.
         if not stat.S_ISREG(os.stat(path).st_mode):
             what = "a directory" if os.path.isdir(path) else "not a regular file"
             raise _unreadable(path, f"this is {what}", f"give the path of {wanted}")

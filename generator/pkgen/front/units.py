@@ -138,7 +138,8 @@ class UnitError(Exception):
 
 @record
 class Unit:
-    """A unit, `factor` * pi^`pi` in SI. `angle` is the exponent of rad, for display only."""
+    """A unit, which is `factor` * pi^`pi` in SI units. `angle` is the exponent of rad in it, for
+    display only."""
 
     factor: Fraction
     pi: int
@@ -209,7 +210,8 @@ def _raised(name: str, exponent: Fraction | int) -> str:
 
 
 def described(a: Dimension) -> str:
-    """Returns `a force [kg*m/s^2]`, `a pure number`, or `in [kg*m^3]` without a name."""
+    """Returns a text such as `a force [kg*m/s^2]` or `a pure number`; for a dimension without a
+    name, `in [kg*m^3]`."""
     if a == NONE:
         return "a pure number"
     kind = KINDS.get(a)

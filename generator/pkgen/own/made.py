@@ -17,7 +17,7 @@ from . import words
 from .tableau import NotANumber, Tableau, number, read_tableau
 from .trees import Conditions, symmetric, symplectic
 
-MOST_RUN = 16  # PK_MOST_STAGES of pk/step/tableau.h
+MOST_RUN = 16  # most stages of a tableau for runs: PK_MOST_STAGES of pk/step/tableau.h
 MOST_WEIGHTS = 64
 _EXACT = 2**53  # All integers up to this one are exact doubles.
 

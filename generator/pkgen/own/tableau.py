@@ -21,7 +21,8 @@ from fractions import Fraction
 from ..record import record
 from ..source import Diagnostic, ModelError, Source, Span
 
-MOST_STAGES = 64  # Limit of a file; runs need PK_MOST_STAGES of pk/step/tableau.h.
+# Most stages of a tableau in a file. For runs the limit is PK_MOST_STAGES of pk/step/tableau.h.
+MOST_STAGES = 64
 MOST_TEXT = 200_000
 LARGEST, SMALLEST = 10**6, Fraction(1, 10**40)
 MOST_ERRORS = 5

@@ -71,7 +71,7 @@ def _forests(nodes: int, most: tuple[int, int]) -> Iterator[tuple[tuple[int, int
 
 
 def scaled(x: Fraction) -> int:
-    """Returns the integer x times 2^BITS, rounded down."""
+    """Returns x times 2^BITS, rounded down to an integer."""
     return (x.numerator << BITS) // x.denominator
 
 
@@ -111,7 +111,8 @@ class Conditions:
         return failed, math.sqrt(total)
 
     def order(self, b: Sequence[Fraction]) -> tuple[int, float | None]:
-        """Returns order and error constant; (MOST_ORDER, None) if no tested condition fails."""
+        """Returns the order and the error constant; (MOST_ORDER, None) if all tested conditions
+        hold."""
         for p in range(1, MOST_ORDER + 1):
             failed, size = self.missed(b, p)
             if failed:

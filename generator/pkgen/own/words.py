@@ -23,7 +23,8 @@ class Series:
     def __init__(self, degree: int):
         self.degree = degree
         self.of = [[ONE], *([0] * 2**d for d in range(1, degree + 1))]
-        self.size = [[ONE], *([0] * 2**d for d in range(1, degree + 1))]  # sums of |terms|
+        # For each coefficient, the sum of the absolute values of the terms added up in it.
+        self.size = [[ONE], *([0] * 2**d for d in range(1, degree + 1))]
 
     def times_exp(self, letter: int, x: int) -> None:
         """Multiplies the series by exp(x letter) from the right."""
@@ -52,8 +53,8 @@ class Series:
 
 
 def order(kicks: Sequence[Fraction], drifts: Sequence[Fraction]) -> tuple[int, float | None]:
-    """Returns the order and the error constant, the norm of the errors for words of order + 1
-    letters; (MOST_ORDER, None) if no tested condition fails."""
+    """Returns the order and the error constant, which is the norm of the errors for words of order
+    + 1 letters. Returns (MOST_ORDER, None) if no tested condition fails."""
     for degree in (4, 7, MOST_ORDER + 1):  # Low degrees first: the work doubles with each letter.
         series = Series(degree)
         for k, kick in enumerate(kicks):

@@ -39,7 +39,8 @@ def points(kind: str) -> dict[str, EntryPoint]:
 
 
 def missing(point: EntryPoint | None) -> str:
-    """Returns how to get the package of an entry point; "" if it is installed."""
+    """Returns a hint on how to install the package of an entry point; "" if the package is
+    installed."""
     if point is None:
         return "of an add-on, which is not here: install all of pkgen-lag"
     name = _package_name(point)

@@ -95,7 +95,8 @@ def _end(_signal: int, _frame: object) -> None:
 
 
 def finishing() -> None:
-    """Ignores the signals ENDS from now on, when all results are written."""
+    """Ignores the signals ENDS from now on. A command calls this when all its results are
+    written."""
     if threading.current_thread() is threading.main_thread():
         for number in ENDS:
             if signal.getsignal(number) is _end:

@@ -44,7 +44,7 @@ def beside(path: Path) -> Path:
 
 
 def place(path: Path) -> Path | None:
-    """Returns the file's path with symbolic links followed; None for a stream such as a pipe.
+    """Returns the path of a file with symbolic links followed, or None for a stream such as a pipe.
     Raises OSError or UsageError if the file cannot be written."""
     for _ in range(40):  # Linux follows at most 40 links.
         if not path.is_symlink():
@@ -111,7 +111,7 @@ def replace(
             with _named(path), _opened(scratch, end, os.O_EXCL) as file:
                 file.write(data)
         with uninterrupted():
-            if renamed:  # So that an old FILE.json never stands beside a new FILE.
+            if renamed:  # An old FILE.json must never stand beside a new FILE.
                 for end in made.values():
                     end.unlink(missing_ok=True)
             for scratch, end in ((renamed or {}) | made).items():

@@ -39,9 +39,9 @@ class Bodies(BodyJoints):
         self.wrong: set[Span] = set()
         self.bodies: dict[str, st.Body] = {}
         self.joints: dict[str, st.Joint] = {}  # The keys are names of child bodies.
-        self.waiting: list[st.Joint] = []  # Joints whose bodies are not known yet.
+        self.waiting: list[st.Joint] = []  # Joints whose parent's position is not known yet.
         self.placed: list[str] = []
-        self.bad: set[str] = set()  # Bodies with an error in them or in an ancestor.
+        self.bad: set[str] = set()  # Names of bodies that have an error or whose ancestor has one.
         self.gravity_at: Span | None = None
 
     # statements
@@ -181,7 +181,8 @@ class Bodies(BodyJoints):
             carried.append(f"{place}'")
         passed = [f"inverse({q})*({self._sum(*carried)})"] if carried else []
         yield "velocity", self._sum(*passed, velocity)
-        yield "speed", f"{child}.velocity + cross({child}.omega, {child}.at)"  # of its com
+        # The speed is the velocity of the child's centre of mass.
+        yield "speed", f"{child}.velocity + cross({child}.omega, {child}.at)"
 
     @staticmethod
     def _sum(*terms: str) -> str:
@@ -263,7 +264,7 @@ class Bodies(BodyJoints):
         names = [*self.bodies]
         broken, told = False, {GROUND, *names}
         for joint in self.joints.values():
-            broken |= joint.child[0] == GROUND  # reported by joint()
+            broken |= joint.child[0] == GROUND  # joint() reports this error
             for name, span in (joint.parent, joint.child):
                 if name in told:
                     continue

@@ -37,7 +37,8 @@ class BodyParts(Checks):
     def clauses(
         self, statement: st.Body | st.Joint, words: tuple[str, ...], what: str
     ) -> dict[str, Expr]:
-        """Returns the value of each clause, by its word; for `coord` the first name only."""
+        """Returns the values of a statement's clauses, by the word of each clause. The value for
+        `coord` is its first name."""
         found: dict[str, Expr] = {}
         for word, span, items in statement.clauses:
             if word not in words:
@@ -203,8 +204,9 @@ class BodyParts(Checks):
         return self.masses[name] != 0
 
     def held(self, child: str, parent: str, turn: str, at: str) -> Iterator[tuple[str, str]]:
-        """Yields the members of a body fixed to a carrier body, as (name, text): its rotation and
-        position in the carrier's frame, and the carrier's axes in its own frame."""
+        """Yields (name, text) for the internal quantities of a body that is fixed to a carrier
+        body: the fixed body's rotation and position in the carrier's frame, and the carrier's axes
+        in the fixed body's frame."""
         on = parent in self.carriers
         self.carriers[child] = self.carriers.get(parent, parent)
         yield "held", f"{parent}.held*{turn}" if on else turn
@@ -213,7 +215,8 @@ class BodyParts(Checks):
             yield member, f"inverse({child}.held)*{axis}"
 
     def held_energy(self, name: str, carrier: str) -> Iterator[str]:
-        """Yields the kinetic energies of a body fixed to a carrier, in the carrier's velocities."""
+        """Yields the terms of the kinetic energy of a body fixed to a carrier body, in terms of the
+        carrier's velocities."""
         if self.massive(name):
             at = f"{name}.place + {name}.held*{name}.at"
             speed = f"{carrier}.velocity + cross({carrier}.omega, {at})"

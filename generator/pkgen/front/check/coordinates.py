@@ -89,7 +89,7 @@ class Coordinates(Checks):
             self._end(keyword, left, entry, value, statement)
 
     def _fixed_value(self, value: Expr | None, entry: Entry) -> Expr | tuple[Expr, ...] | None:
-        """Returns an end's checked value: a quaternion for a rotation, None for a free end."""
+        """Checks and returns the value of an end: a quaternion for a rotation, None if free."""
         if value is None:
             return None
         scope, target = Scope(PLACES["fixed"]), as_is(entry.name, entry.facts.dimension)

@@ -16,7 +16,8 @@ Taken = dict[str, Members]  # name of a coordinate -> indices; 0 if it has none
 
 
 class Given(Checks):
-    """Collects the values of one scene: receives its clauses in order, then `finish`."""
+    """Collects the values of one scene. Its methods are called for the clauses of the scene in
+    order, and then `finish` is called."""
 
     def __init__(self, shared: Shared, dynamics: Dynamics, swarm: Range | None) -> None:
         super().__init__(shared)

@@ -146,7 +146,8 @@ class Indices:
     # members
 
     def member(self, expr: Name, entry: Entry, scope: Scope) -> bool:
-        """Whether a family has an integer index, or any other name has no index; reports errors."""
+        """Whether the index of `expr` fits its name: it must be an integer for a family, and there
+        must be none for any other name. Reports errors."""
         if expr.index is None:
             if entry.members is not None:
                 self._no_index(expr, entry, scope)
@@ -206,7 +207,8 @@ class Indices:
             self._outside(expr, entry, *found, recursive)
 
     def _defined_before(self, value: int, at: dict[str, int]) -> bool:
-        """Whether `value` is an index below the current i of the definition `let x[i = lo..hi]`."""
+        """Whether `value` is an index below the current i in the definition `let x[i = lo..hi]`, so
+        that this member of x is defined before it is used."""
         own = self.defining[1]
         return integer(own.lo, self.sizes) <= value < at[own.variable]
 
@@ -230,7 +232,7 @@ class Indices:
         )
 
     def exponent(self, expr: Expr, scope: Scope) -> None:
-        """Reports an exponent with loop variables that exceeds the limit."""
+        """Reports an exponent that contains loop variables and exceeds the limit."""
         try:
             integer(expr, self._samples(scope))
         except NotAnInteger:
@@ -291,7 +293,8 @@ def points(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> Iterator[dict[s
 def first_outside(
     index: Expr, sizes: Mapping[str, int], loops: tuple[Loop, ...], inside
 ) -> tuple[int, dict[str, int]] | None:
-    """Returns the first index value for which `inside` is False, and the loop variables there."""
+    """Returns the first value of an index for which `inside` is False, and the values of the loop
+    variables at this iteration."""
     for values in points(sizes, loops):
         value = integer(index, values)
         if not inside(value, values):
@@ -300,7 +303,8 @@ def first_outside(
 
 
 def at_text(variables: Mapping[str, int]) -> str:
-    """Returns the values as text, ` at i = 3, j = 4`; "" without variables."""
+    """Returns the values of loop variables as text, such as ` at i = 3, j = 4`; "" if there are
+    none."""
     if not variables:
         return ""
     return " at " + ", ".join(f"{name} = {value}" for name, value in variables.items())

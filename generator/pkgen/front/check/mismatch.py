@@ -41,7 +41,8 @@ class Mismatch:
         where: str = "a sum",
         numbers: bool = False,
     ) -> Dimension | None:
-        """Returns the dimension that most parts have; reports the parts with a different one."""
+        """Returns the dimension that most of the parts of an expression have, and reports the parts
+        that have a different dimension."""
         dims = [f.dimension for f in facts if f.dimension is not None]
         if not dims:
             return None

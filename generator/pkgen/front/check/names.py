@@ -57,7 +57,7 @@ Turns = tuple[Turn, ...]
 class Facts:
     """Properties of an expression; treated as immutable, since expressions share them."""
 
-    dimension: Dimension | None  # None: any dimension fits (a literal 0; a name with an error).
+    dimension: Dimension | None  # None: every dimension fits (a literal 0, a wrong name).
     vector: bool | None = False  # None: an error leaves it unknown.
     value: Fraction | float | None = None  # Value of a constant, else None.
     bare: bool = False  # The expression has only literals, pi, sizes and loop variables.
@@ -83,7 +83,7 @@ UNKNOWN = Facts(None, None, known=False)
 
 
 def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts]) -> Facts:
-    """Returns the facts of an expression made of `parts`; its value stays None."""
+    """Returns the facts of an expression made of `parts`; the fact `value` stays None."""
     found = Facts(dimension, vector, bare=True)
     for part in parts:
         found.bare &= part.bare
@@ -146,7 +146,7 @@ class Entry:
     span: Span
     members: Members | None = None  # Indices of a family, with its ends (q[0]).
     own: tuple[int, int] | None = None  # Range of a family without its ends.
-    periodic: bool = False  # Any index is valid (true also after an error).
+    periodic: bool = False  # Every index is valid (True also after an error).
     used: bool = False
     # For rotations of a family of bodies: index of a body -> facts of its rotation.
     turning: dict[int, Facts] | None = None
@@ -198,7 +198,8 @@ class Report:
 
     @property
     def full(self) -> bool:
-        """Whether there are more errors than will be shown; further hints are then not computed."""
+        """Whether there are more errors than will be shown. No hint is then computed for a further
+        error."""
         return len(self.errors) > limits.DIAGNOSTICS
 
     def warn(self, message: str, span: Span, help: str = "") -> None:
@@ -248,7 +249,8 @@ class Names:
         """The names of coordinates and rotations, which have a second-order equation of motion."""
         return self.coordinates | self.rotations
 
-    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # the last hint
+    # The hint for an unknown name if there is no better one.
+    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"
 
     def unknown(
         self,

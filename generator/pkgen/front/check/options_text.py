@@ -33,7 +33,8 @@ _COMPONENT = re.compile(rf"(.*)(\.[{COMPONENTS}])('*)\s*")
 
 
 class OptionError(Exception):
-    """An option cannot be parsed; `text()` shows the error as errors of a model are shown."""
+    """The text of an option cannot be parsed. text() shows the error in the way in which errors of
+    a model are shown."""
 
     def __init__(self, source: Source, diagnostic: Diagnostic):
         super().__init__(diagnostic.message)

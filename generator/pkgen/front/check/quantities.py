@@ -125,8 +125,9 @@ class Quantities(Checking):
 
 
 def _is_pure(facts: Facts, unit: units.Unit) -> bool:
-    """Whether a unit applies to the whole expression: 0.3 [m], 0.3*sin(theta) [m]. An angle
-    declared in radians is excluded: a [deg] after it must not convert it."""
+    """Whether a unit applies to the whole expression before it, as in 0.3 [m] and 0.3*sin(theta)
+    [m]. For an angle that is declared in radians the result is False: a [deg] after it must not
+    convert it."""
     if facts.dimension is None:
         return True
     return facts.dimension == NONE and (unit.dimension != NONE or not facts.united)

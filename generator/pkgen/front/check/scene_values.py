@@ -70,7 +70,7 @@ class _Numbers:
 
     def _rows(self, record: Record, every: float | None, until: float | None) -> None:
         """Reports a clause `record` whose rows together have more than limits.WRITTEN numbers."""
-        if until is None or (every and every < SHORTEST * until):  # reported already
+        if until is None or (every and every < SHORTEST * until):  # The error is reported already.
             return
         members, swarm = None, self.scene.swarm
         if swarm is not None:

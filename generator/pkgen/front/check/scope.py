@@ -29,7 +29,7 @@ class Place:
     may_use: str
     derivatives: bool = False
     missing: str = ""  # Hint for an unknown name; "" means the default hint.
-    accelerations: bool = False  # Accelerations are allowed.
+    accelerations: bool = False  # Whether accelerations are allowed.
 
 
 DECLARED = "declare it: param {name} = 1"
@@ -77,7 +77,8 @@ PLACES: dict[str, Place] = {
 
 @record
 class Scope:
-    """A Place and the loops around it, outermost first; `name` is the name being defined."""
+    """A Place and the loops around it, the outermost loop first; `name` is the name whose
+    definition is being checked."""
 
     place: Place
     loops: tuple[Loop, ...] = ()

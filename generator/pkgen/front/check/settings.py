@@ -55,7 +55,8 @@ class Settings(Checks):
         return new
 
     def method(self, clause: st.Method) -> None:
-        """Reports an unknown method, missing settings, and settings that do not apply to it."""
+        """Reports an unknown method, missing settings of a method, and settings that do not
+        apply to the method."""
         methods = known(self.parts["methods"])
         name, method = clause.name, methods.get(clause.name)
         if method is None:

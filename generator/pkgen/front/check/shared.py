@@ -100,7 +100,8 @@ class Shared:
         return scope, Members((index, index)) if index is not None else Members()
 
     def _no_family(self, left: st.Left) -> None:
-        """Reports a single index in a declaration: `param m[kg] = 1`, `param m[1] = 1`."""
+        """Reports a declaration that has an index in place of a range: `param m[kg] = 1`, `param
+        m[1] = 1`."""
         name, index = left.name, left.index
         if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
             message = f"'{name}[{index.id}]': a bracket that touches a name is an index"
@@ -133,7 +134,8 @@ class Shared:
     def declared(
         self, item: st.Declared, kind: str, facts: Facts
     ) -> tuple[Range | None, bool] | None:
-        """Declares a name; returns its range and whether the name was free, None after an error."""
+        """Declares a name. Returns its range, None if it is no family, and whether the name was
+        free. Returns None after an error."""
         ends = members = family = None
         if item.lo is not None:
             ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))

@@ -19,8 +19,8 @@ EXAMPLE = "rot([0, 0, 1], angle)*r"
 
 
 def component(vector: Expr, axis: int) -> Expr:
-    """Returns a component of a checked vector: an item of a literal [x, y, z]; for a Sum the Sum of
-    the components, so that it can stay a loop."""
+    """Returns a component of a checked vector: for a literal [x, y, z] one of its items, for a Sum
+    of vectors the Sum of their components, so that it can stay a loop."""
     if isinstance(vector, Vector):
         return vector.items[axis]
     if isinstance(vector, Sum):
