@@ -84,7 +84,7 @@ class Required:
 
     def inertia(self) -> None:
         """Reports coordinates whose rate occurs in no energy. The mass matrix itself is checked
-        later, by `derive`."""
+        later, in middle/derive."""
         energies = self.shared.energies
         has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
         if not has_kinetic or not all(f.known for f in energies):

@@ -14,8 +14,8 @@ from .names import KIND_TEXT
 from .scope import PLACES, Scope
 from .shared import Checks, as_is
 
-# The smallest `accuracy` that a scene may demand: the rounding error of a result in double
-# precision, plus that of the formula for the result.
+# The smallest `accuracy` that a scene may demand. Double precision allows no better one, since
+# the result and the formula for the result are both rounded.
 FINEST = 2.0**-51
 
 
