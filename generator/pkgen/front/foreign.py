@@ -10,7 +10,7 @@ _FIRST_ORDER = f"{_RATE}; for x' = f(x) write 'state x' and 'rate x = …'"
 STEP = "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"
 _LATEX = r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta"
 
-# Patterns of the first words of a statement.
+# Pattern of the first words of a statement, and its hint.
 _STATEMENTS = tuple(
     (re.compile(pattern), help)
     for pattern, help in (

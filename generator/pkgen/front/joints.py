@@ -1,12 +1,13 @@
 """The words of `body` and `joint`, and the kinds of joints.
 
 These words are reserved only in these statements; a model may name a parameter `mass` or `ground`.
-A joint has a position and a rotation in the parent's frame, and a row of KINDS. A row contains
-expressions in the text of the language: Q rotates vectors from the child's frame to the joint's, r
-is the child's origin in the joint's frame, w and v are the joint's contributions to the angular
-velocity and to the velocity of the origin, both in the child's frame. {a} is the axis, {u} the unit
-vector along it, {1} the first coordinate; {e} and {f} are unit vectors that span the plane normal
-to the axis. Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 4.
+A joint has a position and a rotation in the parent body's frame, and a row of KINDS. The row of a
+kind of joint contains expressions in the text of the language. The rotation Q turns vectors from
+the child body's frame to the joint's frame; r is the child's origin in the joint's frame; w and v
+are the joint's contributions to the child's angular velocity and to the velocity of the child's
+origin, both in the child's frame. {a} stands for the axis, {u} for the unit vector along it, {e}
+and {f} for unit vectors that span the plane normal to it, {1} for the joint's first coordinate.
+Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 4.
 """
 
 from __future__ import annotations
@@ -19,18 +20,23 @@ from ..tree import Name
 
 GROUND = "ground"
 TO = "to"  # The word between the names of a joint's two bodies.
-WORDS_TO_KIND = 2  # `to` and the kind
+WORDS_TO_KIND = 2  # A joint has two words up to its kind: `to` and the kind.
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord", "limits")}
-# Members of a body that a model may use (`point` takes a vector). All others are internal.
+# Quantities of a body that a model may use, as in link.com (`point` takes a vector). All others
+# are internal.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
-HELD = ("held", "place", "e", "f", "g")  # Members of a body that is fixed to another one.
-COLUMNS = ("X", "Y", "Z")  # Columns of R, for families indexed by a loop variable.
-TURNING = ("R", "held", "turn")  # Members that are rotations.
-LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # Event's direction, sign of inf.
+# Internal quantities of a body that is fixed to another body.
+HELD = ("held", "place", "e", "f", "g")
+COLUMNS = ("X", "Y", "Z")  # Columns of R, used if a loop variable is the index of a body.
+TURNING = ("R", "held", "turn")  # Quantities that are rotations.
+# End of a joint's range -> direction in which the event crosses zero, sign of the infinity that
+# means no limit.
+LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}
 _OWN = (*LIMITS, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
 MEMBERS = frozenset((*SHOWN, *HELD, *COLUMNS, *_OWN))
 
-# kind | axis | coordinates (suffix of the joint's name, and kind) | Q | r | w | v
+# Columns: kind of joint, whether it has an axis, coordinates (suffix of the joint's name, a colon,
+# kind of coordinate), Q, r, w, v.
 _KINDS = """
 revolute  | axis | :angle                               | rot({a}, {1}) |         | {1}'*{u}   |
 prismatic | axis | :length                              |               | {1}*{u} |            | {1}'*{u}
@@ -44,7 +50,7 @@ fixed     |      |                                      |               |       
 @record
 class Kind:
     axis: bool
-    coordinates: tuple[tuple[str, str], ...]  # Suffix; angle, length or rotation.
+    coordinates: tuple[tuple[str, str], ...]  # suffix of the joint's name; kind
     turn: str
     shift: str
     rates: str
@@ -62,8 +68,8 @@ KINDS = dict(_kinds())
 
 
 def loose(bodies: Iterable[str], joints: Iterable) -> frozenset[str]:
-    """Returns the bodies that no chain of joints connects to the ground, and the families with such
-    members. Names.unknown() reports no further error about them."""
+    """Returns the bodies that no chain of joints connects to the ground, and the families that
+    contain such bodies. Names.unknown() reports no further error about these names."""
     held, left = {GROUND}, list(joints)
     names = {*bodies}
     while more := [j for j in left if j.parent[0] in held and j.child[0] in names]:

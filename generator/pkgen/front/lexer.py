@@ -51,11 +51,11 @@ _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.synta
 _OF_BODIES = ("BODY", "JOINT")
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
-_TOKENS = 4 * limits.NODES  # Most tokens of a model, enough for limits.NODES nodes.
+_TOKENS = 4 * limits.NODES  # Most tokens of a model; enough for limits.NODES nodes of expressions.
 
 
 def statements(source: Source, before: Iterable[Token] = ()) -> list[Lexed]:
-    """Returns the non-empty statements of a text; the tokens `before` precede the first."""
+    """Returns the non-empty statements of a text, the first with the tokens `before` put first."""
     lexer = _Lexer(source.text)
     lexer.now.tokens += before
     lexer.run()
@@ -67,7 +67,8 @@ class _Lexer:
         self.text = text
         self.done: list[Lexed] = []
         self.now = Lexed()
-        self.open: list[tuple[str, str, int]] = []  # bracket, type of the closing token, offset
+        # The unclosed brackets: the bracket, the token type of its closing bracket, its offset.
+        self.open: list[tuple[str, str, int]] = []
         self.too_deep = False
         self.at_line_start = True
         self.tokens = 0
@@ -160,11 +161,12 @@ class _Lexer:
         return self._error(f"'{TABLEAU}' names no file", at - len(TABLEAU), at, help)
 
     def _word_of_drawing(self, name: str, at: int, end: int) -> int:
-        """Reads the word of a shape or a clause; returns its end, 0 for a name of the model."""
+        """Reads a name in a drawing as the word of a shape or of a clause, and returns the end of
+        the word. Returns 0 if the name is none of these words, but a name of the model."""
         word, *more = self.now.tokens
         shapes = shapes_of(str(word))
         if not more and self.now.errors:
-            return 0  # The unknown shape is reported.
+            return 0  # An unknown shape was reported just before.
         if not more:
             if name in shapes:
                 return self._add("SHAPE", name, at, end)

@@ -43,7 +43,8 @@ class _Tokens(Lexer):
 
 @cache
 def parser() -> tuple[Lark, Build]:
-    """Returns the cached parser of one statement, and its callbacks."""
+    """Returns the parser of one statement, and the object whose methods it calls to build the
+    statement."""
     build = Build()
     rules = GRAMMAR.read_text(encoding="utf-8") + grammar()
     made_by = (rules, lark_version, sys.version_info[:2])
@@ -68,7 +69,8 @@ def parse(source: Source) -> st.File:
 
 @lru_cache(maxsize=4)  # A command may compile a file once for each of its scenes.
 def parse_all(source: Source) -> st.File:
-    """Returns the file: statements that parse, positions and names of broken ones, and errors."""
+    """Returns the parsed file. It has the statements that parse, the positions and names of those
+    that do not, and the errors."""
     if len(source.text) > limits.FILE_BYTES:
         message = f"the model is larger than {limits.FILE_BYTES} bytes"
         return st.File(source, (), (), (Diagnostic(message, Span(0, 1)),))
@@ -89,7 +91,8 @@ def parse_all(source: Source) -> st.File:
 
 
 class _Reader:
-    """Parses statements and groups the clauses of each scene with its first line."""
+    """Parses statements, and joins the first line of each scene and its clauses into one
+    statement."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -97,7 +100,7 @@ class _Reader:
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
         self.scene: st.Head | None = None
-        self.headless = False  # The first line of the scene did not parse.
+        self.headless = False  # Whether the first line of the current scene did not parse.
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
@@ -160,7 +163,7 @@ class _Reader:
         try:
             statement = lark.parse(lexed.tokens)
         except UnexpectedToken as error:
-            if len(self.errors) > limits.DIAGNOSTICS:  # Further errors are only counted.
+            if len(self.errors) > limits.DIAGNOSTICS:  # There are too many errors to explain.
                 self.errors.append(Diagnostic("a statement that does not parse", lexed.span))
             else:
                 self.errors.append(explain(self.source, lexed, error))

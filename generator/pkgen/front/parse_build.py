@@ -40,7 +40,8 @@ def _product(parts: tuple) -> tree.Expr:
 
 @v_args(inline=True)
 class Build(Transformer):
-    """One method for each rule of the grammar; `comment` is that of the current statement."""
+    """One method for each rule of the grammar. `comment` is the comment of the current
+    statement."""
 
     comment = ""
 
@@ -84,7 +85,8 @@ class Build(Transformer):
         return _chain(tree.Add, parts)
 
     def multiply(self, *parts):
-        """Builds a product; a unit applies to all factors before it until quantities.py decides."""
+        """Builds a product. A unit in it applies to all factors before the unit, until
+        check/quantities.py decides otherwise."""
         made: tuple = ()
         for part in parts:
             if getattr(part, "type", "") == "UNIT":
@@ -95,7 +97,8 @@ class Build(Transformer):
         return _product(made)
 
     def item(self, of):
-        """Applies a unit at the end to the whole expression, until check/quantities.py decides."""
+        """Returns the expression `of`. A unit at its end applies to the whole expression, until
+        check/quantities.py decides otherwise."""
         last = of.terms[-1] if isinstance(of, tree.Add) else of
         if not isinstance(last, tree.Quantity) or last.whole:
             return of

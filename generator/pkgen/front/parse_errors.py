@@ -39,8 +39,9 @@ def explain(source: Source, lexed: Lexed, error: UnexpectedToken) -> Diagnostic:
 
 
 def _acceptable(parser) -> frozenset[str]:
-    """Returns the token types that the parser accepts here. (lark's `expected` includes types that
-    fail after a reduction; its `accepts` copies whole trees.)"""
+    """Returns the token types that the parser accepts in its present state. lark's own answers are
+    not used: `expected` includes types that fail after a reduction, and `accepts` copies whole
+    trees."""
     states = parser.parse_conf.states
     return frozenset(
         kind

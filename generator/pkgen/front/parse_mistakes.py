@@ -20,13 +20,13 @@ from .table import STATEMENTS, SYNTAX
 from .units import bare_unit, bracketed
 from .words import CLAUSE_WORDS
 
-# By clause: the clause that must come after it, and an example of both.
+# Clause -> the clause that must come after it, and an example with both clauses.
 ORDER = {
     "every": ("at", "record a, energy every 0.01 [s] at EVENT"),
     "step": ("rtol", "method dop853 step 0.01 [s] rtol 1e-9"),
     "within": ("at", STATEMENTS["expect"].form),
 }
-# Names of tokens in messages.
+# Token type -> its name in messages.
 WHAT = {
     "EQUAL": "'='", "COLON": "':'", "DOTS": "'..'", "_COMMA": "','", "RPAREN": "')'",
     "RBRACKET": "']'", "NAME": "a name", "LEND": "'(' or '['", "REND": "')' or ']'",
@@ -254,7 +254,8 @@ def _value_missing(spot: Spot):
 
 
 def _something_missing(spot: Spot):
-    """The last rule: names the missing token if one or two could follow, else the rejected one."""
+    """The last rule. If only one or two kinds of token can follow, it names them as missing;
+    otherwise it names the rejected token."""
     wanted = [WHAT[t] for t in WHAT if t in spot.expected]
     if "EQUAL" in spot.expected and spot.word != "expect":
         wanted = ["'='"]

@@ -14,7 +14,7 @@ from functools import cache
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
-READ: dict[str, None] = {}  # The files read so far, in order; outputs depend on them.
+READ: dict[str, None] = {}  # The files read so far, in order. Output files depend on them.
 _ALLOWED: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
 STANDARD = "-"  # The path that means standard input.
 
@@ -85,7 +85,8 @@ ALLOW = "copy it there, or allow its folder: --allow-path DIR"
 
 
 def unquoted(path: str | os.PathLike[str], wrong: ModelError) -> tuple[str, str]:
-    """Returns the message and hint for an error in a file outside the folder, without its text."""
+    """Returns the message and hint for an error in a tableau file outside the model's folder. They
+    quote nothing from the file."""
     line, column = wrong.source.position(wrong.diagnostics[0].span.start)
     return f"{path}:{line}:{column}: this is no tableau", f"see: pkgen methods --tableau {path}"
 
@@ -102,7 +103,8 @@ def from_text(path: str, text: str) -> Source:
 
 def _bytes(path: str, wanted: str) -> bytes:
     try:
-        # Checked before opening: opening a pipe would block, and a device might never end.
+        # The kind of file is checked before the file is opened: opening a pipe would block, and a
+        # device might never end.
         if not stat.S_ISREG(os.stat(path).st_mode):
             what = "a directory" if os.path.isdir(path) else "not a regular file"
             raise _unreadable(path, f"this is {what}", f"give the path of {wanted}")

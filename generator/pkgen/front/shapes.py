@@ -1,7 +1,7 @@
-"""The shapes of `draw` and `view`, one row each: the shape's subject and its clauses.
+"""The shapes of `draw` and `view`, one row each. The subject is the value after a shape's word.
 
-These words are special only in these statements, where a name after a complete value starts a
-clause. Elsewhere a model may use them as names, such as `rod` or `radius`.
+The words of shapes and clauses are special only in these statements, where a name after a complete
+value starts a clause. Elsewhere a model may use them as names, such as `rod` or `radius`.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ FORMS = {"box": 3, "cylinder": 2, "ellipsoid": 3, "disk": 2, "top": 2}  # number
 PLANES = {"xy": ("x", "y"), "xz": ("x", "z"), "yz": ("y", "z")}
 
 
-# shape | kind of its subject | its clauses, each with the kind of its value | form. A ? marks
-# optional items.
+# Columns: shape, kind of its subject (- for none), clauses, each with the kind of its value (- for
+# none), and syntax. A ? marks optional items.
 _DRAW = """
 rod    -         from:place,to:place                 from A to B
 line   -         from:place,to:place                 from A to B
@@ -44,7 +44,7 @@ space  -         width?:length                       width 2 [m]
 @record
 class Shape:
     form: str  # The statement's syntax, for hints.
-    subject: str  # Kind of the value after the shape's word, or "".
+    subject: str  # Kind of the value after the shape's word; "" if there is none.
     subject_optional: bool
     parts: dict[str, str]  # Word of a clause -> kind of its value.
     optional: tuple[str, ...]

@@ -134,13 +134,14 @@ class Event:
     stop: bool
     description: str
     span: Span
-    limit: bool = False  # Made of the `limits` of a joint.
+    limit: bool = False  # Whether a joint's clause `limits` generates the event.
 
 
 @record
 class Draw:
-    """`draw SHAPE …` or `view SHAPE …`; `ground y = 0` has the axis "y" and the value as subject.
-    `also` is the expression after a comma: the range of members, or a level's second coordinate."""
+    """`draw SHAPE …` or `view SHAPE …`. For `ground y = 0` the axis is "y" and the subject is the
+    value 0. `also` is what follows a comma: the range of a drawn family, or the second coordinate
+    of the plane of a `level` drawing."""
 
     keyword: str
     shape: str
@@ -153,12 +154,14 @@ class Draw:
     span: Span
 
 
-Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]  # the word, its position, its values
+# For each clause: its word, the position of the word, its values.
+Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]
 Word = tuple[str, Span]
 
 
 def _said(name: str, of: Left | Name) -> Word:
-    """Returns the name of a body, joint or family member (`link[3]`), and its position."""
+    """Returns the name of a body or joint, with its index in a family (`link[3]`), and its
+    position."""
     return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None), of.span
 
 
@@ -309,7 +312,7 @@ Statement = (
 class Broken:
     """A statement that does not parse, with the names that it would probably declare."""
 
-    keyword: str  # "": the statement starts with no keyword.
+    keyword: str  # "" if the statement starts with no keyword.
     names: tuple[str, ...]
     span: Span
 

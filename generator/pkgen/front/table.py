@@ -10,7 +10,7 @@ from ..record import record
 MODEL, SCENE, BOTH = "a model", "a scene", "a model or a scene"
 FIRST, ALL = "first", "all"
 
-# The grammar after a statement's keyword. The key names the callback in parse_build.py.
+# The grammar after a statement's keyword. A key is also the name of a method of parse_build.Build.
 SYNTAX = {
     "head": "NAME",
     "param": "left EQUAL item [interval]",
@@ -33,7 +33,8 @@ SYNTAX = {
     "end_of_scene": "",
 }
 
-# keyword | syntax | check | field of Model | declared names | dimension of expression | form
+# Columns: keyword, key of SYNTAX, method that checks, field of Model, names that are declared,
+# dimension of the expression, form (the syntax in hints).
 _MODEL = """
 model       head     definitions.model   name        -     -      NAME
 param       param    definitions.param   parameters  first -      NAME = VALUE [unit] in (lo, hi)
@@ -70,7 +71,7 @@ scene       head     scenes.head         scenes      first -      NAME
 """
 # These words are keywords only at the start of a statement; elsewhere they are names.
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity"))
-# Columns: keyword, syntax, check, how many a scene may have, form.
+# Columns: keyword, key of SYNTAX, method that checks, how many a scene may have, form.
 _SCENE = """
 start    start_at     given.start    many a = VALUE, a' = VALUE
 set      pairs        given.set      many p = VALUE
@@ -89,13 +90,13 @@ end      end_of_scene scene.end      many
 class Statement:
     syntax: str  # A key of SYNTAX.
     form: str  # The statement's syntax, for hints.
-    check: str = ""  # GROUP.METHOD that checks it in a model.
-    clause: str = ""  # GROUP.METHOD that checks it in a scene.
-    declares: str = ""  # Which names it declares: FIRST, ALL or "".
-    fills: str = ""  # The field of Model that it fills.
-    needs: str = ""  # Dimension of its expression: "energy", "power" or "".
-    once: bool = False  # A scene has at most one.
-    soft: bool = False  # Elsewhere its keyword is a name.
+    check: str = ""  # GROUP.METHOD that checks the statement in a model, or "".
+    clause: str = ""  # GROUP.METHOD that checks the clause in a scene, or "".
+    declares: str = ""  # Which of its names the statement declares: FIRST, ALL or "".
+    fills: str = ""  # The field of Model for the results of the check.
+    needs: str = ""  # Dimension of the expression: "energy", "power" or "" (any).
+    once: bool = False  # A scene has at most one such clause.
+    soft: bool = False  # Inside of statements the keyword can be a name.
 
     @property
     def stands_in(self) -> str:

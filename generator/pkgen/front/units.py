@@ -45,7 +45,7 @@ FORCE = dimension(1, 1, -2)
 ENERGY = dimension(1, 2, -2)
 POWER = dimension(1, 2, -3)
 
-_SIMPLE = {  # factor to SI, dimension, exponent of rad
+_SIMPLE = {  # name of a unit -> factor to SI, dimension, exponent of rad
     "kg": (1, dimension(1), 0),
     "g": (Fraction(1, 1000), dimension(1), 0),
     "m": (1, LENGTH, 0),
@@ -75,7 +75,8 @@ _SIMPLE = {  # factor to SI, dimension, exponent of rad
     "rad": (1, NONE, 1),
 }
 
-# Units that take no prefix: Nm is a mistake for N*m. (T is a prefix too: THz, TJ, TW.)
+# If such a unit is followed by another unit, the sign * is missing: Nm is a mistake for N*m. T is
+# not one of them, since THz, TJ and TW begin with the prefix tera.
 _JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K")
 
 KINDS = {
@@ -114,7 +115,8 @@ _MORE = ("deg", "kN", "kJ", "kW", "kPa", "mN", "um", "nm", "us", "kHz", "MHz", "
 
 
 def bare_unit(text: str, at: int) -> str:
-    """Returns the well-known unit that starts at offset `at`, without brackets, or ""."""
+    """Returns the well-known unit, written without brackets, that starts at offset `at` of a text;
+    "" if there is none."""
     found = _BARE.match(text, at)
     names = re.findall(r"[A-Za-z]\w*", found.group()) if found else ["?"]
     return found.group() if all(n in _SIMPLE or n in _MORE for n in names) else ""
@@ -136,7 +138,8 @@ class UnitError(Exception):
 
 @record
 class Unit:
-    """A unit, `factor` * pi^`pi` in SI. `angle` is the exponent of rad, for display only."""
+    """A unit, which is `factor` * pi^`pi` in SI units. `angle` is the exponent of rad in it, for
+    display only."""
 
     factor: Fraction
     pi: int
@@ -207,7 +210,8 @@ def _raised(name: str, exponent: Fraction | int) -> str:
 
 
 def described(a: Dimension) -> str:
-    """Returns `a force [kg*m/s^2]`, `a pure number`, or `in [kg*m^3]` without a name."""
+    """Returns a text such as `a force [kg*m/s^2]` or `a pure number`; for a dimension without a
+    name, `in [kg*m^3]`."""
     if a == NONE:
         return "a pure number"
     kind = KINDS.get(a)
@@ -268,7 +272,8 @@ def _registry():
 
 
 def _is_odd(registry, name: str) -> bool:
-    """Whether pint reads the name as a prefix and a constant: Pc as peta speed of light."""
+    """Whether pint reads the name as a prefix and a constant, as it reads Pc as 1e15 speeds of
+    light."""
     prefix, unit, _ = registry.parse_unit_name(name)[0]
     return bool(prefix) and unit.endswith(("_constant", "speed_of_light"))
 
@@ -316,7 +321,7 @@ def _named(name: str, at: int) -> Unit:
     if isinstance(found, Unit):
         if pair is None or found.dimension == times(_SIMPLE[pair[0]][1], _SIMPLE[pair[1]][1]):
             return found
-        found = f"unknown unit '{name}'"  # pint reads Nm as a unit for yarns.
+        found = f"unknown unit '{name}'"  # For instance, pint reads Nm as a unit for yarns.
     help = ""
     near = [n for n in (*_SIMPLE, "au") if n.lower() == name.lower()]
     near = near or get_close_matches(name, [*_SIMPLE, "deg", "newton", "joule", "metre"], 1, 0.75)

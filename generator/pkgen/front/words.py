@@ -40,7 +40,7 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
-TABLEAU = "tableau"  # It precedes the path of a tableau file.
+TABLEAU = "tableau"  # the word before the path of a tableau file
 CONSTANTS = {
     "t": "the time",
     "pi": "the number pi",
@@ -79,7 +79,8 @@ def reserved(name: str) -> str:
 
 
 def symbols_of(name: str) -> str:
-    """Returns the library whose symbols would clash with those of a model of this name, or ""."""
+    """Returns the library whose C symbols would clash with those of a model called `name`, or
+    ""."""
     return next((whose for whose, found in _OTHERS.items() if found.fullmatch(name)), "")
 
 

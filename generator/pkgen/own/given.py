@@ -34,7 +34,8 @@ def given(options: argparse.Namespace) -> tuple[Own, ...]:
 
 
 def taken(options: argparse.Namespace) -> argparse.Namespace:
-    """Returns a run's options; the first method that they define becomes the default method."""
+    """Returns the options of a run. If they define methods but select none, the first of these is
+    selected."""
     own = given(options)
     if not own or options.method is not None:
         return options

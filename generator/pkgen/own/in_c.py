@@ -1,4 +1,6 @@
-"""C code of user-defined methods: a header of their tables, definitions as in pk/methods.h."""
+"""Writes the C code of user-defined methods: a header with their coefficients, and definitions of
+the methods that have the form of those in pk/methods.h.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,7 @@ from collections.abc import Sequence
 
 from ..methods import Own
 
-FILE = "own_methods.h"  # Name of the header.
+FILE = "own_methods.h"  # Name of the generated header.
 
 
 def tables(own: Sequence[Own]) -> str:
@@ -14,7 +16,7 @@ def tables(own: Sequence[Own]) -> str:
 
 
 def flags(own: Sequence[Own]) -> list[str]:
-    """Returns compiler flags that make pk/step/tables.h include the header."""
+    """Returns the compiler flags with which pk/step/tables.h includes the generated header."""
     return ["-I.", f'-DPK_OWN_TABLES="{FILE}"'] if own else []
 
 
@@ -30,6 +32,7 @@ def addresses(own: Sequence[Own]) -> str:
 
 
 def rows(own: Sequence[Own]) -> str:
-    """Returns the definitions and an array `own_methods` in C; "" for no methods."""
+    """Returns C code: definitions of the methods, and an array `own_methods` with pointers to them.
+    Returns "" if there are no methods."""
     array = f"static const struct pk_method *own_methods[] = {{{addresses(own)}}};\n"
     return definitions(own) + array if own else ""

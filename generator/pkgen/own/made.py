@@ -1,4 +1,6 @@
-"""Makes an integration method of a tableau or of weights: its runtime family, its table in C."""
+"""Makes an integration method from a tableau or from weights: chooses the family of the runtime
+that runs the method, and writes the table of coefficients in C.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ from . import words
 from .tableau import NotANumber, Tableau, number, read_tableau
 from .trees import Conditions, symmetric, symplectic
 
-MOST_RUN = 16  # PK_MOST_STAGES of pk/step/tableau.h
+MOST_RUN = 16  # most stages of a tableau for runs: PK_MOST_STAGES of pk/step/tableau.h
 MOST_WEIGHTS = 64
 _EXACT = 2**53  # All integers up to this one are exact doubles.
 
@@ -73,7 +75,8 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
     more, traits, family = "", set(), "ERK"
     if tableau.bhat is not None:
         lists["e"] = [x - y for x, y in zip(tableau.b, tableau.bhat, strict=True)]
-        if same_last:  # The weight of the derivative at the new point.
+        # This entry is the weight of the derivative at the new point.
+        if same_last:
             lists["e"][stages] = -tableau.bhat[stages]
         else:
             lists["e"].append(Fraction(0))

@@ -21,7 +21,8 @@ from fractions import Fraction
 from ..record import record
 from ..source import Diagnostic, ModelError, Source, Span
 
-MOST_STAGES = 64  # Limit of a file; runs need PK_MOST_STAGES of pk/step/tableau.h.
+# Most stages of a tableau in a file. For runs the limit is PK_MOST_STAGES of pk/step/tableau.h.
+MOST_STAGES = 64
 MOST_TEXT = 200_000
 LARGEST, SMALLEST = 10**6, Fraction(1, 10**40)
 MOST_ERRORS = 5
@@ -96,7 +97,7 @@ class _Reader:
         self.source = source
         self.errors: list[Diagnostic] = []
         self.rows: dict[str, list[list[Fraction]]] = {}
-        self.places: dict[str, list[Span]] = {}  # Section -> spans of its name and rows.
+        self.places: dict[str, list[Span]] = {}  # section -> positions of its name and rows
 
     def error(self, message: str, span: Span, help: str = "") -> None:
         self.errors.append(Diagnostic(message, span, help))
@@ -128,7 +129,7 @@ class _Reader:
         return Tableau(self.source, a, tuple(self.rows["b"][0]), bhat)
 
     def _line(self, section: str, words: list[tuple[str, Span]]) -> str:
-        """Parses a line; returns the section to which numbers in the next line belong."""
+        """Parses a line, which may begin a new section; returns the section of the next line."""
         word, span = words[0]
         name = word.removesuffix(":")
         if name in SECTIONS:

@@ -4,12 +4,16 @@ A method has order p if for every rooted tree t of up to p nodes
 
     sum b_i Phi_i(t) = 1 / gamma(t),   Phi_i([t_1 ... t_m]) = prod_k sum_j a_ij Phi_j(t_k).
 
-The error constant is the Euclidean norm of (sum b_i Phi_i - 1/gamma) / sigma over the trees of
-p + 1 nodes. Reference: J. C. Butcher, Numerical Methods for Ordinary Differential Equations, 3rd
-ed., 31; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.2.
+Here a_ij and b_i are the coefficients of the tableau, Phi_i(t) is the elementary weight of t at
+stage i, gamma(t) the density of t, and [t_1 ... t_m] the tree with subtrees t_k at its root. The
+error constant is the Euclidean norm of (sum b_i Phi_i - 1/gamma) / sigma over the trees of p + 1
+nodes, where sigma(t) is the symmetry of t. Reference: J. C. Butcher, Numerical Methods for Ordinary
+Differential Equations, 3rd ed., 31; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
+Differential Equations I, II.2.
 
-Numbers are integers over 2^BITS. A coefficient written to 14 digits counts as exact: a condition
-holds if its error is at most CLOSE times the sum of the magnitudes of its terms.
+Numbers are stored as integers, which are the numbers times 2^BITS. A coefficient written to 14
+digits counts as exact: a condition holds if its error is at most CLOSE times the sum of the
+magnitudes of its terms.
 """
 
 from __future__ import annotations
@@ -29,7 +33,8 @@ MOST_ORDER = 10
 
 @record
 class Rooted:
-    children: tuple[tuple[int, int], ...]  # (order, index in trees(order)), descending.
+    # The subtrees at the root, each as (order, index in trees(order)), in descending order.
+    children: tuple[tuple[int, int], ...]
     gamma: int
     sigma: int
 
@@ -52,7 +57,9 @@ def _rooted(order: int, children: tuple[tuple[int, int], ...]) -> Rooted:
 
 
 def _forests(nodes: int, most: tuple[int, int]) -> Iterator[tuple[tuple[int, int], ...]]:
-    """Yields tuples of trees with `nodes` nodes in all, in descending order, none above `most`."""
+    """Yields all tuples of trees that have `nodes` nodes together. A tree is given by its order and
+    its index in trees(order). The trees of a tuple are in descending order, the first is at most
+    `most`."""
     if nodes == 0:
         yield ()
         return
@@ -64,12 +71,12 @@ def _forests(nodes: int, most: tuple[int, int]) -> Iterator[tuple[tuple[int, int
 
 
 def scaled(x: Fraction) -> int:
-    """Returns x as an integer over 2^BITS, rounded down."""
+    """Returns x times 2^BITS, rounded down to an integer."""
     return (x.numerator << BITS) // x.denominator
 
 
 class Conditions:
-    """The order conditions of a matrix A; the methods take the weights."""
+    """The order conditions for a matrix A. The methods take the weights b as an argument."""
 
     def __init__(self, a: Sequence[Sequence[Fraction]]):
         self._rows = [[(j, scaled(x)) for j, x in enumerate(row) if x] for row in a]
@@ -92,8 +99,8 @@ class Conditions:
         return self._summed[key]
 
     def missed(self, b: Sequence[Fraction], order: int) -> tuple[bool, float]:
-        """Returns whether a condition of trees of `order` nodes fails, and the norm of the
-        errors."""
+        """Returns whether the condition of a tree with `order` nodes fails, and the norm of the
+        errors of all these conditions."""
         weights, failed, total = [scaled(x) for x in b], False, 0.0
         for index, tree in enumerate(trees(order)):
             terms = [x * y >> BITS for x, y in zip(weights, self._of((order, index)), strict=True)]
@@ -104,7 +111,8 @@ class Conditions:
         return failed, math.sqrt(total)
 
     def order(self, b: Sequence[Fraction]) -> tuple[int, float | None]:
-        """Returns order and error constant; (MOST_ORDER, None) if no tested condition fails."""
+        """Returns the order and the error constant; (MOST_ORDER, None) if all tested conditions
+        hold."""
         for p in range(1, MOST_ORDER + 1):
             failed, size = self.missed(b, p)
             if failed:

@@ -4,7 +4,7 @@
     film = "pkgen_film.command"
 
 KINDS describes the objects of each group. An entry point may name a package that is not installed;
-then `package` and `load` raise an error when it is used.
+then `package` and `load` raise an error when the entry point is used.
 """
 
 from __future__ import annotations
@@ -33,13 +33,14 @@ KINDS = {
 @cache
 def points(kind: str) -> dict[str, EntryPoint]:
     """Returns the entry points of the group "pkgen.KIND", by name."""
-    from importlib.metadata import entry_points  # Imported here, since it takes 35 ms.
+    from importlib.metadata import entry_points  # not at the top, since this import takes 35 ms
 
     return {point.name: point for point in sorted(entry_points(group=f"pkgen.{kind}"))}
 
 
 def missing(point: EntryPoint | None) -> str:
-    """Returns how to get the package of an entry point; "" if it is installed."""
+    """Returns a hint on how to install the package of an entry point; "" if the package is
+    installed."""
     if point is None:
         return "of an add-on, which is not here: install all of pkgen-lag"
     name = _package_name(point)
@@ -83,7 +84,8 @@ def here(kind: str) -> dict[str, EntryPoint]:
 
 
 def of_folder(name: str) -> ModuleType | None:
-    """Returns the add-on that handles `name`, a folder or URL in place of a model file, or None."""
+    """Returns the add-on that handles `name`, which a user gives in place of a model file. Returns
+    None if `name` is no folder or URL, or if no add-on handles it."""
     if not (Path(name).is_dir() or "://" in name):
         return None
     modules = (load("folders", kind) for kind in here("folders"))

@@ -23,8 +23,8 @@ from .progress import say, trace
 
 DIGESTS = "digests"
 KEPT = 100  # Number of entries of each kind that are kept.
-RECENT = 3600.0  # Seconds: an entry used more recently is kept as well.
-STALE = 600.0  # Seconds: an older unfinished folder is removed.
+RECENT = 3600.0  # Entries used within this many seconds are kept as well.
+STALE = 600.0  # Unfinished folders older than this many seconds are removed.
 
 
 def cache_directory() -> Path:
@@ -66,7 +66,8 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
 def _fill(folder: Path, make: Callable[[Path], None]) -> None:
     with scratch(folder.parent, ".new-") as new:
         make(new)
-        (new / MARK).unlink(missing_ok=True)  # The folder is no longer a scratch folder.
+        # The marker is removed, since other processes may remove folders that have one.
+        (new / MARK).unlink(missing_ok=True)
         files = sorted(path for path in new.iterdir() if path.is_file())
         lines = [f"{folder.name}", *(f"{_digest(path)} {path.name}" for path in files)]
         (new / DIGESTS).write_text("\n".join(lines), encoding="utf-8")
@@ -83,7 +84,8 @@ def _digest(path: Path) -> str:
 
 
 def _own(path: Path, kind: Callable[[int], bool]) -> bool:
-    """Whether `kind` holds for a path's mode, and only this user owns and can write it."""
+    """Whether the function `kind`, such as stat.S_ISDIR, accepts the mode of a path, and whether
+    only this user owns and can write the path."""
     known = path.lstat()
     mine = known.st_uid == os.geteuid() and not known.st_mode & 0o022
     return mine and kind(known.st_mode)
@@ -133,7 +135,7 @@ def _alone(path: Path) -> Iterator[None]:
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(fd), path.stat()):
                 break
-        os.close(fd)  # The file was removed by its previous owner.
+        os.close(fd)  # The process that had the lock removed the file.
     try:
         yield
     finally:

@@ -24,7 +24,7 @@ ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 ENDS += (signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)
 
 _keeper: subprocess.Popen[bytes] | None = None
-_ended = False  # True: new processes must not start.
+_ended = False  # If True, no new process may start.
 _starting = threading.Lock()
 _stops: list[Callable[[int], None]] = []
 
@@ -54,7 +54,8 @@ def group() -> dict[str, object]:
 
 
 def on_end(stop: Callable[[int], None]) -> None:
-    """Registers a function, called with 1 when all work must stop, with 0 when it may restart."""
+    """Registers the function `stop`. It is called with 1 when all work must stop, and with 0 when
+    work may start again."""
     _stops.append(stop)
 
 
@@ -76,8 +77,9 @@ def ended() -> bool:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Within the context, the signals ENDS kill the children and raise KeyboardInterrupt. Ignored
-    signals, as by nohup, stay ignored. SIGTSTP (Ctrl-Z) suspends pkgen and its children."""
+    """Within the context, the signals ENDS kill the child processes and raise KeyboardInterrupt. A
+    signal that was ignored before, as by nohup, stays ignored. SIGTSTP (Ctrl-Z) suspends pkgen and
+    its child processes."""
     global _ended
     _ended = False
     for stop in _stops:
@@ -93,7 +95,8 @@ def _end(_signal: int, _frame: object) -> None:
 
 
 def finishing() -> None:
-    """Ignores the signals ENDS from now on, when all results are written."""
+    """Ignores the signals ENDS from now on. A command calls this when all its results are
+    written."""
     if threading.current_thread() is threading.main_thread():
         for number in ENDS:
             if signal.getsignal(number) is _end:
@@ -115,7 +118,7 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
                 for number in [*left]:
                     signal.signal(number, left[number])
                     del left[number]
-            except BaseException as error:  # All handlers are restored before it is raised.
+            except BaseException as error:  # The error is raised when all handlers are restored.
                 late = error
         if late is not None:
             raise late
@@ -123,8 +126,9 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
 
 @contextmanager
 def postponed(raised: list) -> Iterator[None]:
-    """Within the context, exceptions of signal handlers are appended to `raised`, and the block
-    continues. They might interrupt C code that uses the block's memory, or Thread.join."""
+    """Within the context, an exception of a signal handler is appended to `raised` and does not
+    interrupt the block. Otherwise it might interrupt C code that uses the block's memory, or
+    Thread.join."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -154,8 +158,9 @@ def _stop(_signal: int, _frame: object) -> None:
 
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
-    """Yields a function that tells if a signal of ENDS has come, so that the run stops and keeps
-    its rows. A second signal ends pkgen at once. In other threads the function returns False."""
+    """Yields a function that returns whether one of the signals ENDS has arrived. The run should
+    then stop and keep its rows. A second signal ends pkgen at once. In threads other than the main
+    thread the function returns False."""
     said: list[int] = []
 
     def note(number: int, _frame: object) -> None:

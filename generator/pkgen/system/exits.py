@@ -4,7 +4,7 @@ DONE = 0
 MODEL_WRONG = 1
 USAGE = 2
 COMPILER_FAILED = 3
-NUMERICS_FAILED = 4  # The C driver returns it too.
+NUMERICS_FAILED = 4  # The C driver returns this code too.
 LEFT = 75  # The run ended with a checkpoint and can resume.
 INTERRUPTED = 130
 

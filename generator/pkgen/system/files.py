@@ -29,7 +29,7 @@ from .progress import trace
 
 STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
-ROWS = (".csv", ".npy")  # ends of the names of files of rows
+ROWS = (".csv", ".npy")  # suffixes of files that contain rows of results
 SCRATCH = "pkgen."
 MARK = ".pkgen-scratch"  # Name of the marker file in scratch folders.
 
@@ -39,18 +39,18 @@ def partial(path: Path) -> Path:
 
 
 def beside(path: Path) -> Path:
-    """Returns the path of the JSON file that describes `path`."""
+    """Returns the path of the JSON file that describes the file `path`: FILE.json for FILE."""
     return path.with_name(path.name + ".json")
 
 
 def place(path: Path) -> Path | None:
-    """Returns the file's path with symbolic links followed; None for a stream such as a pipe.
+    """Returns the path of a file with symbolic links followed, or None for a stream such as a pipe.
     Raises OSError or UsageError if the file cannot be written."""
     for _ in range(40):  # Linux follows at most 40 links.
         if not path.is_symlink():
             break
         to = os.readlink(path)
-        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # A stream of this process.
+        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # This is a stream.
             return None
         path = path.parent / to
     try:
@@ -87,7 +87,8 @@ def _named(path: Path) -> Iterator[None]:
 def replace(
     contents: Mapping[Path, str | bytes], renamed: Mapping[Path, Path] | None = None
 ) -> None:
-    """Renames the keys of `renamed` to their values and writes all `contents`, or does nothing."""
+    """Writes `contents` (by path) and renames the keys of `renamed` to their values. If a file
+    cannot be written, all files stay unchanged (but not streams)."""
     made: dict[Path, Path] = {}
     try:
         for path, content in contents.items():
@@ -102,14 +103,15 @@ def replace(
                 with _named(path):
                     path.write_bytes(data)
                 continue
-            # Named by process, since two commands may write the same file at the same time.
+            # The name contains the number of the process, since two commands may write the same
+            # file at the same time.
             scratch = end.with_name(f"{end.name}.{os.getpid()}{PARTIAL}")
             scratch.unlink(missing_ok=True)
             made[scratch] = end
             with _named(path), _opened(scratch, end, os.O_EXCL) as file:
                 file.write(data)
         with uninterrupted():
-            if renamed:  # An old description must not describe a new file.
+            if renamed:  # An old FILE.json must never stand beside a new FILE.
                 for end in made.values():
                     end.unlink(missing_ok=True)
             for scratch, end in ((renamed or {}) | made).items():
@@ -130,7 +132,8 @@ def moved(files: Iterable[Path], directory: Path) -> list[Path]:
 
 
 def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
-    """Opens a file for writing, with the permissions of `end`, the file that it will replace."""
+    """Opens the file `path` for writing. It gets the permissions of `end`, the file that it will
+    replace."""
     fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | how, 0o666)
     with suppress(FileNotFoundError):
         os.fchmod(fd, stat.S_IMODE(end.stat().st_mode))
@@ -140,9 +143,10 @@ def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
 class Result:
     """A file that grows during a run, and FILE.json, which describes it.
 
-    Until both are finished they are FILE.partial and FILE.partial.json, and existing files stay
-    unchanged. `kept`, for runs with checkpoints: "all" keeps FILE.partial uncut if the run stops
-    early; "begun" also continues an existing FILE.partial."""
+    Until the run has finished, their names are FILE.partial and FILE.partial.json, and existing
+    files stay unchanged. `kept` is set for runs with checkpoints: with "all", FILE.partial keeps
+    even an incomplete last line if the run stops early; with "begun", the run also continues an
+    existing FILE.partial."""
 
     def __init__(self, path: Path, description: str, kept: str = ""):
         self.path, self.end, self.kept = path, place(path), kept
@@ -184,7 +188,7 @@ class Result:
             return self.path
         kept = self._rows()
         if kept:
-            with suppress(OSError):  # If the disk is full, the first description stays.
+            with suppress(OSError):  # If the disk is full, the description from the start stays.
                 replace({beside(self.growing): description})
         with suppress(OSError):
             self.file.close()
@@ -213,7 +217,7 @@ def _locked(path: Path, end: Path) -> IO[bytes]:
             raise UsageError(f"{path}: another run is writing it") from None
         except OSError:  # The file system has no locks.
             return file
-        with suppress(FileNotFoundError):  # Another run may rename it before the lock.
+        with suppress(FileNotFoundError):  # Another run may rename the file before the lock.
             if os.path.samestat(os.fstat(file.fileno()), path.stat()):
                 return file
         file.close()
@@ -244,7 +248,8 @@ def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]
     try:
         lock = os.open(path, os.O_RDONLY)
         try:
-            with suppress(OSError):  # Without locks no other process removes the folder.
+            # In a file system without locks, no other process removes the folder.
+            with suppress(OSError):
                 fcntl.flock(lock, fcntl.LOCK_EX)
             # The lock comes first: a folder with a mark and without a lock counts as abandoned.
             (path / MARK).write_text(f"{_marked(path.name)}{secrets.token_hex(16)}\n")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-# Kinds of names that pkgen defines, not a model.
+# Kinds of names that are defined by pkgen and not by a model.
 _OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option", "package", "host", "command"))
 
 

@@ -22,17 +22,18 @@ def unseen(part: float, text: str = "") -> None:
 
 
 def took(began: float) -> str:
-    """Returns the elapsed time since `began`, a time.monotonic(), and the CPU time, as text."""
+    """Returns a text with the time elapsed since `began`, a value of time.monotonic(), and with the
+    CPU time used by the process and its children."""
     own = time.process_time() + sum(os.times()[2:4])
     return f"took {time.monotonic() - began:.3g} s, {own:.3g} s of the processor's"
 
 
 def say(text: str) -> None:
-    # The line break is in the text, so that threads do not mix lines.
+    # The text contains the line break, so that lines of several threads do not mix.
     print(f"pkgen: {text}\n", end="", file=sys.stderr, flush=True)
 
 
-_watched: float | None = None  # Start time of the messages of `-v`.
+_watched: float | None = None  # Start time for the messages of the option -v.
 
 
 @contextmanager

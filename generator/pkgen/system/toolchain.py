@@ -18,10 +18,11 @@ from .exits import BuildError
 from .progress import trace
 
 RUNTIME = Path(pkgen_runtime.__file__).parent
-# No fast-math: it deletes compensated sums and NaN tests. No contraction (fused multiply-add): the
-# defaults of gcc and clang differ; without it vector lanes and scalar code agree to the last bit,
-# and compilers nearly so. It would gain 2 to 6 % (inlined rk4, dop853). -O3 is for the loops over
-# vector lanes. No SLP vectorization: it costs 5 % in small steps, which load numbers just stored.
+# -ffast-math is not used: it deletes compensated sums and NaN tests. Contraction to fused
+# multiply-add is off: the defaults of gcc and clang differ. Without contraction, vector lanes and
+# scalar code agree to the last bit, and the results of gcc and clang nearly agree; with it, inlined
+# rk4 and dop853 would be 2 to 6 % faster. -O3 is for the loops over vector lanes. SLP vectorization
+# is off: it makes small steps 5 % slower, since they load numbers that were just stored.
 FLAGS = (
     "-O3",
     "-fno-tree-slp-vectorize",
@@ -29,9 +30,9 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-trapping-math",
 )
-# Otherwise C assumes that an undeclared function returns int.
+# Without this flag, C assumes that an undeclared function returns int.
 DECLARED = "-Werror=implicit-function-declaration"
-# Flags for this computer's processor; the first that the compiler accepts are used.
+# Alternative flags for this computer's processor: the first that the compiler accepts is used.
 NATIVE = (("-march=native",), ("-mcpu=native",), ())
 STANDARD = "-std=c11"
 TIMEOUT_SECONDS = 300
@@ -88,7 +89,8 @@ def _words(name: str, text: str) -> list[str]:
 
 
 def _native(cc: list[str]) -> tuple[tuple[str, ...], str]:
-    """Returns flags for this computer's processor, and the predefined macros, which describe it."""
+    """Returns the compiler's flags for this computer's processor, and the macros that the compiler
+    then predefines, which describe the processor."""
     for flags in NATIVE:
         macros = _output([*cc, *flags, "-dM", "-E", "-x", "c", os.devnull])
         if macros is not None:

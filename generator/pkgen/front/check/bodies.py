@@ -1,8 +1,9 @@
 """Expands `body`, `joint` and `gravity` into coordinates, definitions and energies.
 
 These are generated as text of the language, so that later stages see an ordinary model. Messages
-about them point to the body or joint. Velocities are in each body's own frame, computed from parent
-to child, so that second derivatives of L can be propagated along the tree (graph/pushed.py).
+about generated text point to the statement of the body or joint. The velocities of a body are in
+its own frame and are computed from those of its parent body, so that graph/pushed.py can propagate
+second derivatives of the Lagrangian along the tree of bodies.
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapters 4 and 7.
 """
 
@@ -34,12 +35,13 @@ class Bodies(BodyJoints):
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared, run, file)
         self.expressions.columns = self.columns
-        self.wrong: set[Span] = set()  # Statements with an error, perhaps in another member.
+        # Positions of statements with an error; a family has one position for all its bodies.
+        self.wrong: set[Span] = set()
         self.bodies: dict[str, st.Body] = {}
-        self.joints: dict[str, st.Joint] = {}  # By child body.
-        self.waiting: list[st.Joint] = []  # Joints whose bodies are not known yet.
+        self.joints: dict[str, st.Joint] = {}  # The keys are names of child bodies.
+        self.waiting: list[st.Joint] = []  # Joints whose parent's position is not known yet.
         self.placed: list[str] = []
-        self.bad: set[str] = set()  # Bodies with an error in them or in an ancestor.
+        self.bad: set[str] = set()  # Names of bodies that have an error or whose ancestor has one.
         self.gravity_at: Span | None = None
 
     # statements
@@ -71,7 +73,7 @@ class Bodies(BodyJoints):
         self._advance()
 
     def _declared(self, left: st.Left) -> bool:
-        """Declares a body or a member of a family; returns False if the name is taken."""
+        """Declares a single body or one body of a family; returns False if its name is taken."""
         entry, index = self.names.table.get(left.name), left.index
         members = None if index is None else Members((int(index.value),) * 2)
         if members is None or entry is None or entry.kind != "body" or entry.members is None:
@@ -148,7 +150,8 @@ class Bodies(BodyJoints):
             self._say(f"{child}.{member}", text, joint.span)
 
     def _members(self, joint: st.Joint, child: str, parent: str) -> Iterator[tuple[str, str]]:
-        """Yields the members of a joint's child body, such as R and origin, as (name, text)."""
+        """Yields (name, text) for each quantity of a joint's child body, such as its rotation R and
+        its origin."""
         kind, name = KINDS[joint.kind[0]], joint.name[0]
         axis, turned, e, f = self.texts[name]
         words = dict(a=axis, u=f"{axis}/norm({axis})", e=e, f=f)
@@ -178,7 +181,8 @@ class Bodies(BodyJoints):
             carried.append(f"{place}'")
         passed = [f"inverse({q})*({self._sum(*carried)})"] if carried else []
         yield "velocity", self._sum(*passed, velocity)
-        yield "speed", f"{child}.velocity + cross({child}.omega, {child}.at)"  # of its com
+        # The speed is the velocity of the child's centre of mass.
+        yield "speed", f"{child}.velocity + cross({child}.omega, {child}.at)"
 
     @staticmethod
     def _sum(*terms: str) -> str:
@@ -200,8 +204,10 @@ class Bodies(BodyJoints):
                 self._say(what, text, self.bodies[name].span)
 
     def _energies(self, name: str, slides: bool) -> Iterator[tuple[str, str]]:
-        """Yields a body's energies, as (statement, text). `slides`: it has no child, and a joint to
-        the ground that translates; com' then makes its mass matrix constant."""
+        """Yields the terms of a body's energies, as (keyword, text). `slides` means that the body
+        has no child, and that a joint which can translate connects it to the ground. Its speed is
+        then written as com', the rate of its centre of mass, which makes its mass matrix
+        constant."""
         speed = f"{name}.com'" if slides else f"{name}.speed"
         if name in self.carriers:
             terms = self.held_energy(name, self.carriers[name])
@@ -227,7 +233,8 @@ class Bodies(BodyJoints):
         self.names.table[name].used = True
 
     def columns(self, name: str) -> tuple[str, ...]:
-        """Returns the column names of a family of rotations; defines the columns if needed."""
+        """Returns the names of the definitions for the columns of the rotation matrices of a family
+        of bodies; adds these definitions if needed."""
         found = tuple(f"{name.rpartition('.')[0]}.{column}" for column in COLUMNS)
         entry = self.names.table[name]
         there = self.names.table.get(found[0])
@@ -241,7 +248,8 @@ class Bodies(BodyJoints):
         self._poisoned(f"{child}.{member}" for member in SHOWN)
 
     def _poison_coordinates(self, joint: st.Joint) -> None:
-        """Declares names in a wrong joint's clauses as poisoned: they may be its coordinates."""
+        """Declares the names in a wrong joint's clauses as names with an error (kind "poisoned"),
+        since they may be the coordinates of the joint."""
         given = (e for word, _, items in joint.clauses if word != "turned" for e in items)
         self._poisoned([joint.left.name, *(e.id for e in given if isinstance(e, Name))])
 
@@ -249,13 +257,14 @@ class Bodies(BodyJoints):
         for name in names:
             own = parted(name)[0]
             entry = self.names.table.setdefault(own, Entry(own, "poisoned", UNKNOWN, Span(0, 0)))
-            entry.periodic |= own != name  # Avoids errors about its index.
+            # If the name has an index, this avoids an error about the index.
+            entry.periodic |= own != name
 
     def _tree(self) -> None:
         names = [*self.bodies]
         broken, told = False, {GROUND, *names}
         for joint in self.joints.values():
-            broken |= joint.child[0] == GROUND  # reported by joint()
+            broken |= joint.child[0] == GROUND  # joint() reports this error
             for name, span in (joint.parent, joint.child):
                 if name in told:
                     continue

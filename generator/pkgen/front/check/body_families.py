@@ -26,8 +26,9 @@ def written_out(
     taken: Container[str],
     tell: Callable[[str, Span, str], None],
 ) -> st.File:
-    """Returns the file with one statement for each member. Reports a wrong index by `tell` and
-    drops the statement. `given`: sizes of the command line; `taken`: forbidden loop variables."""
+    """Returns the file with one statement for each member of a family. Reports a wrong index
+    through the function `tell` and drops its statement. `given` has the sizes set on the command
+    line; `taken` has the names that cannot be loop variables."""
     if not any(indices(s) for s in file.statements):
         return file
     sizes = _sizes(file, given)
@@ -66,7 +67,7 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
     found: dict[str, int] = {}
     for statement in file.statements:
         if isinstance(statement, st.Define) and statement.keyword == "size":
-            with suppress(NotAnInteger):  # The check of `size` reports the error.
+            with suppress(NotAnInteger):  # Definitions.size reports the error.
                 found[statement.left.name] = integer(statement.value, found)
             found |= {k: v for k, v in given.items() if k == statement.left.name}
     return found
@@ -75,8 +76,8 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
 def _members(
     statement: OfBodies, sizes: Mapping[str, int], taken: Container[str], most: int, shared: bool
 ) -> list[OfBodies]:
-    """Returns one statement for each member. `shared`: an empty range is allowed, since other
-    statements add members."""
+    """Returns one statement for each member of a family of bodies or joints. `shared` means that
+    other statements add members to the same family, so that this one may have an empty range."""
     left = statement.left
     if left.range is None:
         return [_with_numbers(statement, sizes)]
@@ -129,5 +130,6 @@ def family(statements: tuple[st.Statement, ...], kind: type, name: str) -> list[
 
 
 def with_number(name: str, of: st.Left) -> str:
-    """Returns `name` with the index of the left side `of`, if any: `phi[3]`."""
+    """Returns `name` with the index of the left side `of`, such as phi[3]; only `name` without
+    one."""
     return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None)

@@ -23,13 +23,15 @@ from .shared import Shared
 
 
 class BodyJoints(BodyParts):
-    """Checks joints; `run` checks the statements generated from them."""
+    """Checks joints. A joint generates statements, which the function `run` checks."""
 
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared)
         self.run, self.statements = run, file.statements
-        self.families: dict[str, st.Joint] = {}  # family name -> its first joint
-        self.texts: dict[str, list[str]] = {}  # joint -> axis, rotation, e and f of plane.py
+        self.families: dict[str, st.Joint] = {}  # name of a family -> its first joint
+        # Name of a joint -> the texts of its axis, of its `turned` rotation, and of the unit
+        # vectors e and f normal to the axis (plane.py).
+        self.texts: dict[str, list[str]] = {}
 
     def kind_of(self, statement: st.Joint) -> Kind | None:
         word, span = statement.kind
@@ -83,8 +85,9 @@ class BodyJoints(BodyParts):
             self.run(st.Declare(word, (item,), said, span))
 
     def _family(self, statement: st.Joint, pairs) -> tuple[Number, Number] | None:
-        """Returns the first and last index of a family when its first joint is checked, else None.
-        The first joint declares the coordinates of all members, as families."""
+        """Returns the first and last index of a joint's family if this joint is the first of the
+        family to be checked, else None. The first joint declares the coordinates of all joints of
+        the family."""
         name, at = statement.left.name, statement.left.span
         first = self.families.setdefault(name, statement)
         if first is not statement:
@@ -179,14 +182,14 @@ def parsed(text: str, span: Span) -> Expr:
 
 
 def _infinite(value: Expr) -> int:
-    """Returns 1 for inf, -1 for -inf, 0 for a number."""
+    """Returns 1 if the value of a limit is inf, -1 if it is -inf, 0 if it is a number."""
     value = value.of if isinstance(value, Quantity) else value
     of = value.of if isinstance(value, Negate) else value
     return (isinstance(of, Name) and of.id == "inf") * (-1 if of is not value else 1)
 
 
 def _moved(part: object, span: Span) -> object:
-    """Returns an expression, or a part of it, with all source positions set to `span`."""
+    """Returns an expression, or a part of it, with all its source positions replaced by `span`."""
     if isinstance(part, Span):
         return span
     if isinstance(part, tuple):

@@ -29,13 +29,16 @@ class BodyParts(Checks):
         super().__init__(shared)
         self.united = self.expressions.time_dimension != NONE
         self.masses: dict[str, Value] = {}
-        self.inertias: dict[str, tuple[Value, ...]] = {}  # body -> elements of its tensor
-        self.carriers: dict[str, str] = {}  # fixed body -> the body that carries it
+        # Name of a body -> the elements of its inertia tensor.
+        self.inertias: dict[str, tuple[Value, ...]] = {}
+        # Name of a body with a fixed joint -> name of the body that carries it.
+        self.carriers: dict[str, str] = {}
 
     def clauses(
         self, statement: st.Body | st.Joint, words: tuple[str, ...], what: str
     ) -> dict[str, Expr]:
-        """Returns the value of each clause, by its word; for `coord` the first name only."""
+        """Returns the values of a statement's clauses, by the word of each clause. The value for
+        `coord` is its first name."""
         found: dict[str, Expr] = {}
         for word, span, items in statement.clauses:
             if word not in words:
@@ -65,8 +68,8 @@ class BodyParts(Checks):
         self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place="joint")
 
     def inertia(self, name: str, value: Expr | None) -> None:
-        """Checks the inertia tensor about the centre of mass. Off-diagonal elements are those of
-        the tensor: Ixy = -sum m x y."""
+        """Checks the inertia tensor about the centre of mass. Off-diagonal elements have the sign
+        of the tensor: Ixy = -sum(m x y) over the mass points m at (x, y, z)."""
         self.inertias[name] = ()
         if value is None:
             return
@@ -92,7 +95,8 @@ class BodyParts(Checks):
         self.inertias[name] = values
 
     def _elements(self, value: Expr) -> tuple[Expr, ...] | None:
-        """Returns the elements of a literal vector or of three rows; each gets the common unit."""
+        """Returns the elements of a literal vector, or of a matrix of three literal rows. A unit
+        after the whole literal is given to each element."""
         if isinstance(value, Quantity):
             inner = self._elements(value.of)
             unit = value.unit, value.unit_span
@@ -124,7 +128,8 @@ class BodyParts(Checks):
         return values or (None,)
 
     def turning(self, name: str, value: Expr) -> bool:
-        """Checks `turned rot(...)` and defines NAME.turn; returns False if it is no rotation."""
+        """Checks the clause `turned rot(...)` of a joint and defines the rotation NAME.turn.
+        Returns False if the value is no constant rotation."""
         _, facts = self.expressions.factor(value, Scope(PLACES["body"]))
         if facts.known and not facts.turns:
             text = self.expressions.mismatch.text(value)
@@ -175,8 +180,9 @@ class BodyParts(Checks):
         return tuple(self.expressions.check(item, scope)[1].value for item in items)
 
     def keep(self, name: str, facts: Facts, span: Span) -> None:
-        """Declares a member of a body or a joint. `link[3].R` is a member of the family `link.R`,
-        whose table entry joins the facts of all members."""
+        """Declares a quantity of a body or a joint, such as the rotation R of a body. `link[3].R`
+        is a member of the family `link.R`; the table entry of the family joins the facts of all its
+        members."""
         own, index = parted(name)
         entry = self.names.table.get(own)
         if index is None or entry is None:
@@ -198,8 +204,9 @@ class BodyParts(Checks):
         return self.masses[name] != 0
 
     def held(self, child: str, parent: str, turn: str, at: str) -> Iterator[tuple[str, str]]:
-        """Yields the members of a body fixed to a carrier body, as (name, text): its rotation and
-        position in the carrier's frame, and the carrier's axes in its own frame."""
+        """Yields (name, text) for the internal quantities of a body that is fixed to a carrier
+        body: the fixed body's rotation and position in the carrier's frame, and the carrier's axes
+        in the fixed body's frame."""
         on = parent in self.carriers
         self.carriers[child] = self.carriers.get(parent, parent)
         yield "held", f"{parent}.held*{turn}" if on else turn
@@ -208,7 +215,8 @@ class BodyParts(Checks):
             yield member, f"inverse({child}.held)*{axis}"
 
     def held_energy(self, name: str, carrier: str) -> Iterator[str]:
-        """Yields the kinetic energies of a body fixed to a carrier, in the carrier's velocities."""
+        """Yields the terms of the kinetic energy of a body fixed to a carrier body, in terms of the
+        carrier's velocities."""
         if self.massive(name):
             at = f"{name}.place + {name}.held*{name}.at"
             speed = f"{carrier}.velocity + cross({carrier}.omega, {at})"
@@ -225,7 +233,8 @@ class BodyParts(Checks):
                 yield f"({terms}){half}*{carrier}.omega.{'xyz'[i]}*{carrier}.omega.{'xyz'[k]}"
 
     def turning_energy(self, name: str) -> Iterator[str]:
-        """Yields the terms of w.I.w/2; elements of I that are known to be 0 are left out."""
+        """Yields the terms of the rotational energy w.I.w/2, with angular velocity w and inertia
+        tensor I. Elements of I that are known to be 0 are left out."""
         for half, element, (a, b) in self._elements_of(name):
             yield f"{name}.{element}{half}*{name}.omega.{a}*{name}.omega.{b}"
 

@@ -23,7 +23,7 @@ class Calls(RotationCalls):
         function = expr.function
         if function in ("drift", "time") and scope.place is PLACES["expect"]:
             return self._of_run(expr)
-        if function in ROTATIONS:  # Its arguments may be rotations.
+        if function in ROTATIONS:  # The arguments may be rotations.
             return self.rotation_call(expr, [self.factor(x, scope) for x in expr.arguments])
         if len(expr.arguments) == WRITTEN_OUT.get(function):
             return self.call(_written_out(expr), scope)

@@ -58,7 +58,8 @@ def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[
 
 
 def _brings(statement: st.Statement) -> bool:
-    """Whether a scene reads a tableau file. The file may change, so the model is not cached."""
+    """Whether a scene reads a tableau file. The model is then not cached, since the file may
+    change."""
     return isinstance(statement, st.Scene) and any(
         isinstance(clause, st.Method) and clause.file for clause in statement.clauses
     )
@@ -70,9 +71,9 @@ class Seen:
 
     model: m.Model | None
     names: Names
-    parts: Mapping[str, list]  # Results of the checks, by field of Model.
+    parts: Mapping[str, list]  # Results of the checks, by name of a field of Model.
     sizes: Mapping[str, int]
-    errors: tuple[Diagnostic, ...]  # Sorted by position, without duplicates.
+    errors: tuple[Diagnostic, ...]  # Sorted by position in the file, without duplicates.
     warnings: tuple[Diagnostic, ...]
 
 
@@ -105,7 +106,8 @@ class _Checker:
     def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
         self.report = Report()
         counted = (expr for s in file.statements for expr in indices(s))
-        self.counting = frozenset().union(*map(names, counted))  # Names in indices of bodies.
+        # Names that occur in indices of bodies or joints.
+        self.counting = frozenset().union(*map(names, counted))
         taken = {*dict(_declarations(file.statements)), *CONSTANTS}
         self.file, self.given = written_out(file, given, taken, self.report.error), dict(given)
         file = self.file
@@ -177,8 +179,9 @@ class _Checker:
         return replace(model, scenes=tuple(scenes))
 
     def _misfits(self) -> dict[str, list[Diagnostic]]:
-        """Moves errors of scenes from the report to the result, by scene, if the command line sets
-        sizes: a scene may be wrong with these sizes alone. Its errors are reported if it is run."""
+        """If the command line sets sizes, removes the errors of scenes from the report and returns
+        them by name of scene: a scene may be wrong with these sizes alone. The errors of a scene
+        are reported if the scene is run."""
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
         for scene in scenes if self.given else ():

@@ -38,7 +38,8 @@ class Checking:
     def constant(
         self, expr: Expr, facts: list[Facts], compute: Callable, *more: object
     ) -> Fraction | float | None:
-        """Applies `compute` to the parts' values; None if one is unknown, or after an error."""
+        """Applies `compute` to the values of an expression's parts. Returns None if one of the
+        values is unknown, or after an error."""
         if any(f.value is None for f in facts):
             return None
         try:
@@ -48,7 +49,7 @@ class Checking:
             return None
 
     def unit(self, text: str, span: Span) -> units.Unit | None:
-        """Parses a unit and reports errors; `span` includes its brackets."""
+        """Parses a unit and reports errors; `span` is its position with the brackets."""
         try:
             return units.parse_unit(text)
         except UnitError as error:

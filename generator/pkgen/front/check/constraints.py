@@ -1,7 +1,9 @@
-"""Checks `constraint NAME: A = B` and `rolling NAME: A = B`; each row has a multiplier.
+"""Checks `constraint NAME: A = B` and `rolling NAME: A = B`.
 
-The generalized force along q is lambda d(A-B)/dq for a constraint, lambda d(A-B)/dq' for a rolling,
-with the multiplier lambda_NAME. So its unit is an energy, for a rolling a power, over that of A.
+An equation of vectors is three scalar equations. Each scalar equation has a multiplier lambda,
+which a model uses under the name lambda_NAME. The generalized force along a coordinate q is
+lambda d(A-B)/dq for a constraint, and lambda d(A-B)/dq' for a rolling. So the unit of lambda is
+that of an energy (for a rolling, of a power) divided by the unit of A.
 """
 
 from __future__ import annotations
@@ -67,7 +69,7 @@ class Constraints(Checks):
 
     @staticmethod
     def _rows(name: str, difference: Add, vector: bool) -> list[tuple[str, Expr]]:
-        """Returns (name, A - B) for each row: one row for a number, three for a vector."""
+        """Returns (name, A - B) for each scalar equation: one for numbers, three for vectors."""
         if not vector:
             return [(name, difference)]
         rows = [tuple(component(x, k) for x in difference.terms) for k in range(len(AXES))]

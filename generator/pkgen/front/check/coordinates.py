@@ -1,4 +1,8 @@
-"""Checks `coord`, `state`, `rotation`, `input`, and families' ends: `fixed`, `free`, `periodic`."""
+"""Checks `coord`, `state`, `rotation` and `input`, and the ends of families.
+
+`fixed`, `free` and `periodic` define the elements beyond the ends of a family, such as q[0] of
+q[1..N].
+"""
 
 from __future__ import annotations
 
@@ -26,7 +30,8 @@ class Coordinates(Checks):
             "rotation": rotations.declare,
             "input": self._input,
         }
-        self.own_ends: dict[tuple[str, int | None], Span] = {}  # Positions of families' ends.
+        # (name of a family, index of an end) -> source position of the statement about the end.
+        self.own_ends: dict[tuple[str, int | None], Span] = {}
 
     def declare(self, statement: st.Declare) -> None:
         # The unit of `a, b [m]` applies to both names, so this loop goes backwards.
@@ -84,7 +89,7 @@ class Coordinates(Checks):
             self._end(keyword, left, entry, value, statement)
 
     def _fixed_value(self, value: Expr | None, entry: Entry) -> Expr | tuple[Expr, ...] | None:
-        """Returns an end's checked value: a quaternion for a rotation, None for a free end."""
+        """Checks and returns the value of an end: a quaternion for a rotation, None if free."""
         if value is None:
             return None
         scope, target = Scope(PLACES["fixed"]), as_is(entry.name, entry.facts.dimension)

@@ -18,7 +18,7 @@ from .scope import PLACES, Scope
 from .shared import Checks, as_is, name_span
 from .vectors import by_component
 
-_UNKNOWN = "?"  # Stands for a bound with an error; no name can be "?".
+_UNKNOWN = "?"  # Replaces a bound that has an error. No model can declare this name.
 
 
 class Definitions(Checks):
@@ -157,7 +157,7 @@ class Definitions(Checks):
         new = entry is None or entry.kind != "definition" or entry.members is None
         if new:
             # The family is declared before its value is checked, since the value may use lower
-            # members. Its facts are UNKNOWN until the first member sets them.
+            # members. The facts of the family are UNKNOWN until the first member sets them.
             entry = Entry(left.name, "definition", UNKNOWN, name_span(left), Members())
             self.names.declare(entry)
         if not members.intervals:  # The range or index has an error.
@@ -196,7 +196,8 @@ class Definitions(Checks):
 
 
 def _declared(facts: Facts, written: Expr) -> Facts:
-    """Returns the facts of a defined name: those of its value, but not marked as a bare number."""
+    """Returns the facts of a defined name: those of its value `written`, except that a name never
+    counts as a bare number, which could still take a unit."""
     dimension = NONE if facts.dimension is None and facts.known else facts.dimension
     united = isinstance(written, Quantity) or facts.united or dimension != NONE
     return replace(facts, dimension=dimension, bare=False, united=united)

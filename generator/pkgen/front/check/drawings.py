@@ -68,7 +68,8 @@ class Drawings(Checks):
         return replace(statement, subject=turn, parts=(*at, *statement.parts))
 
     def _part(self, what: str, word: str, value: Expr, scope: Scope) -> tuple[Expr, ...]:
-        """Checks a clause; returns () for `scale` and `in`, which are checked with the subject."""
+        """Checks a clause of a drawing and returns its expressions. Returns () for the clauses
+        `scale` and `in`, which are checked together with the subject of the drawing."""
         if what == shapes.PLACE:
             return self._place(value, scope)
         if word in shapes.FORMS:

@@ -55,7 +55,8 @@ class Dynamics(Checks):
         self.parts[row.fills].append(value)
 
     def _rate_of_a_state(self, value: Expr) -> Span:
-        """Returns the span of the shortest part with a state's rate, also through a definition."""
+        """Returns the position of the shortest part of `value` that contains the rate of a state,
+        directly or through a defined name."""
         found = [value.span]
         for part in within(value):
             entry = self.names.table.get(part.id) if isinstance(part, Name) else None
@@ -97,8 +98,9 @@ class Dynamics(Checks):
     def start_item(
         self, item: st.StartItem, around: Scope | None = None
     ) -> tuple[m.Start, ...] | None:
-        """Checks an initial value. Returns one Start, for a rotation one for each of its numbers,
-        None after an error. `around`: the scope of the value in a swarm's loop."""
+        """Checks an initial value. Returns its Starts: one for a number, several for a rotation.
+        Returns None after an error. `around` is the scope of a value that depends on the loop
+        variable of a swarm."""
         left = item.left
         entry = self.shared.named(left, "a start", self.shared.moving)
         around = around or Scope(PLACES["start"])
@@ -154,7 +156,7 @@ class Dynamics(Checks):
 
 
 def _step_of(value: Expr) -> Call | None:
-    """Returns the call of step if it is the whole expression or a factor of it, else None."""
+    """Returns the call of step() if `value` is this call or has it as a factor, else None."""
     parts = [value]
     for part in parts:
         if isinstance(part, Call) and part.function == "step":

@@ -14,7 +14,7 @@ from .settings import Settings
 from .shared import Checks, Shared
 from .vectors import component
 
-OF_RUN = frozenset(("drift", "time"))  # Functions whose value is that of a whole run.
+OF_RUN = frozenset(("drift", "time"))  # Functions that have one value for a whole run.
 
 
 class Expects(Checks):

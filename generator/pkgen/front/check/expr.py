@@ -28,8 +28,8 @@ from .vectors import EXAMPLE, output_vector
 
 @record
 class Target:
-    """The required dimension of a value (None: any); `needs` says it in messages. `bare`: a number
-    without a unit is taken as a value in SI."""
+    """The dimension that a value must have (None allows any). `needs` is the text of this demand in
+    messages. `bare` means that a number without a unit is allowed, as a value in SI."""
 
     dimension: Dimension | None
     needs: str
@@ -54,7 +54,8 @@ class Expressions(Operators, Calls, Quantities):
         return expr, UNKNOWN
 
     def factor(self, expr: Expr, scope: Scope) -> Checked:
-        """Checks an expression; if it is a rotation, only `turns` in the returned facts is set."""
+        """Checks an expression that may be a rotation. The facts of a rotation are not valid,
+        except for `turns`, the factors of the rotation."""
         try:
             return getattr(self, type(expr).__name__.lower())(expr, scope)
         except Wrong as wrong:
@@ -136,7 +137,8 @@ class Expressions(Operators, Calls, Quantities):
     columns: Callable[[str], tuple[str, ...]]  # Set by check/bodies.py.
 
     def _turning(self, expr: Name, entry: Entry) -> Facts:
-        """Returns the facts of a member, with the index in `expr`, of a family of rotations."""
+        """Returns the facts of a rotation that belongs to a family of bodies; `expr` has its
+        index."""
         try:
             member = entry.turning.get(integer(expr.index, self.sizes))
             if member is None:
@@ -194,7 +196,8 @@ class Expressions(Operators, Calls, Quantities):
             facts = replace(facts, dimension=units.over(action, of.facts.dimension))
         if of is not None and of.kind == "rotation":
             facts = replace(facts, vector=True)
-        members = Members(of.own) if of is not None and of.own else None  # Ends have no momentum.
+        # The ends of a family, such as q[0] of q[1..N], have no momentum.
+        members = Members(of.own) if of is not None and of.own else None
         return Entry(name, "built-in", facts, expr.span, members)
 
     def _once(self, name: str, message: str, span: Span, help: str = "") -> None:

@@ -12,11 +12,12 @@ from .names import KIND_TEXT, Entry, Members
 from .scope import DECLARED, PLACES, Scope
 from .shared import Checks, Shared, as_is, name_span
 
-Taken = dict[str, Members]  # coordinate -> indices; a single coordinate has index 0
+Taken = dict[str, Members]  # name of a coordinate -> indices; 0 if it has none
 
 
 class Given(Checks):
-    """Collects the values of one scene: receives its clauses in order, then `finish`."""
+    """Collects the values of one scene. Its methods are called for the clauses of the scene in
+    order, and then `finish` is called."""
 
     def __init__(self, shared: Shared, dynamics: Dynamics, swarm: Range | None) -> None:
         super().__init__(shared)
@@ -26,7 +27,7 @@ class Given(Checks):
         self.holds: list[m.Hold] = []
         self.started: Taken = {}
         self.held: Taken = {}
-        self.given: dict[str, set[tuple[int, int]]] = {}  # name -> index ranges
+        self.given: dict[str, set[tuple[int, int]]] = {}  # name -> ranges of indices
         self.wrong_start = False
         self.members = swarm
         self.around = self._swarm(swarm) if swarm is not None else None
@@ -42,7 +43,7 @@ class Given(Checks):
         if lo is not None and hi is not None and self._swarm_fits(swarm, lo, hi):
             inside = self.indices.enter((swarm,), scope)
         if inside is None:
-            self.names.reported.add(swarm.variable)  # Avoids further errors in starts.
+            self.names.reported.add(swarm.variable)  # Avoids further errors about this name.
         return inside
 
     def _swarm_fits(self, swarm: Range, lo: int, hi: int) -> bool:
@@ -57,7 +58,8 @@ class Given(Checks):
         return 0 < hi - lo + 1 <= limits.SWARM
 
     def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
-        """Reports expressions that wrongly contain the swarm's variable; returns whether any do."""
+        """Reports each expression that wrongly contains the loop variable of the swarm; returns
+        whether there is one."""
         if self.members is None:
             return False
         wrong = [e for e in expressions if e is not None and self.members.variable in names(e)]
@@ -129,7 +131,8 @@ class Given(Checks):
         self.report.error(message, span, f"say where it is held: hold {name} = …")
 
     def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
-        """Reports a value that is set twice; a member's value may override the family's."""
+        """Reports a value that a scene sets twice. A value of one member is allowed after a value
+        of its whole family, which it overrides."""
         given, (lo, hi) = self.given.setdefault(name, set()), members
         if members in given or (lo < hi and any(lo <= a and b <= hi for a, b in given)):
             shown = f"a member of '{name}'" if lo < hi else f"'{name}'"

@@ -1,9 +1,9 @@
 """Checks that indices and ranges are integers, and that every indexed member exists.
 
-The ends of a family of coordinates may be declared below their use, so indices of coordinates are
-checked in `finish`. Members of a `let` must be defined above their use, so their indices are
-checked at once. Interval arithmetic over the loops first bounds an index, which proves nearly every
-one valid. Otherwise the loops are enumerated point by point.
+The ends of a family of coordinates, such as q[0] of q[1..N], may be declared below their use, so
+indices of coordinates are checked in `finish`. A member of a `let` must be defined above its use,
+so its index is checked at once. Interval arithmetic over the loop variables first bounds an index,
+which proves nearly every index valid. If it does not, the index is evaluated for each iteration.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Indices:
         return integer(expr, self.sizes) if self.valid(expr, scope) else None
 
     def _samples(self, scope: Scope) -> dict[str, int]:
-        """Returns a value for each size and loop variable, to test whether indices are integers."""
+        """Returns one value for each size and loop variable, to test if an index is an integer."""
         return {**self.sizes, **{x.range.variable: x.interval[0] for x in scope.loops}}
 
     def _names_known(self, index: Expr, scope: Scope) -> bool:
@@ -71,14 +71,15 @@ class Indices:
         return known
 
     def is_index(self, text: str) -> bool:
-        """Whether a unit's text looks like an index that a space separates from its name."""
+        """Whether the text of a unit is probably an index after a space, as in `q [i]`."""
         word = text.split("+")[0].split("-")[0].strip()
         return word.isdigit() or word in self.names.table or len(word) == 1
 
     # ranges
 
     def around(self, expr: Sum, scope: Scope) -> Scope:
-        """Returns a sum's scope; `points` counts the iterations of outer loops that affect it."""
+        """Returns the scope in which a sum is checked. Its `points` is the number of iterations of
+        those outer loops whose variables occur in the sum."""
         used = names(expr)
         lengths = (
             max(0, loop.interval[1] - loop.interval[0] + 1)
@@ -88,7 +89,7 @@ class Indices:
         return replace(scope, points=prod(lengths))
 
     def enter(self, ranges: tuple[Range, ...], scope: Scope) -> Scope | None:
-        """Returns the scope within the loops, or None after an error."""
+        """Returns the scope within loops over `ranges`, or None after an error."""
         for item in ranges:
             loop = self._loop(item, scope)
             if loop is None:
@@ -145,7 +146,8 @@ class Indices:
     # members
 
     def member(self, expr: Name, entry: Entry, scope: Scope) -> bool:
-        """Whether a family has an integer index, or any other name has no index; reports errors."""
+        """Whether the index of `expr` fits its name: it must be an integer for a family, and there
+        must be none for any other name. Reports errors."""
         if expr.index is None:
             if entry.members is not None:
                 self._no_index(expr, entry, scope)
@@ -205,7 +207,8 @@ class Indices:
             self._outside(expr, entry, *found, recursive)
 
     def _defined_before(self, value: int, at: dict[str, int]) -> bool:
-        """Whether `value` is an index below the current i of the definition `let x[i = lo..hi]`."""
+        """Whether `value` is an index below the current i in the definition `let x[i = lo..hi]`, so
+        that this member of x is defined before it is used."""
         own = self.defining[1]
         return integer(own.lo, self.sizes) <= value < at[own.variable]
 
@@ -229,7 +232,7 @@ class Indices:
         )
 
     def exponent(self, expr: Expr, scope: Scope) -> None:
-        """Reports an exponent with loop variables that exceeds the limit."""
+        """Reports an exponent that contains loop variables and exceeds the limit."""
         try:
             integer(expr, self._samples(scope))
         except NotAnInteger:
@@ -246,7 +249,8 @@ class Indices:
 
 
 def bound(expr: Expr, variables: Mapping[str, Interval]) -> Interval:
-    """Returns an interval that contains an index expression; `variables` has those of its names."""
+    """Returns an interval that contains all values of an index expression; `variables` has an
+    interval for each name in it."""
     match expr:
         case Number(value=value):
             return int(value), int(value)
@@ -289,7 +293,8 @@ def points(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> Iterator[dict[s
 def first_outside(
     index: Expr, sizes: Mapping[str, int], loops: tuple[Loop, ...], inside
 ) -> tuple[int, dict[str, int]] | None:
-    """Returns the first index value for which `inside` is False, and the loop variables there."""
+    """Returns the first value of an index for which `inside` is False, and the values of the loop
+    variables at this iteration."""
     for values in points(sizes, loops):
         value = integer(index, values)
         if not inside(value, values):
@@ -298,7 +303,8 @@ def first_outside(
 
 
 def at_text(variables: Mapping[str, int]) -> str:
-    """Returns the values as text, ` at i = 3, j = 4`; "" without variables."""
+    """Returns the values of loop variables as text, such as ` at i = 3, j = 4`; "" if there are
+    none."""
     if not variables:
         return ""
     return " at " + ", ".join(f"{name} = {value}" for name, value in variables.items())

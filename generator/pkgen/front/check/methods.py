@@ -34,7 +34,8 @@ class Methods(Checks):
             self.bring(statement)
 
     def bring(self, statement: st.Method) -> None:
-        """Reads the tableau and adds the method. Raises ModelError at a place in the file."""
+        """Reads the tableau file and adds the method. Raises ModelError, which points into that
+        file."""
         name, help = statement.name, _FORM
         why = reserved(name)
         if name in METHODS:

@@ -28,8 +28,9 @@ class Mismatch:
     def against(
         self, expr: Expr, facts: Facts, needed: Dimension, needs: str, numbers: bool
     ) -> None:
-        """Reports an expression, or a term of a sum, that lacks the `needed` dimension. `numbers`:
-        the value must not depend on the motion, so hints suggest no coordinates or rates."""
+        """Reports an expression, or a term of a sum, that lacks the `needed` dimension. `numbers`
+        means that the value cannot depend on the motion, so that hints suggest no coordinates or
+        rates."""
         message = f"unit mismatch: {self.text(expr)} is {described(facts.dimension)}, {needs}"
         self.report.error(message, expr.span, self._hint(expr, facts, needed, needs, numbers))
 
@@ -40,7 +41,8 @@ class Mismatch:
         where: str = "a sum",
         numbers: bool = False,
     ) -> Dimension | None:
-        """Returns the dimension that most parts have; reports the parts with a different one."""
+        """Returns the dimension that most of the parts of an expression have, and reports the parts
+        that have a different dimension."""
         dims = [f.dimension for f in facts if f.dimension is not None]
         if not dims:
             return None
@@ -84,7 +86,8 @@ class Mismatch:
         numbers: bool,
         within: bool = False,
     ) -> str:
-        """Returns a hint. `within`: the expression is part of another, so a unit needs brackets."""
+        """Returns a hint on how to get the `needed` dimension. `within` means that the expression
+        is part of another one, so that with a unit it must be written in parentheses."""
         if self.report.full:
             return ""
         text = self.text(expr)
@@ -116,7 +119,8 @@ class Mismatch:
         return f"{kind} [{si_text(factor)}] is missing as a factor" if kind else ""
 
     def _fitting(self, ratio: Dimension, expr: Expr, needs: str, numbers: bool) -> str | None:
-        """Returns a name of dimension `ratio`, preferably with a digit at its end as in `expr`."""
+        """Returns a name of dimension `ratio` that may be missing in `expr` as a factor. A name
+        with the same digit at its end as a name in `expr` is preferred, such as m2 for x2."""
         if ratio == NONE:
             return None
         own = _names(expr)
@@ -138,7 +142,8 @@ class Mismatch:
             height = entry.name[0] in _HEIGHTS and moving
             order = _HEIGHTS.index(entry.name[0]) if height else len(_HEIGHTS)
             near = any(entry.name.endswith(d) for d in digits)
-            # A potential may need a height, a coordinate; other missing factors are parameters.
+            # A factor missing in a potential may be a height, which is a coordinate. Any other
+            # missing factor is probably a parameter.
             return (moving != potential, not near, order if potential else 0)
 
         best = min(fitting, key=liking, default=None)

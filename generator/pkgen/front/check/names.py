@@ -28,16 +28,18 @@ SPECIAL = ROTATIONS | {"sum", "drift", "time"}
 
 
 def callable_names() -> frozenset[str]:
-    """Returns the names of the functions that a model may call, except those in SPECIAL."""
+    """Returns the names of the functions that a model may call, without those in SPECIAL, which
+    have checks of their own."""
     rows = (name for name, row in FUNCTIONS.items() if not row.internal)
     return frozenset(rows) | VECTOR_FUNCTIONS.keys() | WRITTEN_OUT.keys()
 
 
 @record
 class Turn:
-    """A factor of a product of rotations, in one of four forms: `axis` and `angle` of a rot(...);
-    the `quaternion` of a declared rotation (with `name`, `index` unless inverted); the `columns` of
-    its matrix, as vectors; or the `rows` of an inverted matrix."""
+    """A factor of a product of rotations. It has one of four forms: the `axis` and `angle` of a
+    rot(...); the `quaternion` of a declared rotation, with its `name` and `index` unless it is
+    inverted; the `columns` of a rotation matrix, as vectors; or the `rows` of the inverse of a
+    rotation matrix."""
 
     axis: Expr | None = None
     angle: Expr | None = None
@@ -55,21 +57,22 @@ Turns = tuple[Turn, ...]
 class Facts:
     """Properties of an expression; treated as immutable, since expressions share them."""
 
-    dimension: Dimension | None  # None: any dimension fits (a literal 0; a name with an error).
-    vector: bool | None = False  # None: unknown.
-    value: Fraction | float | None = None  # The value of a constant.
-    bare: bool = False  # Contains only literals, pi, sizes and loop variables.
-    united: bool = False  # Contains a name or number with a declared unit.
+    dimension: Dimension | None  # None: every dimension fits (a literal 0, a wrong name).
+    vector: bool | None = False  # None: an error leaves it unknown.
+    value: Fraction | float | None = None  # Value of a constant, else None.
+    bare: bool = False  # The expression has only literals, pi, sizes and loop variables.
+    united: bool = False  # The expression has a name or number with a declared unit.
     known: bool = True  # False: the expression has an error.
-    time: bool = False  # Contains t.
+    time: bool = False  # The expression contains the time t.
     coordinates: frozenset[str] = NOTHING
     rates: frozenset[str] = NOTHING
-    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # input -> highest derivative
+    # Name of an input in the expression -> order of its highest derivative there.
+    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)
     states: frozenset[str] = NOTHING
     state_rates: frozenset[str] = NOTHING
-    rough: str = ""  # The first non-smooth function in it that depends on the motion.
-    turns: Turns = ()  # The factors of a rotation.
-    accelerations: bool = False  # Contains accelerations, or second derivatives of states.
+    rough: str = ""  # First non-smooth function of the motion in the expression, or "".
+    turns: Turns = ()  # The factors, if the expression is a rotation.
+    accelerations: bool = False  # The expression has accelerations or second derivatives of states.
 
     @property
     def moves(self) -> bool:
@@ -80,7 +83,7 @@ UNKNOWN = Facts(None, None, known=False)
 
 
 def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts]) -> Facts:
-    """Returns the facts of an expression made of `parts`; its value stays None."""
+    """Returns the facts of an expression made of `parts`; the fact `value` stays None."""
     found = Facts(dimension, vector, bare=True)
     for part in parts:
         found.bare &= part.bare
@@ -118,12 +121,12 @@ class Members:
         self.intervals[first:last] = [(lo, hi)]
 
     def hold(self, lo: int, hi: int) -> bool:
-        """Whether all of lo..hi are members."""
+        """Whether each integer in lo..hi is the index of a member."""
         at = bisect_left(self.intervals, hi, key=lambda x: x[1])
         return at < len(self.intervals) and self.intervals[at][0] <= lo
 
     def touch(self, lo: int, hi: int) -> bool:
-        """Whether any of lo..hi is a member."""
+        """Whether any integer in lo..hi is the index of a member."""
         at = bisect_left(self.intervals, lo, key=lambda x: x[1])
         return at < len(self.intervals) and self.intervals[at][0] <= hi
 
@@ -141,11 +144,12 @@ class Entry:
     kind: str
     facts: Facts
     span: Span
-    members: Members | None = None  # Indices of a family, including its ends.
-    own: tuple[int, int] | None = None  # Range without the ends.
-    periodic: bool = False  # Any index is valid (also after an error).
+    members: Members | None = None  # Indices of a family, with its ends (q[0]).
+    own: tuple[int, int] | None = None  # Range of a family without its ends.
+    periodic: bool = False  # Every index is valid (True also after an error).
     used: bool = False
-    turning: dict[int, Facts] | None = None  # Facts of a body's rotation, by member.
+    # For rotations of a family of bodies: index of a body -> facts of its rotation.
+    turning: dict[int, Facts] | None = None
 
 
 KIND_TEXT = {
@@ -170,7 +174,8 @@ KIND_TEXT = {
     "time": "the time",
     "built-in": "built in",
 }
-MOVING = ("coordinate", "state", "rotation")  # Kinds of names whose families have ends.
+# Kinds of names whose families can have ends, such as q[0] of q[1..N].
+MOVING = ("coordinate", "state", "rotation")
 
 
 class Wrong(Exception):
@@ -193,7 +198,8 @@ class Report:
 
     @property
     def full(self) -> bool:
-        """Whether there are more errors than will be shown; further hints are then not computed."""
+        """Whether there are more errors than will be shown. No hint is then computed for a further
+        error."""
         return len(self.errors) > limits.DIAGNOSTICS
 
     def warn(self, message: str, span: Span, help: str = "") -> None:
@@ -205,15 +211,16 @@ class Names:
 
     def __init__(self, report: Report, line_of, later: dict[str, Span], poisoned: Iterable[str]):
         self.report = report
-        self.line_of = line_of  # Returns the line number of a span.
-        self.later = later  # All names of the file, with source positions.
+        self.line_of = line_of  # A function: source position -> line number.
+        self.later = later  # All names that the file declares -> source positions.
         self.table: dict[str, Entry] = {}
         self.reported: set[str] = set()
         for name in poisoned:
             self.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
 
     def declare(self, entry: Entry) -> bool:
-        """Adds a name; reports a taken, reserved or misleading one. Returns False if not usable."""
+        """Adds a name to the table; reports a name that is taken, reserved or misleading. Returns
+        False if the name is taken or reserved."""
         name, span = entry.name, entry.span
         why = reserved(name)
         before = self.table.get(name)
@@ -231,7 +238,8 @@ class Names:
         self.table[name] = entry
         return not why
 
-    coordinates: frozenset[str] = NOTHING  # Names in the file, set before the checks.
+    # Names of these kinds in the whole file, known before the statements are checked.
+    coordinates: frozenset[str] = NOTHING
     states: frozenset[str] = NOTHING
     rotations: frozenset[str] = NOTHING
     loose: frozenset[str] = NOTHING  # Bodies not connected to the ground.
@@ -241,7 +249,8 @@ class Names:
         """The names of coordinates and rotations, which have a second-order equation of motion."""
         return self.coordinates | self.rotations
 
-    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # the last hint
+    # The hint for an unknown name if there is no better one.
+    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"
 
     def unknown(
         self,
@@ -252,9 +261,9 @@ class Names:
         missing: str = "",
         built_in: bool = False,
     ) -> None:
-        """Reports an unknown name, once. The hint is a similar name (with `built_in` also p_q and
-        the like), else `missing`. If `missing` is set (in scenes), the hint is no product of two
-        names."""
+        """Reports an unknown name, unless it has been reported. The hint is a similar name, else
+        `missing`. With `built_in`, the similar names include built-in ones, such as p_q, the
+        momentum of q. With `missing` (in scenes), no hint reads mg as the product m*g."""
         if name in self.reported or name.partition(".")[0] in self.loose:
             return
         self.reported.add(name)

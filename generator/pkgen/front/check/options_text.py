@@ -33,7 +33,8 @@ _COMPONENT = re.compile(rf"(.*)(\.[{COMPONENTS}])('*)\s*")
 
 
 class OptionError(Exception):
-    """An option cannot be parsed; `text()` shows the error as errors of a model are shown."""
+    """The text of an option cannot be parsed. text() shows the error in the way in which errors of
+    a model are shown."""
 
     def __init__(self, source: Source, diagnostic: Diagnostic):
         super().__init__(diagnostic.message)
@@ -48,8 +49,9 @@ class OptionError(Exception):
 
 @record
 class LeftSide:
-    """The left side of an option: `q[1]'` is LeftSide("q", 1, 1), `q` is LeftSide("q", None, 0),
-    `r[1].x` is LeftSide("r.x", 1, 0)."""
+    """The target of an option: its name, its index (None without one) and the number of primes.
+    `q[1]'` is LeftSide("q", 1, 1), `q` is LeftSide("q", None, 0), `r[1].x` is LeftSide("r.x", 1,
+    0)."""
 
     name: str
     index: int | None
@@ -67,8 +69,9 @@ def quantity(
     values: Mapping[str, int] = {},
     name: str = "the value",
 ) -> Fraction | float:
-    """Returns a value in SI. A number without a unit is taken in `unit`, an SI unit. `values`: the
-    sizes that it may use; `name`: its name in messages. Raises OptionError."""
+    """Returns the value of a text such as `30 [cm]`, in SI. A number without a unit has the unit
+    `unit`, which is an SI unit. `values` has the sizes that the text may use; `name` is what
+    messages call the value. Raises OptionError."""
     source = _source(text)
     setting = _parsed(source, [Token("UNTIL", "until", start_pos=0, end_pos=0)], [])
     dimension = NONE if dimensionless else parse_unit(unit).dimension if unit else NONE
@@ -142,7 +145,8 @@ def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
     except UnexpectedToken as error:
         found = explain(source, lexed, error)
         message, help = found.message, found.help
-        if message.endswith("takes one item"):  # Not about the user's text.
+        # The user did not write the `until` that this message is about.
+        if message.endswith("takes one item"):
             message, help = "one value is needed here", ""
         elif help.startswith(("the form", "e.g.")):
             help = ""

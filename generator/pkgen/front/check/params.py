@@ -65,7 +65,8 @@ def _indices(item: m.Parameter, sizes: Mapping[str, int]):
 
 
 def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Report):
-    """Returns the values (lo, hi), each None if infinite; None instead of a pair after an error."""
+    """Returns the values (lo, hi) of a parameter's bounds; an infinite bound is None. Returns None
+    after an error."""
     ends = []
     for end in (item.bounds.lo, item.bounds.hi):
         try:

@@ -1,8 +1,8 @@
-"""Decides to which expression a `[unit]` applies, and multiplies this by the unit's factor.
+"""Decides to which expression a `[unit]` applies, and multiplies it by the unit's factor to SI.
 
-A unit applies to the whole expression before it if that is a pure number or has the unit already
-(`1/2 [m]`, `l/2 [m]`). Otherwise it applies to the longest sequence of numbers and constants before
-it (`x - 0.1 [m]`, `2 [N]*cos(w*t)`).
+A unit applies to the whole expression before it if this expression is a pure number or has the
+dimension of the unit already (`1/2 [m]`, `l/2 [m]`). Otherwise the unit applies to the longest
+sequence of numbers and constants before it (`x - 0.1 [m]`, `2 [N]*cos(w*t)`).
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ class Quantities(Checking):
         return self._measured(expr, of, facts, unit)
 
     def terms(self, expr: Add) -> tuple[Expr, ...]:
-        """Returns the terms of a sum; a unit after a term applies to plain numbers before it."""
+        """Returns the terms of a sum. A unit after one term also applies to the terms directly
+        before it that are plain numbers, as in `1 + 2 [m]`."""
         terms = list(expr.terms)
         for j in range(len(terms) - 1, 0, -1):
             found = terms[j]
@@ -61,7 +62,7 @@ class Quantities(Checking):
         return self._measured(expr, *whole, unit)
 
     def _is_plain(self, expr: Expr) -> bool:
-        """Whether an expression contains only constants and numbers without a unit."""
+        """Whether an expression contains only numbers without a unit, and constants."""
         if isinstance(expr, Number):
             return True
         if isinstance(expr, Name):
@@ -124,15 +125,16 @@ class Quantities(Checking):
 
 
 def _is_pure(facts: Facts, unit: units.Unit) -> bool:
-    """Whether a unit applies to the whole expression: 0.3 [m], 0.3*sin(theta) [m]. An angle
-    declared in radians is excluded: a [deg] after it must not convert it."""
+    """Whether a unit applies to the whole expression before it, as in 0.3 [m] and 0.3*sin(theta)
+    [m]. For an angle that is declared in radians the result is False: a [deg] after it must not
+    convert it."""
     if facts.dimension is None:
         return True
     return facts.dimension == NONE and (unit.dimension != NONE or not facts.united)
 
 
 def _scaled(of: Expr, unit: units.Unit, span: Span) -> Expr:
-    """Returns the expression `of` times the unit's factor."""
+    """Returns the expression `of` multiplied by the unit's factor to SI."""
     if unit.is_si:
         return of
     if isinstance(of, Number) and not unit.pi:

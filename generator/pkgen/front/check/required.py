@@ -9,7 +9,8 @@ from .shared import Shared
 
 
 class Required:
-    """`broken`: keywords of statements that did not parse; contains "" for an unknown keyword."""
+    """Checks that no statement is missing. `broken` has the keywords of statements that did not
+    parse; "" stands for an unknown keyword."""
 
     def __init__(self, file: st.File, shared: Shared, broken: set[str]) -> None:
         self.file, self.shared, self.report, self.broken = file, shared, shared.report, broken
@@ -20,7 +21,7 @@ class Required:
 
     def _required(self) -> None:
         if not self.file.statements:
-            if not self.file.diagnostics:  # Otherwise all statements have syntax errors.
+            if not self.file.diagnostics:  # Errors mean that no statement could be parsed.
                 self.report.error(
                     "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
                 )
@@ -56,7 +57,7 @@ class Required:
             )
 
     def _bodies(self) -> bool:
-        """Whether the model has bodies; bodies without errors have kinetic energies."""
+        """Whether the model has bodies. Bodies without errors define kinetic energies."""
         return any(isinstance(s, st.Body) for s in self.file.statements)
 
     def _states_alone(self) -> None:
@@ -82,7 +83,8 @@ class Required:
                 self.report.error(message, self._first_line(), help)
 
     def inertia(self) -> None:
-        """Reports coordinates whose rate is in no energy; `derive` checks the mass matrix."""
+        """Reports coordinates whose rate occurs in no energy. The mass matrix itself is checked
+        later, in middle/derive."""
         energies = self.shared.energies
         has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
         if not has_kinetic or not all(f.known for f in energies):

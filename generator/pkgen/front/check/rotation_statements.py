@@ -22,7 +22,8 @@ from .scope import Scope
 from .shared import Checks
 from .vectors import component
 
-TURNS = 5  # Most factors in a product; its terms multiply.
+# Most factors in a product of rotations. Each factor multiplies the number of terms.
+TURNS = 5
 
 
 class Rotations(Checks):
@@ -80,7 +81,7 @@ class Rotations(Checks):
             help = f"start omega({left.name}) = [x, y, z]"
             self.report.error(f"the rates of a rotation are omega({left.name})", item.span, help)
         scope = self.shared.member_scope(left, entry, around) or around
-        of_rates = item.function or item.order  # R' is reported as an error above.
+        of_rates = item.function or item.order  # Above, `start R'` is reported as an error.
         values = self._rates(item, scope) if of_rates else self._attitude(item, scope)
         if len(self.report.errors) > before or entry is None or not values:
             return None
@@ -102,7 +103,8 @@ class Rotations(Checks):
     def numbers(
         self, what: str, example: str, value: Expr, around: Scope
     ) -> tuple[tuple[Expr, ...] | None, Facts]:
-        """Returns the quaternion of a product of rot(...), None after an error, and its facts."""
+        """Returns the quaternion of a product of rot(...), or None after an error; and the facts of
+        the product."""
         _, facts = self.expressions.factor(value, around)
         if not facts.turns:
             if facts.known:
@@ -113,7 +115,7 @@ class Rotations(Checks):
             self.report.error(f"{what} of more than {TURNS} turns", value.span)
             return None, facts
         if any(turn.quaternion is not None for turn in facts.turns):
-            return None, facts  # A declared rotation in it is reported elsewhere.
+            return None, facts  # A declared rotation is an error, reported elsewhere.
         if any(turn.angle is None for turn in facts.turns):
             self.report.error(f"{what} is a product of rot(AXIS, ANGLE)", value.span)
             return None, facts
@@ -121,8 +123,9 @@ class Rotations(Checks):
 
 
 def ends_of(end: m.End, numbers: tuple[Expr, ...] | None) -> Iterable[m.End]:
-    """Yields the ends of the states and coordinates of a family of rotations. `numbers` is the
-    quaternion of a fixed end; the coordinates get None there, since the rates follow from it."""
+    """Yields the end of a family of rotations as ends of the four states and three coordinates of
+    the family. `numbers` is the quaternion of a fixed end, which is the value of the states. The
+    coordinates get the value None, since their rates follow from the quaternion."""
     for k, number in enumerate(quaternion_names(end.name)):
         yield replace(end, name=number, value=numbers and numbers[k])
     for turn in turn_names(end.name):

@@ -36,7 +36,7 @@ def turn_names(rotation: str) -> tuple[str, ...]:
 
 
 def attitude(name: str, index: Expr | None, span: Span) -> Turn:
-    """Returns the Turn of a declared rotation or of a member of a family of rotations."""
+    """Returns the Turn (a factor of a product) for a declared rotation or a member of a family."""
     numbers = tuple(Name(number, index, span) for number in quaternion_names(name))
     return Turn(quaternion=Vector(numbers, span), name=name, index=index)
 
@@ -77,8 +77,9 @@ def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tup
 
 class RotationCalls(Checking):
     def rotation_call(self, expr: Call, parts: list[Checked]) -> Checked:
-        """Checks a call whose arguments `parts` have been checked. If the result is a rotation,
-        only `turns` of its facts is valid, and the returned expression is not used."""
+        """Checks a call such as rot(...), whose arguments `parts` have been checked. If the result
+        is a rotation, only `turns`, its list of factors, is valid in the returned facts, and the
+        returned expression is not used."""
         if expr.function == "rot":
             return self._rot(expr, parts)
         if len(parts) != 1:
@@ -167,7 +168,7 @@ def _inverse(turns: Turns) -> Turns:
 
 
 def _of_no_name(turns: Turns) -> str:
-    """Returns a hint about the rates of a rotation that has no name."""
+    """Returns a hint on how to write the rates of a rotation without a name, such as inverse(R)."""
     if len(turns) > 1:
         return "of a product of rotations the rates are in several frames: add them as vectors"
     if turns[0].quaternion is not None:

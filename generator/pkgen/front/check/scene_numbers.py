@@ -15,13 +15,14 @@ from ...tree import Expr
 from .params import within
 from .values import NoValue, evaluate
 
-BYTES = 20  # Bytes of a number as text.
+BYTES = 20  # Bytes of a number in a text file, estimated.
 Number = Fraction | float
-Key = tuple[str, int | None]  # name, index of a family member
+Key = tuple[str, int | None]  # a name, and an index or None
 
 
 def has_row(t: float, every: float | None, until: float) -> bool:
-    """Whether a run in a swarm writes a row at t: at both ends, and at multiples of `every`."""
+    """Whether a run in a swarm writes a row of results at the time t. It writes one at the start,
+    one at the end `until`, and one at each multiple of `every`."""
     if t in (0, until):
         return True
     if every is None:
@@ -31,7 +32,8 @@ def has_row(t: float, every: float | None, until: float) -> bool:
 
 
 def too_much(rows: float, numbers: int, members: int | None) -> str:
-    """Returns a message if all rows together exceed limits.WRITTEN numbers, else ""."""
+    """Returns a message if the rows of all `members` runs together have more than limits.WRITTEN
+    numbers, else "". A run has `rows` rows of `numbers` numbers."""
     total = rows * numbers * (members or 1)
     if total <= limits.WRITTEN:
         return ""
@@ -73,7 +75,7 @@ class Values:
         self.set({})
 
     def set(self, more: Mapping[Key, float]) -> None:
-        """Recomputes all values with those in `more`; values in `given` take precedence."""
+        """Recomputes all values with those in `more`, except for names that are in `given`."""
         given = {**more, **self.given}
         self.values.clear()
         items = (*self.model.parameters, *self.model.definitions)
@@ -84,7 +86,7 @@ class Values:
                 self._keep(item.name, item.value, self.sizes)
 
     def members(self, item: Parameter) -> list[tuple[int | None, object]]:
-        """Returns the members to evaluate, as (index, key); [] for a very large family."""
+        """Returns (index, key in `values`) for each member of a parameter; [] for too many."""
         if item.range is None:
             return [(None, item.name)]
         lo, hi = (integer(end, self.sizes) for end in (item.range.lo, item.range.hi))
@@ -101,7 +103,7 @@ class Values:
     def _keep(self, key: object, expr: Expr, loop: Mapping[str, int]) -> None:
         try:
             self.values[key] = evaluate(expr, self.values, loop)
-        except (NoValue, KeyError):  # Not a constant, or an error reported by C.
+        except (NoValue, KeyError):  # Not constant, or an error that the C code reports.
             self.values.pop(key, None)
 
     def assigned(self, item: Assignment) -> list[tuple[int | None, float]]:

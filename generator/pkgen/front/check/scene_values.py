@@ -23,7 +23,8 @@ def check_scene_values(model: Model, report: Report) -> None:
         _Numbers(model, scene, report).check()
 
 
-SHORTEST = 10 * sys.float_info.epsilon  # Least step, as a fraction of the run time; as in main.c.
+# The shortest step, as a fraction of the duration of a run. The limit in main.c is the same.
+SHORTEST = 10 * sys.float_info.epsilon
 
 
 class _Numbers:
@@ -68,8 +69,8 @@ class _Numbers:
         return found
 
     def _rows(self, record: Record, every: float | None, until: float | None) -> None:
-        """Reports a record with more rows than limits.WRITTEN allows."""
-        if until is None or (every and every < SHORTEST * until):  # reported already
+        """Reports a clause `record` whose rows together have more than limits.WRITTEN numbers."""
+        if until is None or (every and every < SHORTEST * until):  # The error is reported already.
             return
         members, swarm = None, self.scene.swarm
         if swarm is not None:

@@ -36,7 +36,7 @@ class Scenes(Checks):
         self.expects = Expects(shared, self.settings)
 
     def head(self, scene: st.Scene) -> None:
-        """Does nothing: check() runs later, when all names are known."""
+        """Does nothing. Scenes are checked by check() later, when all names are known."""
 
     def check(self, scene: st.Scene) -> None:
         if any(s.name == scene.name for s in self.parts["scenes"]):
@@ -62,7 +62,7 @@ class _Scene(Given):
     def __init__(self, scenes: Scenes, swarm: Range | None) -> None:
         super().__init__(scenes.shared, scenes.dynamics, swarm)
         self.scenes, self.settings = scenes, scenes.settings
-        self.said: dict[str, object] = {}  # fields of m.Scene
+        self.said: dict[str, object] = {}  # name of a field of m.Scene -> its value
         self.expects: list[m.Expect] = []
         self.seen: set[str] = set()
 
@@ -124,7 +124,8 @@ class _Scene(Given):
         )
 
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
-        """Returns a recorded name's columns: 1, for a vector 3, for a rotation 4."""
+        """Returns the columns of a recorded name: one for a number, three for a vector, four for a
+        rotation."""
         before = len(self.report.errors)
         value, facts = self.expressions.factor(item, Scope(PLACES["record"]))
         if len(self.report.errors) > before:
@@ -157,7 +158,7 @@ class _Scene(Given):
             return ()
         try:
             index = None if inner.index is None else integer(inner.index, self.shared.sizes)
-        except NotAnInteger:  # reported
+        except NotAnInteger:  # The error is reported already.
             return ()
         name = inner.id if axis is None else component_name(inner.id, axis)
         name, unit = indexed(name, index), self.shared.shown_unit(value, facts)

@@ -20,15 +20,16 @@ class Loop:
 
 @record
 class Place:
-    """A kind of place where expressions stand: its description `what` in messages, the kinds of
-    names allowed there, and whether derivatives are allowed."""
+    """A kind of place in a model that has an expression, such as a force. Messages describe the
+    place by `what` and its allowed names by `may_use`. `kinds` are the kinds of these names.
+    `derivatives` says if derivatives are allowed."""
 
     what: str
     kinds: frozenset[str]
     may_use: str
     derivatives: bool = False
-    missing: str = ""  # Hint for an unknown name; "": the default hint.
-    accelerations: bool = False  # Accelerations are allowed.
+    missing: str = ""  # Hint for an unknown name; "" means the default hint.
+    accelerations: bool = False  # Whether accelerations are allowed.
 
 
 DECLARED = "declare it: param {name} = 1"
@@ -76,10 +77,11 @@ PLACES: dict[str, Place] = {
 
 @record
 class Scope:
-    """A Place and the loops around it, outermost first; `name` is the name being defined."""
+    """A Place and the loops around it, the outermost loop first; `name` is the name whose
+    definition is being checked."""
 
     place: Place
     loops: tuple[Loop, ...] = ()
     name: str = ""
     variables: frozenset[str] = field(default=frozenset())
-    points: int = 1  # Upper bound of the iterations of all loops.
+    points: int = 1  # Upper bound of the number of iterations of all loops together.

@@ -14,7 +14,8 @@ from .names import KIND_TEXT
 from .scope import PLACES, Scope
 from .shared import Checks, as_is
 
-# The smallest accuracy allowed: rounding of the result and of its formula, in double precision.
+# The smallest `accuracy` that a scene may demand. Double precision allows no better one, since
+# the result and the formula for the result are both rounded.
 FINEST = 2.0**-51
 
 
@@ -54,7 +55,8 @@ class Settings(Checks):
         return new
 
     def method(self, clause: st.Method) -> None:
-        """Reports an unknown method, missing settings, and settings that do not apply to it."""
+        """Reports an unknown method, missing settings of a method, and settings that do not
+        apply to the method."""
         methods = known(self.parts["methods"])
         name, method = clause.name, methods.get(clause.name)
         if method is None:

@@ -23,8 +23,9 @@ ORIGIN = "O"
 
 @record
 class Variable:
-    """A declared coordinate or state: the range of its family, its dimension, the units shown for
-    its value and for its rate; `new` is False if the name was taken."""
+    """A declared coordinate or state: the range of its indices (None if it is no family), its
+    dimension, the units in which its value and its rate are shown. `new` is False if an earlier
+    statement has declared the name."""
 
     family: Range | None
     dimension: Dimension
@@ -52,9 +53,10 @@ class Shared:
         self.indices, self.sizes = expressions.indices, expressions.sizes
         self.given = given  # Sizes set on the command line.
         self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
-        self.energies: list[Facts] = []  # Facts of each kinetic, potential or lagrangian.
-        self.inputs: dict[str, int] = {}  # input -> highest derivative
-        self.sound: set[Span] = set()  # Parameters and constants without an error.
+        self.energies: list[Facts] = []  # The facts of each energy statement.
+        self.inputs: dict[str, int] = {}  # name of an input -> order of its highest derivative
+        # Source positions of parameters and constants without an error.
+        self.sound: set[Span] = set()
 
     @property
     def moving(self) -> tuple[str, ...]:
@@ -63,7 +65,8 @@ class Shared:
         return ("coordinate", *(kind for kind, names in others.items() if names))
 
     def origin(self, value: Expr) -> Expr:
-        """Replaces the name O, the origin, by the zero vector, unless the model declares an O."""
+        """Replaces the name O in an expression by the zero vector, the position of the origin,
+        unless the model declares an O."""
         if ORIGIN in self.names.table or ORIGIN in self.names.later:
             return value
 
@@ -79,7 +82,8 @@ class Shared:
             self.inputs[name] = max(order, self.inputs.get(name, 0))
 
     def left_scope(self, left: st.Left, place: str) -> tuple[Scope, Members | None]:
-        """Returns the scope of a definition's right side, and the indices that it defines."""
+        """Returns the scope of a definition's right side, and the indices that its left side
+        defines, None if this has no index."""
         scope = Scope(PLACES[place], name=left.name)
         if left.range is not None:
             inner = self.indices.enter((left.range,), scope)
@@ -96,7 +100,8 @@ class Shared:
         return scope, Members((index, index)) if index is not None else Members()
 
     def _no_family(self, left: st.Left) -> None:
-        """Reports a single index in a declaration: `param m[kg] = 1`, `param m[1] = 1`."""
+        """Reports a declaration that has an index in place of a range: `param m[kg] = 1`, `param
+        m[1] = 1`."""
         name, index = left.name, left.index
         if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
             message = f"'{name}[{index.id}]': a bracket that touches a name is an index"
@@ -129,7 +134,8 @@ class Shared:
     def declared(
         self, item: st.Declared, kind: str, facts: Facts
     ) -> tuple[Range | None, bool] | None:
-        """Declares a name; returns its range and whether the name was free, None after an error."""
+        """Declares a name. Returns its range, None if it is no family, and whether the name was
+        free. Returns None after an error."""
         ends = members = family = None
         if item.lo is not None:
             ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
@@ -141,7 +147,8 @@ class Shared:
         return family, new
 
     def members_of(self, left: st.Left) -> tuple[int, int] | None:
-        """Returns a left side's first and last index: (0, 0) without index, None if empty."""
+        """Returns the first and last index of a left side: (0, 0) if it has no index, None if its
+        range is empty."""
         if left.range is not None:
             lo, hi = (integer(end, self.sizes) for end in (left.range.lo, left.range.hi))
             return (lo, hi) if lo <= hi else None
@@ -151,8 +158,9 @@ class Shared:
     def wanted_of(
         self, left: st.Left, value: Expr, what: str, kinds: tuple[str, ...], place: str
     ) -> tuple[Entry, Scope] | None:
-        """Returns the entry and the scope of a statement `what`, which applies to names of certain
-        `kinds`. After an error checks the value without a target and returns None."""
+        """Returns the entry of the name on a statement's left side, and the scope of the value. The
+        name must be of one of `kinds`; `what` describes the statement in messages. After an error,
+        checks the value without a required dimension and returns None."""
         entry = self.named(left, what, kinds)
         scope = self.member_scope(left, entry, Scope(PLACES[place]))
         if entry is not None and scope is not None and entry.facts.dimension is not None:
@@ -163,7 +171,8 @@ class Shared:
     def named(
         self, left: st.Left, what: str, kinds: tuple[str, ...] = ("coordinate",)
     ) -> Entry | None:
-        """Returns the entry of a left side; reports a wrong kind of name. `what`: the statement."""
+        """Returns the entry of the name on a left side, and reports a name that is of none of
+        `kinds`. `what` describes the statement in messages."""
         entry = self.names.table.get(left.name)
         if entry is None:
             near = {n: e.kind for n, e in self.names.table.items() if e.kind in kinds}

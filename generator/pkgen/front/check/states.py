@@ -14,8 +14,8 @@ from .shared import Checks, Shared
 class States(Checks):
     def __init__(self, shared: Shared) -> None:
         super().__init__(shared)
-        self.given: dict[str, Members] = {}  # state -> the members that have a rate
-        self.wrong: set[str] = set()  # States whose rate has an error.
+        self.given: dict[str, Members] = {}  # name of a state -> indices with a rate
+        self.wrong: set[str] = set()  # Names of states whose rate has an error.
 
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         found = self.shared.variable(item, unit, "state", states=frozenset((item.name,)))

@@ -103,7 +103,8 @@ class Evaluation:
         self.values = values
 
     def value(self, expr: Expr, sizes: Mapping[str, int]):
-        """Returns a number, a tuple for a vector. Raises NoValue, KeyError for an unknown name."""
+        """Returns a number, or a tuple for a vector. Raises NoValue, or KeyError for a name without
+        a value."""
         match expr:
             case Number(value=value):
                 return value

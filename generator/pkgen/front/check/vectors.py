@@ -1,9 +1,9 @@
 """Splits vectors into components, and applies rotations to vectors.
 
 A vector output r becomes three outputs `r.x`, `r.y` and `r.z`; the name r then means the vector of
-these. A rotation is a product of factors (Turn), rot(AXIS, ANGLE) or a declared attitude; the
-rightmost is applied first. Checked expressions contain no rotations, only rotate(AXIS, ANGLE,
-VECTOR) and attitude(QUATERNION, VECTOR)."""
+these. A rotation is a product of factors (class Turn), each a rot(AXIS, ANGLE) or a declared
+attitude; the rightmost factor is applied first. Checked expressions contain no rotations, only
+rotate(AXIS, ANGLE, VECTOR) and attitude(QUATERNION, VECTOR)."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ EXAMPLE = "rot([0, 0, 1], angle)*r"
 
 
 def component(vector: Expr, axis: int) -> Expr:
-    """Returns a component of a checked vector: an item of a literal [x, y, z]; for a Sum the Sum of
-    the components, so that it can stay a loop."""
+    """Returns a component of a checked vector: for a literal [x, y, z] one of its items, for a Sum
+    of vectors the Sum of their components, so that it can stay a loop."""
     if isinstance(vector, Vector):
         return vector.items[axis]
     if isinstance(vector, Sum):
@@ -46,8 +46,9 @@ def output_vector(expr: Name) -> Vector:
 
 
 def turned(expr: Multiply, factors: list[Expr], facts: list[Facts]) -> Expr | None:
-    """Returns a product in which rotations are applied to a vector. Returns None for a product of
-    rotations alone, whose factors are `turns_of(facts)`. Raises Wrong for any other product."""
+    """Returns the product `expr` with its rotations applied to its vector. Returns None if all
+    factors are rotations; the factors of their product are then `turns_of(facts)`. Raises Wrong for
+    any other product."""
     last = max(i for i, f in enumerate(facts) if f.turns)
     vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
     numbers = [i for i, f in enumerate(facts) if not f.vector and not f.turns]
