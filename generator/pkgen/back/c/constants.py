@@ -20,7 +20,8 @@ _SCALED = {"2": "twice", "PK_C(0.5)": "half"}
 
 @record
 class Constant:
-    """A member of struct NAME_params. `says` is its expression as text, "" if it is too long."""
+    """A hoisted constant: `c_name` is its member of struct NAME_params; `says` is its expression as
+    text, "" if the text is too long."""
 
     c_name: str
     says: str
@@ -33,8 +34,9 @@ def constants(
     names: Names,
     hints: Mapping[Node, str],
 ) -> list[Constant]:
-    """Returns the constants for `nodes`, in that order. `leaf` returns the C text of a leaf;
-    `hints` are names to use if the expression gives none, such as M_0_0."""
+    """Returns the hoisted constants whose values are `nodes`, in the same order. `leaf` returns the
+    C text of a leaf of the graph. `hints` gives names, such as M_0_0, for nodes whose expression
+    yields no short name."""
     forms: dict[Node, Form | None] = {}
     made: dict[Node, Constant] = {}
     wanted = set(nodes)
