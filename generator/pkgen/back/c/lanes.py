@@ -1,7 +1,7 @@
 """The loops of kernels that compute W states at once, each state in one SIMD lane.
 
 The acceleration has two loops over lanes. The first computes the sines and cosines of angles that
-are known at the start, such as coordinates and their sums; the second computes the rest. Two short
+depend on no computed value, such as another sine; the second computes the rest. Two short
 loop bodies let a processor overlap several iterations. Checks of parameters alone are the same in
 all lanes and follow the loops.
 """
