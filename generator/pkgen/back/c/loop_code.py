@@ -32,7 +32,7 @@ from .tree import (
 )
 
 STATE = "p, t, q, v, u"
-KICKED = "p, t, q, q, u"  # For forces without v: any array can be passed as v.
+KICKED = "p, t, q, q, u"  # If forces do not depend on v, any array may be passed as v.
 ONE_CELL = "ptrdiff_t m, pk_real *r"
 
 

@@ -76,8 +76,8 @@ def shape_of(e: LoopEquations, places: Places, made: tuple[Bound, ...]) -> dict[
 
 
 def spares_of(e: LoopEquations) -> int:
-    """Returns the number of scalar coordinates in constraint rows of the band. Without these
-    coordinates, at most this many more rows depend on the others."""
+    """Returns the number of scalar coordinates in constraint rows of the band. If the columns of
+    these coordinates are left out, at most this many more rows become dependent on the others."""
     felt = {name for rows in e.bound for name, shift in rows.entries if shift is None}
     if e.extended and any(not rows.is_single for rows in e.bound):
         of = (z for item in e.carried for piece in item.pieces for z in piece.by)

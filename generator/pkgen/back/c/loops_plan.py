@@ -146,8 +146,8 @@ def watches_momenta(e: LoopEquations) -> bool:
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:
-    """Returns VECTORS; in models with recurrences the kernel `gradient` has momenta as a second
-    output."""
+    """Returns VECTORS; in models with recurrences the kernel `gradient` has momenta as
+    an additional output."""
     return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
 
 

@@ -17,7 +17,7 @@ from .loops_interior import Interior
 
 @dataclass
 class Guarded:
-    """Parts of rows that have the same condition. Block adds them to r[k] if lo <= m <= hi."""
+    """Parts of rows that have the same condition. `block` adds them to r[k] if lo <= m <= hi."""
 
     lo: str
     hi: str

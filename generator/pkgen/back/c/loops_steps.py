@@ -14,7 +14,8 @@ from .loops import BLOCK, CHUNK, Places
 from .loops_plan import Plan
 
 LINE = 8  # Members per cache line; chunks of rows start at boundaries of cache lines.
-# Stages of the method in one pass over memory: a block and their data fit in 32 KiB of cache.
+# Stages of the method in one pass over memory. The data of the stages and a block of members fit in
+# 32 KiB of cache.
 STAGES = 32
 
 

@@ -71,8 +71,8 @@ class Statement(NamedTuple):
 
 @record
 class Block:
-    """A sequence of statements. Each block of a kernel but the last becomes a function, to limit
-    compile time; the functions pass values through a work array."""
+    """A sequence of statements. A long kernel has several blocks; all except the last become C
+    functions, to limit compile time. These functions pass values through a work array."""
 
     statements: tuple[Statement, ...]
     uses: frozenset[str]  # the arguments and outputs that occur in the statements
