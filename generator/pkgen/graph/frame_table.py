@@ -10,7 +10,7 @@ from .nodes import CONSTANT, Node
 Vector3 = tuple[Node, Node, Node]
 # A rotation, as (axis, angle). The axis is a unit vector in the parent frame.
 Turn = tuple[Vector3, Node]
-# In place of the index of a frame: the space-fixed frame.
+# This number, in place of an index, stands for the space-fixed frame.
 ROOT = -1
 
 

@@ -1,6 +1,7 @@
 """C functions of the acceleration: of one state, and of W states in SIMD lanes.
 
-The W states have common parameters (`lanes`) or each its own (`members` of an ensemble).
+In the functions `lanes` all W states have the same parameters; in the functions `members`, for
+ensembles, each state has its own.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet
 
-BESIDE = 1  # In place of an offset: the variable is a scalar coordinate.
+BESIDE = 1  # This number, in place of an offset, marks a scalar coordinate.
 Variable = tuple[int, int]  # (its index relative to m, at most 0; number of its family)
 # For each pass along the chain, the fields of Piece that it computes besides the value and the
 # rate.

@@ -253,7 +253,7 @@ def _local_names(equations: Equations) -> dict[Symbol, str]:
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
     accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
     rows = [
-        (Kind.COORDINATE, equations.coordinates[:own]),  # without the integrals of states
+        (Kind.COORDINATE, equations.coordinates[:own]),  # no integrals of states
         (Kind.RATE, equations.rates),
         (Kind.INPUT, equations.inputs),
         (Kind.ACCELERATION, accelerations),

@@ -27,7 +27,7 @@ _KEYWORDS = """
 # _MACROS has other macros, of standard and system headers, of gcc's gnu modes and of platforms.
 _CAPITALS = re.compile(
     r"(?![A-Z](_[0-9]+)+$)[A-Z][A-Z0-9_]+[A-Z0-9](f|l|q|f[0-9]+x?)?|(PRI|SCN)[a-z]\w*[^_]"
-)  # M_0_1 etc. are names that pkgen makes.
+)  # The lookahead excludes names like M_0_1, which pkgen itself makes.
 _MACROS = """
     I B0 HZ SP IN PI AF_DECnet PF_DECnet L_ctermid L_cuserid L_tmpnam P_tmpdir
     and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq

@@ -36,8 +36,8 @@ class Workspace(Tables):
         self.constants = Constants(self)
 
     def side(self, call: Node, switch: Symbol, sign: int) -> None:
-        """Makes a call depend on the sign of a switch: on the side `switch` if sign > 0, otherwise
-        on the opposite side."""
+        """Makes a function call depend on a side: that of the switch if sign > 0, otherwise the
+        opposite one."""
         if switch not in self._side_leaves:
             leaf = self._side_leaves[switch] = len(self.op)
             self.op.append(Op.SYMBOL)

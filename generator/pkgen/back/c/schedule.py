@@ -55,7 +55,7 @@ class Schedule:
     leaf: Callable[[Node], Code | None]
     hints: Mapping[Node, str] = field(default_factory=dict)
     kept: frozenset[Node] = frozenset()  # nodes that must become local variables
-    known_after: frozenset[str] = frozenset()  # outputs that can replace locals
+    known_after: frozenset[str] = frozenset()  # outputs that later statements read
     inline_sincos: bool = False  # whether sines are computed inline or by libm
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
