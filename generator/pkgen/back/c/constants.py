@@ -82,7 +82,8 @@ def _form(
 
 
 def _name(form: Form) -> str:
-    """Returns a short name (m2_l1_l2, l1_sq, g_per_l, half_M_0_0, I1_minus_I3) or ""."""
+    """Returns a short name for the value of the expression, such as m2_l1_l2, l1_sq, g_per_l,
+    half_M_0_0 or I1_minus_I3; "" if there is none."""
     if form.is_sum:
         if len(form.terms) != 2 or not all(_is_name(x) for _, x in form.terms):
             return ""

@@ -38,12 +38,12 @@ def base(place: str) -> str:
 
 
 def variable(text: str) -> Code:
-    """Returns the Code of a name, a member of a struct or an element of an array."""
+    """Returns the Code of a C variable: a name, a member of a struct, or an element of an array."""
     return Code(text, (text,))
 
 
 def joined(parts: Sequence[Code]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Returns the reads of several expressions, without repetition, and their operations."""
+    """Returns the `reads` of several Codes, without repetition, and all their `operations`."""
     reads = dict.fromkeys(name for part in parts for name in part.reads)
     return tuple(reads), tuple(operation for part in parts for operation in part.operations)
 
@@ -57,7 +57,7 @@ class Form(NamedTuple):
     sign: int = PLUS
     above: tuple[Code, ...] = ()
     below: tuple[Code, ...] = ()
-    length: int = 0  # approximate length of the text, in characters
+    length: int = 0  # approximate number of characters of the C text
 
     @property
     def is_sum(self) -> bool:

@@ -33,7 +33,7 @@ class LaneCode:
         self.n_inputs = len(program.equations.inputs)
         self.angles, self.algebra, self.pairs = lane_parts(code.kernel)
         self.uniform = [s.text for s in self.algebra.statements if is_uniform(s)]
-        # Straight-line code in one function can be inlined into a loop over lanes.
+        # Whether the kernel is one function without loops, which a loop over lanes can inline.
         self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
         self.sc = ", sc" if self.pairs else ""
         self.arguments = {

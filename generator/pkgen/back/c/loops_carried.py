@@ -75,7 +75,8 @@ class Carrying:
 
     @cached_property
     def reach(self) -> int:
-        """Returns the largest difference between the indices of coupled rows, at least 1."""
+        """Returns the largest difference between the indices of rows that are coupled by a
+        recurrence or by the mass matrix, at least 1."""
         found = [offset for _, (offset, _) in (*self.slopes, *self._shared)]
         found += [shift for _, _, shift in self.e.mass.entries]
         return -min([-1, *found])

@@ -119,7 +119,8 @@ class Interior:
 
 
 def _pruned(found: list[Affine], sign: int) -> list[Affine]:
-    """Returns those lower bounds (sign 1) or upper bounds (sign -1) that no other bound implies."""
+    """Returns the lower bounds (sign 1) or upper bounds (sign -1) without those that another bound
+    implies."""
     kept: list[Affine] = []
     for at in dict.fromkeys(found):
         if any((k - at).is_constant and (k - at).constant * sign >= 0 for k in kept):

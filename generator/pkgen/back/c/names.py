@@ -46,7 +46,7 @@ _MACROS = """
     atomic_fetch_sub_explicit atomic_fetch_xor_explicit
 """
 
-# Functions of <math.h> and POSIX: a local variable of that name would hide the function.
+# Functions of <math.h> and POSIX. A local variable with such a name would hide the function.
 _FUNCTIONS = """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
     fdim floor fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log
@@ -63,7 +63,7 @@ _OURS = """
 """
 _MEMBERS = " c_ side_ factors_ inverse_ block_"  # of struct NAME_params
 
-# Also the names of the float, long double and quad versions.
+# The names of the versions of these functions for double, float, long double and quad.
 _LIBM = " ".join(name + end for name in _FUNCTIONS.split() for end in ("", "f", "l", "q"))
 FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS + _MEMBERS).split())
 LOCAL_RESERVED = frozenset((_KEYWORDS + _MACROS + _LIBM + _OURS).split())

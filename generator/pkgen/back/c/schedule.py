@@ -64,7 +64,7 @@ class Schedule:
     _angles: dict[Node, None] = field(default_factory=dict)  # Angles still to compute.
 
     def __post_init__(self) -> None:
-        self.leaf = cache(self.leaf)  # Called several times for each node.
+        self.leaf = cache(self.leaf)  # it is called several times for each node
 
     def run(self, targets: Iterable[Target]) -> None:
         targets = list(targets)
