@@ -1,11 +1,10 @@
 """Rewrites expressions with fewer operations: expands them to sums of products, then factors.
 
 After expansion, terms from different parts of a computation may cancel (the Coriolis terms in dL/dq
-and in dp/dt). A policy (policies.py) selects sums that are not expanded. Factoring is greedy.
-Among the monomials that are common to two terms it chooses the one that saves most operations, and
-takes this monomial out of every term that contains it. It then does the same within the bracket and
-among the remaining terms. The form with the
-fewest operations is used.
+and in dp/dt). A policy (policies.py) selects sums that are not expanded. Factoring is greedy. Among
+the monomials that are common to two terms it chooses the one that saves most operations, and takes
+this monomial out of every term that contains it. It then does the same within the bracket and among
+the remaining terms. The form with the fewest operations is used.
 """
 
 from __future__ import annotations

@@ -11,11 +11,11 @@ from ..targets import LOAD, STORE
 from .expressions import base, variable
 from .program import Block, Statement
 
-# A kernel of more than _LONGEST statements is cut into blocks of _BLOCK. For the kernels of
-# the mass matrix and the force of pendulums of 50 and 100 links, gcc takes 0.35 of the time of an
-# uncut kernel with blocks of 100 statements, and 0.6 of the time that blocks of 400 take. All run
-# equally fast. Blocks of 50 gain little more. If values that are no longer needed were overwritten,
-# `w` would be half as long for arms of 20 and 100 joints, but the code would not be faster.
+# A kernel of more than _LONGEST statements is cut into blocks of _BLOCK. For the kernels of the
+# mass matrix and the force of pendulums of 50 and 100 links, gcc takes 0.35 of the time of an uncut
+# kernel with blocks of 100 statements, and 0.6 of the time that blocks of 400 take. All run equally
+# fast. Blocks of 50 gain little more. If values that are no longer needed were overwritten, `w`
+# would be half as long for arms of 20 and 100 joints, but the code would not be faster.
 _LONGEST = 800
 _BLOCK = 100
 ARGUMENTS = ("p", "t", "q", "v", "momenta", "u", "a", "w")

@@ -1,9 +1,9 @@
 """The loops of kernels that compute W states at once, each state in one SIMD lane.
 
 The acceleration has two loops over lanes. The first computes the sines and cosines of angles that
-depend on no computed value, such as another sine; the second computes the rest. Two short
-loop bodies let a processor overlap several iterations. Checks of parameters alone are the same in
-all lanes and follow the loops.
+depend on no computed value, such as another sine; the second computes the rest. Two short loop
+bodies let a processor overlap several iterations. Checks of parameters alone are the same in all
+lanes and follow the loops.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 A block is straight-line code for one member m of a family, or for a pair of members m and j. It
 first loads its inputs into local constants. In the interior of a family it reads them directly from
-the arrays; near an end it calls functions that handle indices beyond the end.
-Expressions of parameters and sizes alone are hoisted into `prepare`.
+the arrays; near an end it calls functions that handle indices beyond the end. Expressions of
+parameters and sizes alone are hoisted into `prepare`.
 """
 
 from __future__ import annotations

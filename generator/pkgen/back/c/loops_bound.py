@@ -3,9 +3,9 @@
 M is the mass matrix, J the matrix of the constraint rows. For each index the band has first the
 members of all families with this index, then one row of every family of constraints. A constraint
 row belongs to the largest index of a coordinate in it. The factorization K = L D L^T then needs no
-pivoting: each leading block of K is regular if the constraint rows are
-independent. A dense border follows the band: rows that reach around the end of a ring (a periodic
-family), then scalar coordinates and single rows.
+pivoting: each leading block of K is regular if the constraint rows are independent. A dense border
+follows the band: rows that reach around the end of a ring (a periodic family), then scalar
+coordinates and single rows.
 """
 
 from __future__ import annotations
