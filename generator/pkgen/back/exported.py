@@ -16,9 +16,10 @@ from .runtime import alone, sources
 
 @record
 class Exported:
-    """A model to export. `description` has the layout of docs/dev/describe.md; `files` are the
-    generated C; `separable`: M is constant and forces do not depend on rates; `own`: methods that
-    the model's author defines; `options`: those of the command line."""
+    """A model to export. `description` is what `pkgen describe` tells (docs/dev/describe.md).
+    `files` are the generated C files. `separable`: the mass matrix is constant and forces do not
+    depend on rates. `own` are integration methods that the model's author defines. `options` are
+    the options of the command line."""
 
     name: str
     description: Mapping[str, Any]
@@ -65,11 +66,11 @@ class Exported:
 
 @record
 class Host:
-    """A target of `pkgen export`. `make` returns the exported files by their paths, or raises
-    BuildError or UsageError; a host with a `suffix` makes one file. `options` are its command-line
-    options, in argparse's form; an option that two hosts have means the same for both. `how`
-    returns keyword arguments for compiling the model, `warnings` the features of `pkgen run` that
-    the host lacks."""
+    """A target of `pkgen export`, such as a wheel. `make` returns the exported files by their
+    paths, or raises BuildError or UsageError. If `suffix` is not empty, the export is one file.
+    `options` are command-line options in argparse's form; if two hosts have the same option, it
+    means the same for both. `how` returns keyword arguments for compiling the model. `warnings`
+    returns the features of `pkgen run` that the host lacks."""
 
     name: str
     doc: str  # one line
@@ -79,10 +80,10 @@ class Host:
     tools: str = ""  # The programs that an export needs, as text.
     how: Callable[[argparse.Namespace], Mapping[str, Any]] = lambda _: {}
     warnings: Callable[[Exported], list[str]] = lambda _: []
-    drawing: bool = False  # The C computes the numbers that the drawing needs.
+    drawing: bool = False  # whether the C must compute the drawing's numbers
 
 
-# The option for the machines whose binaries an export contains; see library.py.
+# The option that lists the machines for which an export contains binaries; see library.py.
 TARGET_OPTION = (
     "--target",
     {"metavar": "LIST", "help": "machines: linux-x86_64,linux-aarch64,windows-x86_64,macos-..."},

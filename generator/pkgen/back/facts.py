@@ -6,7 +6,7 @@ from ..equations import Equations, Facts, Indices, Invariant, Structure, Symmetr
 from ..graph.graph import BIT, ZERO, Kind
 from ..middle.loops.loops import LoopEquations
 
-SHOWN = 8  # Most terms of an invariant, or blocks of coordinates, that are printed.
+SHOWN = 8  # The largest number of terms of an invariant, and of blocks of coordinates, to print.
 
 
 def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
@@ -29,7 +29,8 @@ def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[
 
 
 def invariants(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
-    """Returns rows (constant of the motion, why it is constant); the author's claims are last."""
+    """Returns rows (constant of the motion, why it is constant). Constants that the model's author
+    claims come last."""
     claims = [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
     return [*found(equations, structure), *claims]
 

@@ -11,27 +11,28 @@ from ..record import record
 from .targets import CHECK, FILL, MIRROR, RETURN, STORE, Output, Target
 
 Hint = tuple[Node, str]
-_FEW_ZEROS = 8  # A matrix with more zeros is filled with 0 by a loop.
-_FEW_ROWS = 6  # A symmetric matrix with more rows is mirrored by a loop.
+_FEW_ZEROS = 8  # In a matrix with more zeros a loop stores the zeros.
+_FEW_ROWS = 6  # In a symmetric matrix with more rows a loop copies entries across the diagonal.
 
 
 @record
 class KernelSpec:
-    """A kernel. `values` returns the nodes of each output by its name, or the one value of a kernel
-    that returns a pk_real. `says` is its comment in C, `result` its return type in C."""
+    """The specification of a kernel, a generated C function. `values` returns {output: its nodes},
+    or one node if the kernel returns a pk_real. `says` is the comment in C, `result` the return
+    type in C."""
 
     name: str
     says: str
     values: Callable[[Equations], Mapping[str, Row | Matrix]]
     result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
-    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # Checks before all stores.
+    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # made before the first store
     kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # Nodes that become local variables.
     given: tuple[str, ...] = ()  # Vector arguments after t, q, v and u.
     second: str = "v"  # The vector argument after q: "v" or "momenta".
     symmetric: bool = False
     copies: bool = (
-        False  # equal entries, like mixed second derivatives of L, are copied from the first
+        False  # whether equal entries, such as mixed second derivatives, are computed once
     )
 
     def outputs(self, e: Equations) -> tuple[Output, ...]:
@@ -45,7 +46,7 @@ class KernelSpec:
         if self.result == "pk_real":
             return [Target(RETURN, "", row) for row in values.values()]
         if self.name == "acceleration" and e.acceleration is None:
-            return []  # No expression: a loop solves M a = f.
+            return []  # A loop solves M a = f instead.
         found = list(self.checks(e))
         for name, x in values.items():
             found += matrix_stores(name, x, self.symmetric) if _is_matrix(x) else stores(name, x)
@@ -114,8 +115,9 @@ def _is_matrix(x: Row | Matrix) -> bool:
 
 
 def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
-    """Returns the stores of all entries. A symmetric matrix stores its upper triangle and copies it
-    to the lower one, by a loop if it is large. Many zeros are written by one loop at the start."""
+    """Returns the stores of all entries of a matrix. For a symmetric matrix only the entries on and
+    above the diagonal are computed and then copied, by a loop if the matrix is large. If many
+    entries are zero, a loop first fills the matrix with 0."""
     columns = len(matrix[0])
     zeros = sum(node == ZERO for row in matrix for node in row)
     small = symmetric and columns <= _FEW_ROWS

@@ -76,7 +76,7 @@ _SPECS = (
     KernelSpec(
         "acceleration",
         "a = q'' with M a = f, by M = L D L^T",
-        lambda e: {"a": e.acceleration or e.force},  # Without an expression, a loop solves M a = f.
+        lambda e: {"a": e.acceleration or e.force},  # without e.acceleration a loop solves M a = f
         "int",
         checks=_pivots,
         kept=lambda e: [*(pivot for pivot, _ in e.pivots or ()), *e.force],

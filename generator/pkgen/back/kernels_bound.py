@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .kernel_spec import KernelSpec, optional
 
-# A kernel exists if the model has its outputs: see pk/system_constraints.h and pk/system.h.
+# A kernel exists if its outputs are not empty; see pk/system_constraints.h and pk/system.h.
 BOUND = (
     optional(
         "constraint",
@@ -54,7 +54,7 @@ BOUND = (
         symmetric=True,
     ),
 )
-# Kernels that a model with constraints always has, if their outputs exist.
+# Kernels that the runtime calls, so that they are generated even if a user selects other kernels.
 ALWAYS = frozenset(
     {
         "constraint",

@@ -23,13 +23,14 @@ from ..system.near import near
 from ..system.toolchain import DECLARED, FLAGS, STANDARD, find_toolchain, run
 
 OLD_GLIBC = "2.17"
-# By default zig cc inserts checks of undefined behaviour, which trap.
+# By default zig cc adds checks that stop the program at undefined behaviour.
 ZIG = ("-fno-sanitize=undefined",)
 
 
 @record
 class Target:
-    """A kind of machine: its name in zig (`zig`), and its folders in an FMU (`fmi3`, `fmi2`)."""
+    """A kind of machine for which libraries are built: its name, its name in zig, the suffix of its
+    libraries, and the folder for it in an FMU of version 3 or 2."""
 
     name: str
     zig: str

@@ -21,7 +21,7 @@ _PUBLIC = re.compile(r"^([ \t]*#[ \t]*include[ \t]*)<(pk/[^>]+)>", re.MULTILINE)
 _WITH_RUNTIME = "#ifndef PK_RUNTIME\n#define PK_RUNTIME\n#endif\n"
 _OWN_TABLES = '#ifndef PK_OWN_TABLES\n#define PK_OWN_TABLES "../../../{}"\n#endif\n'
 _NAME = re.compile(r"\bpk_\w+")
-# clang-format lets each definition start at the beginning of a line.
+# In code formatted by clang-format each definition starts at the beginning of a line.
 _FUNCTION = re.compile(r"^(?:\w[^;{}=#]*?)\b(pk_\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
 _OBJECT = re.compile(r"^const [^;{}()=]*?\b(pk_\w+)(?:\[[^\]]*\])*\s*=", re.MULTILINE)
 _PROTOTYPE = re.compile(r"^[a-z][^;{}#]*\([^;{}#]*;", re.MULTILINE)
@@ -34,8 +34,8 @@ _REGISTRY = re.compile(r"\bPK_METHODS_CORE\((?!PK_DECLARE_METHOD|X\b)")  # all m
 
 
 def sources(texts: Iterable[str]) -> dict[str, str]:
-    """Returns the runtime's files that C sources `texts` need, directly or through other files of
-    the runtime, by their paths in it (`src/core/root.c`, `include/pk/real.h`)."""
+    """Returns the files of the runtime that C sources with the given texts need, directly or
+    through other files of the runtime. Keys are paths in the runtime, such as `src/core/root.c`."""
     found: dict[str, str] = {}
     waiting = list(texts)
     while waiting:
@@ -47,9 +47,9 @@ def sources(texts: Iterable[str]) -> dict[str, str]:
 
 
 def alone(files: Mapping[str, str], own: str = "") -> dict[str, str]:
-    """Returns the files changed so that they compile without -I and -D: they include the runtime's
-    headers by relative paths, define PK_RUNTIME, and define PK_OWN_TABLES if `own` is a file
-    name."""
+    """Returns the files, changed so that they compile without -I and -D. They include the runtime's
+    headers by relative paths and define PK_RUNTIME. If `own` is the name of a file with tables of
+    methods, they define PK_OWN_TABLES as this file."""
     tables = _OWN_TABLES.format(own) if own else ""
     homes = _headers()
 
@@ -78,8 +78,8 @@ def licence() -> str:
 
 
 def needed(text: str) -> list[str]:
-    """Returns the runtime's headers that a C text includes, and the files that define the names in
-    it; the files that these need are not included."""
+    """Returns the files of the runtime that a C text needs directly: the headers that it includes,
+    and the files that define names in it."""
     headers, homes = _headers(), _homes()
     included = _INCLUDE.findall(text)
     included = [name if name.startswith("pk/") else Path(name).name for name in included]
@@ -111,14 +111,15 @@ def _headers() -> dict[str, str]:
 
 @cache
 def _rows() -> dict[str, str]:
-    """Returns the rows of pk/methods.h as text, by the family of methods."""
+    """Returns for each family of integration methods its rows in pk/methods.h, as text."""
     return dict(_FAMILY.findall(_read("include/pk/methods.h")))
 
 
 @cache
 def _homes() -> dict[str, str]:
-    """Returns for each name with external linkage the C file of the core that defines it. A method
-    is a row of pk/methods.h; the C file of its family expands the rows to objects."""
+    """Returns for each name with external linkage the C file of the core that defines it. The
+    methods of a family are rows of a macro in pk/methods.h; the C file of the family defines them
+    by expanding this macro."""
     rows = _rows()
     found: dict[str, str] = {}
     for path in sorted((RUNTIME / "src").rglob("*.c")):

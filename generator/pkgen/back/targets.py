@@ -5,9 +5,9 @@ from __future__ import annotations
 from ..graph.graph import Node
 from ..record import record
 
-# Kinds of statements, with their C code.
+# Kinds of statements. In their C code, TARGET is the variable and TEXT the value.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
-TRIG = "trig"  # sine and cosine of one or two values, to the targets; NULL: not needed
+TRIG = "trig"  # declares the sine and cosine of one or two angles; NULL: not used
 LOAD = "load"  # const pk_real TARGET = TEXT; TEXT is an argument, like q[0]
 STORE = "store"  # TARGET = TEXT;
 ADD = "add"  # TARGET += TEXT;
@@ -19,9 +19,10 @@ RETURN = "return"  # return TEXT;
 
 @record
 class Target:
-    """A statement of a kernel; its value is also copied to the C variables `also`.
+    """A statement of a kernel. Its value is stored in the C variable `where` and copied to `also`.
 
-    `template` gets the texts of `nodes`; `operations` are the operators in the template itself.
+    The value is `template`, filled with the texts of `nodes`. `operations` are the operators that
+    the template itself contains.
     """
 
     kind: str

@@ -1,4 +1,4 @@
-"""Jinja templates of C and of exports; a template lies in the folder of the module that uses it."""
+"""Jinja templates of C and of exports; each is in the folder of its module."""
 
 from __future__ import annotations
 

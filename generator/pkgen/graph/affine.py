@@ -12,7 +12,7 @@ from ..record import record
 from ..tree import Add, Expr, Multiply, Name, Negate, Number
 
 ROW = "m"  # The loop variable over the rows of the equations of motion.
-OTHER = "j"  # The second loop variable of a sum over pairs.
+OTHER = "j"  # The loop variable over the second member in a sum over pairs.
 LOOPS = (ROW, OTHER)
 
 
@@ -114,7 +114,7 @@ def affine(expr: Expr, values: Mapping[str, Affine]) -> Affine:
 def extremes(index: Affine, at: dict[str, tuple[Affine, Affine]]) -> tuple[Affine, Affine]:
     """Returns the least and the greatest value of an index; `at` maps loop variables to ranges."""
     first = last = index
-    for name, (lo, hi) in at.items():  # inner loops come first: their ends contain outer variables
+    for name, (lo, hi) in at.items():  # inner loops first: bounds have outer variables
         for low in (True, False):
             end = first if low else last
             factor = end.factor(name)

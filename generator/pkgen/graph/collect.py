@@ -1,10 +1,10 @@
 """Rewrites expressions with fewer operations: expands them to sums of products, then factors.
 
 After expansion, terms from different parts of a computation may cancel (the Coriolis terms in dL/dq
-and in dp/dt). A policy (policies.py) selects sums that are not expanded. Factoring is greedy: of
-all monomials common to two terms, it takes the one that saves most operations out of every term
-that has it, and repeats this within the bracket and among the remaining terms. The form with the
-fewest operations is used.
+and in dp/dt). A policy (policies.py) selects sums that are not expanded. Factoring is greedy. Among
+the monomials that are common to two terms it chooses the one that saves most operations, and takes
+this monomial out of every term that contains it. It then does the same within the bracket and among
+the remaining terms. The form with the fewest operations is used.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .monomials import merged
 from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
 from .residues import Varying
 
-# A term of a sum, as (constant scale, monomial of variable factors).
+# A term of a sum, as (factor of numbers and parameters, monomial of factors with variables).
 Term = tuple[Node, Monomial]
 
 # The largest number of terms of an output that is factored; larger sums are not.
@@ -57,8 +57,8 @@ def forms(
 
 
 def settled(g: Graph, outputs: list[Node]) -> list[Node]:
-    """Replaces each output whose value is constant, though it contains variables, by this
-    constant."""
+    """Replaces each output whose value is the same at all states by this constant, though the
+    output contains variables."""
     normal = Normal(g)
     seen = Varying(g)
     seen.learn(outputs, VARIABLE)
@@ -122,8 +122,8 @@ def factored(g: Graph, normal: Normal, polynomial: Polynomial) -> Node:
 
 
 def grouped(g: Graph, normal: Normal, polynomial: Polynomial) -> list[Term]:
-    """Returns the polynomial as terms in which each monomial of variable factors occurs once, with
-    a scale that consists of numbers and parameters."""
+    """Returns the polynomial as a list of terms. Each monomial of factors with variables occurs
+    once; its scale contains all numbers and parameters."""
     scales: dict[Monomial, Polynomial] = {}
     for monomial in sorted(polynomial):
         fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
@@ -156,8 +156,8 @@ def _factored(g: Graph, terms: list[Term]) -> Node:
 
 
 def _best_factor(g: Graph, terms: list[Term]) -> tuple[Node, Monomial, list[int]] | None:
-    """Returns the scale and monomial that save most operations when factored out, and the indices
-    of the terms that contain both; None if nothing can be saved."""
+    """Returns a scale and a monomial as a common factor, and the indices of the terms that contain
+    both. The choice saves most operations. Returns None if nothing can be saved."""
     best_found = None
     best_saving = 0
     signs = {ONE, MINUS_ONE}

@@ -18,9 +18,9 @@ def operations(g: Graph, outputs: Iterable[Node]) -> int:
     outputs = [n for n in outputs if g.depends[n] & VARIABLE]
     order = reachable(g, outputs, VARIABLE)
     total = 0
-    # For each negation: whether a node other than a sum has it as an argument.
+    # For each negation -x, whether it is an argument of a node other than a sum.
     signs: dict[Node, bool] = {}
-    # For each inverse: the operations that have it as an argument.
+    # For each inverse 1/x, the operations of the nodes that have it as an argument.
     inverses: dict[Node, list[str | None]] = {}
     for node in order:
         op = g.op[node]

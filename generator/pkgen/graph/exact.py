@@ -29,8 +29,8 @@ SUMMANDS = 4
 
 
 class _Finer(Exception):
-    """An angle is no integer multiple of its base angle, such as x/2 after x. All normal forms are
-    computed again with a smaller base angle."""
+    """An angle is not an integer multiple of its base angle: for example, x/2 occurs after x became
+    a base angle. All normal forms must then be computed again with a smaller base angle."""
 
 
 class Exact(Normal):
@@ -40,8 +40,9 @@ class Exact(Normal):
         super().__init__(g, work=work, terms=TERMS)
         # The ranges show which factors are positive: their signs are 1.
         self.ranges = ranges
-        # For each monomial in an angle or exponent, a denominator: the base angle is the monomial
-        # divided by it, so that all multiples in use are integers.
+        # For each monomial in an angle or exponent, an integer. The base angle is the monomial
+        # divided by this integer, so that all occurring angles are integer multiples of base
+        # angles.
         self.parts: dict[Monomial, int] = {}
         # The pair (n, x) of each atom x^(1/n) with n > 2.
         self.roots: dict[Node, tuple[int, Node]] = {}
@@ -69,8 +70,8 @@ class Exact(Normal):
         return numerators is not None and not numerators[0]
 
     def numerators(self, nodes: Sequence[Node]) -> list[Polynomial] | None:
-        """Returns the nodes times a common denominator, as polynomials; None if they take too much
-        work."""
+        """Returns the numerators of the nodes after they are brought to a common denominator, as
+        polynomials; None if they take too much work."""
         try:
             found = self.all(nodes)
             return None if found is None else self.cleared(found)
@@ -78,8 +79,8 @@ class Exact(Normal):
             return None
 
     def cleared(self, polynomials: list[Polynomial]) -> list[Polynomial]:
-        """Returns the polynomials times a common denominator: the results have no negative
-        exponents."""
+        """Returns the polynomials multiplied by a common denominator, so that no exponent is
+        negative."""
         while True:
             least: dict[Node, int] = {}
             for polynomial in polynomials:
@@ -89,7 +90,7 @@ class Exact(Normal):
                             least[base] = e
             if not least:
                 return polynomials
-            base = max(least)  # the node added last, since its expansion may contain the others
+            base = max(least)  # the newest node: its expansion may contain older ones
             polynomials = [self._times(p, base, -least[base]) for p in polynomials]
 
     def _times(self, polynomial: Polynomial, base: Node, power: int) -> Polynomial:
@@ -139,8 +140,9 @@ class Exact(Normal):
         return self.graph.op[node] is Op.CALL and self.graph.data[node] == "sign"
 
     def sign(self, of: Polynomial) -> Polynomial:
-        """Returns sign(polynomial). For a monomial it is the product of the signs of its factors; a
-        sum is first divided by its leading coefficient."""
+        """Returns the sign of the polynomial. For a monomial it is the product of the signs of its
+        factors. A sum is first divided by its leading coefficient, whose sign is a separate
+        factor."""
         if not of:
             return {}
         first, g = of[min(of)], self.graph

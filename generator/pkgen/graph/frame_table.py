@@ -10,15 +10,15 @@ from .nodes import CONSTANT, Node
 Vector3 = tuple[Node, Node, Node]
 # A rotation, as (axis, angle). The axis is a unit vector in the parent frame.
 Turn = tuple[Vector3, Node]
-# The index of the space-fixed frame.
+# This number, in place of an index, stands for the space-fixed frame.
 ROOT = -1
 
 
 @record
 class Frame:
-    """A frame that is rotated relative to its parent frame by an angle about an axis. `axis` is in
-    space-fixed coordinates. `first` is the lowest entry (node number) of the frame's rotation
-    matrix that is in no earlier frame."""
+    """A frame of reference that is rotated by `angle` about `axis` relative to its parent frame.
+    `axis` has space-fixed coordinates. The entries of the rotation matrix are nodes; `first` is the
+    smallest node number among those that are not entries for an earlier frame."""
 
     parent: int
     axis: Vector3
@@ -27,8 +27,9 @@ class Frame:
 
 
 class Frames:
-    """The frames of a graph. `entries` maps each node that is a component of a vector fixed in a
-    frame to (index of the frame, the vector, index of the component)."""
+    """The frames of reference of a graph. `entries` maps each node that is a component of a vector
+    fixed in a frame to a triple: the index of the frame, the vector, and the index of the
+    component."""
 
     def __init__(self) -> None:
         self.all: list[Frame] = []
@@ -37,8 +38,9 @@ class Frames:
         self.known: dict[tuple[Turn, ...], tuple[int | None, tuple[Vector3, ...]]] = {}
 
     def turning(self, mask: int) -> Mapping[Node, tuple[int, Vector3, int]]:
-        """Returns `entries` for derivatives by symbols of the kinds in `mask`. Returns an empty map
-        if the mask includes parameters: axes, taken as constant, may contain parameters."""
+        """Returns the map to use in derivatives by symbols of the kinds in `mask`: `entries`, or an
+        empty map if the mask includes parameters. The rules for rotation matrices take axes as
+        constant, but axes may contain parameters."""
         return {} if mask & CONSTANT else self.entries
 
     def copy(self) -> Frames:

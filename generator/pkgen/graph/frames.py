@@ -16,8 +16,8 @@ from collections.abc import Callable
 from .frame_table import ROOT, Frame, Turn, Vector3
 from .graph import ONE, ZERO, Graph, Node
 
-# The least number of rotations of a frame whose entries are in the table: entries of shorter chains
-# are short expressions, which are differentiated term by term.
+# The table contains the entries of frames after at least this number of rotations. Entries for
+# fewer rotations are short expressions, which are differentiated term by term.
 DEEP = 3
 UNITS: tuple[Vector3, ...] = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
@@ -38,7 +38,7 @@ def added(g: Graph, a: Vector3, b: Vector3) -> Vector3:
 
 
 def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
-    """Returns the product of the matrix with these columns and the vector a."""
+    """Returns the product of a matrix, given by its columns, and the vector a."""
     rows = zip(*columns, strict=True)
     return tuple(g.sum(g.multiply(c, i) for c, i in zip(row, a, strict=True)) for row in rows)
 
@@ -46,8 +46,8 @@ def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
 def columns(
     g: Graph, turns: tuple[Turn, ...], turned: Callable[..., Vector3]
 ) -> tuple[Vector3, ...]:
-    """Returns the columns of the rotation matrix of a chain of rotations. `turned` rotates a vector
-    about an axis by an angle."""
+    """Returns the columns of the rotation matrix of a chain of rotations. The function `turned`
+    rotates a vector about an axis by an angle."""
     frame: int | None = ROOT
     found, known = UNITS, g.frames.known
     for k, (axis, angle) in enumerate(turns):
@@ -70,10 +70,10 @@ def _frame(
     columns: tuple[Vector3, ...],
     before: int,
 ) -> int | None:
-    """Adds the frame after `before` rotations and one more to the table. Returns its index, or the
-    parent's index if the angle of the last rotation is constant. Returns None if one of the nodes
-    existed before the angle or the parent frame, so that a reverse sweep cannot go frame by
-    frame."""
+    """Adds a frame to the table: that after the first `before` rotations of a chain and one more.
+    Returns the index of the frame, or that of the parent frame if the angle of the last rotation is
+    constant. Returns None if one of the nodes is older than the angle or the parent frame, since a
+    reverse sweep then cannot visit the frames one after the other."""
     frames, fixed = g.frames, g.is_constant(angle)
     places = {
         node: (parent if fixed else len(frames.all), column, i)

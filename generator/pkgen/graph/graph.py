@@ -5,12 +5,12 @@ topological order. Nothing here recurses over the graph, and nothing depends on 
 
 Every node is stored as a product `scale * rest`. There are three domains, from the lowest to the
 highest: numbers, expressions of parameters alone, and all other expressions. The scale contains the
-factors from a lower domain: a parameter expression has a number as scale, an expression with
-variables has a parameter expression. The scale is always the first factor. The rule
-a x + b x -> (a + b) x adds scales; the C code computes scales once per run. A node whose scale is 1
-also has `factors`, its canonical monomial ((base, exponent), ...): two products that are equal up
-to order and association have the same monomial. The arguments of a node are kept as they were
-given, so that subexpressions stay shared.
+factors from lower domains: the scale of an expression of parameters is a number, the scale of an
+expression with variables is an expression of parameters. The scale is always the first factor. The
+rule a x + b x -> (a + b) x adds the scales a and b. The C code computes scales once per run. A node
+whose scale is 1 also has `factors`, its canonical monomial ((base, exponent), ...): two products
+that are equal up to order and association have the same monomial. The arguments of a node are kept
+as they were given, so that subexpressions stay shared.
 """
 
 from __future__ import annotations
@@ -183,8 +183,8 @@ class Graph(Nodes):
         return self.multiply(a, self.power(b, -1))
 
     def _scaled(self, scale: Node, rest: Node) -> Node:
-        """Returns scale * rest. Simplification may have left in `rest` a scale, or only numbers and
-        parameters; both are then merged into the scale."""
+        """Returns scale * rest. Simplification may have left factors in `rest` that belong to the
+        scale, or made it an expression without variables. These are merged into the scale."""
         if rest == ONE or scale == ZERO:
             return scale
         if scale == ONE:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from .monomials import Factors, Node, merged
 from .nodes import TERMS, ZERO, Nodes, Terms
 
-Found = dict[Factors, tuple[Node, Node]]  # Maps a term's monomial to the term, as (scale, rest).
+Found = dict[Factors, tuple[Node, Node]]  # monomial of a term -> (scale, rest)
 
 
 def merge(g: Nodes, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
@@ -51,8 +51,8 @@ def _squared(g: Nodes, rest: Node) -> bool:
 
 
 def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
-    """Merges a term with another one by R sin^2 + R cos^2 -> R or R - R sin^2 -> R cos^2, and
-    returns True; returns False if neither rule applies."""
+    """Merges the term scale * rest with one of `terms`, by R sin^2 + R cos^2 -> R or R - R sin^2 ->
+    R cos^2. Returns whether one of these rules applied."""
     for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, scale, rest):
         if other_key in terms and terms[other_key][0] == wanted_scale:
             del terms[other_key]
@@ -72,8 +72,8 @@ def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
 def _square_partners(
     g: Nodes, scale: Node, rest: Node
 ) -> Iterator[tuple[Factors, Node, Node, Node]]:
-    """Yields each term that could be merged with scale * rest, as (its monomial, its scale, scale
-    of the sum, rest of the sum)."""
+    """Yields the terms that could be merged with scale * rest. Each comes as (monomial of the term,
+    scale of the term, scale of the merged term, rest of the merged term)."""
     factors = g._factors[rest]
     for base, exponent in factors:
         partner = g._partner.get(base) if exponent >= 2 else None

@@ -20,8 +20,8 @@ class Op:
     """The operations of nodes. A node has `args`, its arguments, and `data`. The class is no Enum,
     because lookup of Enum members is slow in Python 3.11."""
 
-    NUMBER = "number"  # A number, whose data is a Fraction.
-    SYMBOL = "symbol"  # A symbol, whose data is a Symbol.
+    NUMBER = "number"  # The data is a Fraction.
+    SYMBOL = "symbol"  # The data is a Symbol.
     ADD = "add"  # The sum of two arguments.
     MULTIPLY = "multiply"  # The product of two arguments; a constant, such as -1, comes first.
     POWER = "power"  # The power of one argument; the data is the exponent, not 0 or 1.
@@ -35,7 +35,7 @@ class Kind:
     PARAMETER = "parameter"
     COORDINATE = "coordinate"
     RATE = "rate"
-    STATE = "state"  # a first-order variable; with n variables, index n + k is the rate of index k
+    STATE = "state"  # a first-order variable k; index n + k is its rate, if there are n variables
     TIME = "time"
     INPUT = "input"
     ACCELERATION = "acceleration"  # an independent variable in linearised equations
@@ -49,7 +49,8 @@ BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
 VARIABLE = ~CONSTANT & ((1 << len(KINDS)) - 1)
 
-# The largest number of factors of a monomial: a longer product counts as a single base.
+# The largest number of factors in the monomial of a node. A longer product is a monomial of a
+# single base, itself.
 FACTORS = 16
 # The largest number of terms of a sum in which like terms are merged.
 TERMS = 4
@@ -155,8 +156,8 @@ class Nodes:
         return not self.depends[node] & VARIABLE
 
     def factors(self, node: Node) -> Factors:
-        """Returns all factors of the node, including its scale, as (base, exponent). A number
-        counts as a base with exponent 1."""
+        """Returns all factors of the node, including those of its scale, as pairs (base, exponent).
+        A number is a base with exponent 1."""
         found: list[tuple[Node, Fraction | int]] = []
         while node != ONE:
             rest = self._rest[node]
@@ -296,7 +297,8 @@ class Nodes:
         return node
 
     def _remember(self, node: Node, function: str, arguments: tuple[Node, ...]) -> None:
-        """Records which sine and cosine share an argument, and the argument of a reciprocal."""
+        """Records the new call: a sine and a cosine of the same angle as partners, or the argument
+        of a reciprocal."""
         if function in SQUARES:
             partner = self._calls.get((arguments, SQUARES[function]))
             if partner is not None:

@@ -63,8 +63,8 @@ class Normal:
         return self.known[output]
 
     def _below(self, output: Node) -> list[Node]:
-        """Returns the nodes whose normal forms are needed first, sorted. Nodes below unexpanded
-        sums are not needed."""
+        """Returns the nodes below the output whose normal forms must be computed before that of the
+        output, sorted. Nodes below sums that stay unexpanded are left out."""
         g = self.graph
         seen: set[Node] = set()
         stack = [output]
@@ -94,8 +94,8 @@ class Normal:
         return self._of(g.call(data, *arguments))
 
     def _of(self, node: Node) -> Polynomial:
-        """Returns the polynomial of a function call or a root, which the graph may have simplified
-        to another node, such as a product."""
+        """Returns the polynomial of a node that was made as a function call or a root. The graph
+        may have simplified the node to something else, such as a product."""
         g = self.graph
         coefficient: Fraction | int = 1
         monomial: dict[Node, int] = {}

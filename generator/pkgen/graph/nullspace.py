@@ -28,8 +28,8 @@ class Eliminated:
     """A matrix in reduced row echelon form modulo PRIME. The pivot of a row is its first nonzero
     entry."""
 
-    rows: dict[int, Residues]  # The rows by the column of their pivot.
-    origin: list[int]  # The numbers of the added rows that depend on no rows added before.
+    rows: dict[int, Residues]  # {column of the pivot: row}
+    origin: list[int]  # The numbers of the rows that were independent of earlier rows when added.
 
     def reduce(self, row: Residues) -> Residues:
         for column in sorted(self.rows):
@@ -71,7 +71,7 @@ def null_space(rows: list[Row], columns: int) -> list[Vector]:
     free = {c for c in range(columns) if c not in done.rows}
     if not free:
         return []
-    # In columns outside `support`, all vectors of the null space are zero.
+    # All vectors of the null space are zero in the columns that `support` does not contain.
     support = sorted(free | {p for p, row in done.rows.items() if not free.isdisjoint(row)})
     place = {column: k for k, column in enumerate(support)}
     inside = [{place[c]: entry for c, entry in row.items() if c in place} for row in rows]

@@ -21,7 +21,7 @@ def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
     for node in order:
         for a in g.args[node]:
             uses[a] += 1
-    # Each use of scale * sum counts as a use of the sum.
+    # A use of the product scale * sum counts as a use of the sum.
     for node in reversed(order):
         rest = g.split(node)[1]
         if rest not in (node, ONE) and uses[node] > 1:
@@ -60,7 +60,8 @@ def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def _sums(g: Graph, order: list[Node], plain: Iterable[bool]) -> set[Node]:
-    """Returns the nodes marked in `plain` that are sums with variables."""
+    """Returns the sums with variables among the nodes of `order` whose element of `plain` is
+    true."""
     found = (node for node, is_plain in zip(order, plain, strict=True) if is_plain)
     return {n for n in found if g.op[n] is Op.ADD and g.depends[n] & VARIABLE}
 

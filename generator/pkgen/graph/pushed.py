@@ -22,16 +22,16 @@ from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
 from .solve import Row, Solution
 
 RATES = BIT[Kind.RATE]
-# The largest number of new nodes per rate. A link in space takes 300 to 1,300, systems in which all
-# coordinates are coupled far more.
+# The largest number of new nodes per rate. A link that moves in space takes 300 to 1,300 nodes;
+# systems in which all coordinates are coupled take far more.
 NODES = 2000
 
 
 @record
 class _Eliminated:
-    """The equation of an eliminated rate: its acceleration is (force - sum of coupling * tangent) *
-    inverse. The sum is over the nodes that were live at the elimination. A tangent is the
-    derivative of a node along the accelerations."""
+    """The equation of an eliminated rate: acceleration = (force - sum of coupling * tangent) *
+    inverse. The sum is over the nodes that were live when the rate was eliminated. The tangent of a
+    node is its derivative in the direction of the accelerations."""
 
     rate: Node
     inverse: Node
@@ -46,7 +46,8 @@ class _Form:
         self.graph = g
         self.rows: dict[Node, dict[Node, Node]] = {}
         self.forces: dict[Node, Node] = {}
-        # Diagonal entries as they would be without elimination, to judge the size of a pivot.
+        # The diagonal entries that the matrix would have without elimination. The size of a pivot
+        # is compared with these.
         self.sizes: dict[Node, Node] = {}
 
     def add(self, a: Node, b: Node, value: Node) -> None:
@@ -146,8 +147,9 @@ def _from_the_leaves(g: Graph, order: list[Node]) -> Iterator[Node]:
 
 
 def _outermost(order: list[Node], arguments: Mapping[Node, set[Node]]) -> dict[Node, int]:
-    """Returns for each node the largest depth of the rates that it depends on. The depth of a rate
-    is the least number of rates on which a node depends that combines this rate with others."""
+    """Returns for each node the largest depth among the rates in it. The depth of a rate: consider
+    the nodes that combine this rate with other rates; the depth is the least number of rates in
+    such a node."""
     below: dict[Node, int] = {}  # the rates that a node depends on, one bit each
     out: dict[int, int] = {}
     for node in order:

@@ -21,15 +21,15 @@ from .nodes import SQUARES
 
 # The prime is 3 modulo 4: then -1 has no square root, and 1 + x^2 is never 0.
 PRIME = 2**61 - 1
-# Arguments at which a function may have an exact value, which differs from the hash.
+# A function may have an exact value at these arguments, different from the hash; it gets no value.
 _PLAIN = {0, 1, PRIME - 1}
 
 
 class Residues:
     """Values of nodes of one graph modulo PRIME, or None for a node without value.
 
-    Symbols of the kinds in the mask `moved` have different values than with moved = 0; if `only` is
-    an index, this holds only for symbols with this index.
+    Symbols of the kinds in the mask `moved` have other values than in Residues with moved = 0. If
+    `only` is an index, this applies only to symbols with this index.
     """
 
     def __init__(self, g: Graph, moved: int = 0, only: int | None = None):
@@ -142,7 +142,7 @@ def _call(function: str, arguments: list[int]) -> int | None:
     if function == "reciprocal":
         return sign * pow(argument, -1, PRIME) % PRIME
     if function in SQUARES:
-        half = _mixed(0, argument)  # stands for tan(angle / 2)
+        half = _mixed(0, argument)  # takes the role of tan(angle / 2)
         scale = pow(1 + half * half, -1, PRIME)
         value = 2 * half if function == "sin" else 1 - half * half
         return sign * value * scale % PRIME

@@ -15,7 +15,7 @@ from .graph import ZERO, Graph, Node
 from .residues import PRIME, Residues
 
 Row = tuple[Node, ...]
-# Each pivot with the value to which its size is compared, such as the diagonal entry of M.
+# Pairs of a pivot and the value with which its size is compared, such as the diagonal entry of M.
 Pivots = tuple[tuple[Node, Node], ...]
 
 # The largest number of operations of unrolled code: about 20 coordinates with a dense M. More takes
@@ -107,8 +107,8 @@ def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None
                 scaled[i][j] = entry
                 lower[i][j] = g.multiply(entry, inverses[j])
             elif entry == ZERO:
-                # If all entries below this pivot are zero too, M is singular at every state.
-                # Otherwise M is indefinite, which the check of pivots at run time reports.
+                # If all entries below this zero pivot are zero too, M is singular at every state.
+                # Otherwise M is indefinite, which a check at run time reports.
                 if all(rest == ZERO for rest in _below(g, mass, order, lower, i)):
                     raise SingularMass(order[i])
                 return None
@@ -148,7 +148,7 @@ def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:
     for k, top in enumerate(rows):
         if top[k] == 0:
             if any(row[k] for row in rows[k + 1 :]):
-                return  # M is indefinite, which the check of pivots at run time reports
+                return  # M is indefinite, which a check at run time reports
             raise SingularMass(k)
         inverse = pow(top[k], -1, PRIME)
         for row in rows[k + 1 :]:
@@ -171,7 +171,8 @@ def elimination_order(g: Graph, mass: tuple[Row, ...]) -> tuple[list[int], int]:
     order: list[int] = []
     cost = 0
     while left:
-        # `settled`: the pivot is constant, since only constants were subtracted from M's entry.
+        # settled[i]: the pivot i is constant, since only constants were subtracted from the
+        # diagonal entry of M.
         chosen = min(left, key=lambda i: (not settled[i], len(neighbours[i]), i))
         left.remove(chosen)
         order.append(chosen)

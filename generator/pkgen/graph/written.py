@@ -32,8 +32,8 @@ class Written:
     def __init__(
         self, g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any], domain: Any = Floats
     ):
-        """Compiles the nodes. `constants` holds the values of the parameters in `domain`;
-        expressions of parameters alone are evaluated here, once."""
+        """Compiles the nodes. `constants` holds the values of the parameters in `domain`.
+        Expressions of parameters alone are evaluated once, here."""
         self.nodes = list(nodes)
         used: dict[str, object] = {}
         lines: list[str] = []
@@ -69,10 +69,11 @@ def text_of(
     before: str,
     power: Callable[[str, Fraction], str],
 ) -> str:
-    """Returns the Python text of a node that is no number. Its arguments are named x1, x2, ...
-    after their nodes. The dictionaries `scopes` get the objects that the text names: the symbol, or
-    the attribute `function` of the called function's row. The text `before` is inserted in front of
-    the arguments of a call; `power` returns the text of a power."""
+    """Returns the Python expression of a node that is not a number. The variables for its arguments
+    are named x1, x2, ... after the numbers of the nodes. The expression also names objects, which
+    are added to each dictionary in `scopes`: for a symbol the symbol, for a call the attribute
+    `function` of the row in the table of functions. `before` is text in front of the arguments of a
+    call. The function `power` returns the text of a power."""
     op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
     if op is Op.ADD:
         return " + ".join(args)

@@ -1,1 +1,1 @@
-"""From Equations to C: `lower`, then `render`."""
+"""Generates C: `lower` turns Equations into statements, `render` turns these into files."""

@@ -1,7 +1,8 @@
 """Finds constants of the equations that are out of the range of double.
 
 The checker and `graph/magnitudes.py` check the constants in a model's text. Constants that
-derivatives or a canonical form make of those (`2*1e308`) are known only when C is written.
+arise from these by differentiation or in a canonical form, such as `2*1e308`, are known only when C
+is written.
 """
 
 from __future__ import annotations
@@ -20,15 +21,16 @@ from ...model import Model
 from ...source import Diagnostic, ModelError
 from ...tree import Number
 
-_FLOAT = 2.0**-126, 2.0**128  # Smallest normal number and upper bound of float.
+_FLOAT = 2.0**-126, 2.0**128  # The smallest normal number and the upper bound of C's float.
 
 
 class Beyond(Exception):
-    """A constant is too large or too small for a double; the text says which."""
+    """A constant is too large or too small for a double. The message contains the constant."""
 
     def placed(self, model: Model) -> ModelError:
-        """Returns the error with the position of the model's number farthest from 1, its likely
-        cause. Values of parameters are left out, since no constant contains them."""
+        """Returns the error as a ModelError at a position in the model: that of the number farthest
+        from 1, since it is the likely cause. Values of parameters are no candidates, since no
+        constant contains them."""
         numbers = [n for n in _numbers(replace(model, parameters=())) if n.value]
         far = max(numbers, key=lambda n: (abs(_log(n.value)), -n.span.start), default=model)
         help = "it comes from this number and what it is multiplied with: choose other units"
@@ -37,7 +39,8 @@ class Beyond(Exception):
 
 
 class Tables:
-    """The nodes of a graph; `fixed` says for each whether it depends on parameters alone."""
+    """Lists with an element for each node of a graph. `fixed` tells whether the node depends on
+    parameters alone."""
 
     def __init__(self, graph: Graph) -> None:
         self.op = list(graph.op)
@@ -51,8 +54,8 @@ class Constants:
 
     def __init__(self, work: Tables) -> None:
         self._work = work
-        self._values: dict[Node, float | None] = {}  # None: it depends on a parameter.
-        self.float_too = True  # False: a constant is out of float's range.
+        self._values: dict[Node, float | None] = {}  # None for nodes with parameters
+        self.float_too = True  # whether all constants fit in C's float
 
     def see(self, node: Node) -> None:
         """Raises Beyond if a constant node is out of the range of double."""

@@ -20,7 +20,8 @@ _SCALED = {"2": "twice", "PK_C(0.5)": "half"}
 
 @record
 class Constant:
-    """A member of struct NAME_params. `says` is its expression as text, "" if it is too long."""
+    """A hoisted constant: `c_name` is its member of struct NAME_params; `says` is its expression as
+    text, "" if the text is too long."""
 
     c_name: str
     says: str
@@ -33,8 +34,9 @@ def constants(
     names: Names,
     hints: Mapping[Node, str],
 ) -> list[Constant]:
-    """Returns the constants for `nodes`, in that order. `leaf` returns the C text of a leaf;
-    `hints` are names to use if the expression gives none, such as M_0_0."""
+    """Returns the hoisted constants whose values are `nodes`, in the same order. `leaf` returns the
+    C text of a leaf of the graph. `hints` gives names, such as M_0_0, for nodes whose expression
+    yields no short name."""
     forms: dict[Node, Form | None] = {}
     made: dict[Node, Constant] = {}
     wanted = set(nodes)
@@ -80,7 +82,8 @@ def _form(
 
 
 def _name(form: Form) -> str:
-    """Returns a short name (m2_l1_l2, l1_sq, g_per_l, half_M_0_0, I1_minus_I3) or ""."""
+    """Returns a short name for the value of the expression, such as m2_l1_l2, l1_sq, g_per_l,
+    half_M_0_0 or I1_minus_I3; "" if there is none."""
     if form.is_sum:
         if len(form.terms) != 2 or not all(_is_name(x) for _, x in form.terms):
             return ""

@@ -41,7 +41,8 @@ def string(text: str) -> str:
 
 
 def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
-    """Returns the text folded into lines that begin with `first`, then `rest`."""
+    """Returns the text folded into lines. The first line begins with `first`, others with
+    `rest`."""
     lines = textwrap.wrap(
         text,
         WIDTH - 3,  # Space for `*/`.
@@ -58,8 +59,8 @@ _BREAK = re.compile(r" (?=[-+*/|] )| (?=&& )|(?<=,) ")
 
 
 def fold(line: str, indent: int = 0, hang: int = 4) -> str:
-    """Returns a statement folded before operators and after commas, outside as many brackets as
-    possible. Continuation lines are indented by `hang` more."""
+    """Returns a statement folded into lines: before operators and after commas, where the depth of
+    nested brackets is least. Continuation lines are indented by `hang` more than the first."""
     line = " " * indent + line
     if len(line) <= WIDTH:
         return line
@@ -80,8 +81,9 @@ def fold_call(line: str, indent: int = 0) -> str:
 
 
 def _best_break(line: str) -> int | None:
-    """Returns the position of the best line break: outside most brackets, then before + or - rather
-    than * or /, then the last; if possible not near the line's beginning."""
+    """Returns the position of the best line break, if possible not near the line's beginning. The
+    best break has the least depth of brackets; among equals a break before + or - is better than
+    one before * or /, and then the last one is best."""
     start = len(line) - len(line.lstrip())
     depths, depth = [], 0
     for c in line[: WIDTH + 1]:

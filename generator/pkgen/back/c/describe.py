@@ -69,8 +69,8 @@ def _rate_unit(model: Model, unit: str) -> str:
 
 
 def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
-    """Returns the time derivatives of quantities. The format `name`, filled with a coordinate's
-    name, gives their names; first-order variables get a prime instead."""
+    """Returns the time derivatives of quantities. The derivative for a coordinate x is named
+    `name.format("x")`, that of a first-order variable z is named z'."""
     model, e = program.equations.model, program.equations
     own = e.own
     names = [name.format(c.name) for c in e.coordinates[:own]] + [
@@ -113,9 +113,9 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def families(quantities: Sequence[Quantity], first: int = 0) -> list[dict[str, Any]]:
-    """Returns rows for plain quantities and families: the name in C, the index of the first member,
-    a description. Indices start at `first`. A family's description has the number of its members
-    that follow each other without a gap."""
+    """Returns a row for each single quantity and each family: its name in C, the index of the
+    quantity or of the family's first member, a description. The first quantity has the index
+    `first`. A family's description tells how many members have consecutive indices."""
     rows: dict[str, tuple[int, Quantity]] = {}
     counts: dict[str, int] = {}
     for index, quantity in enumerate(quantities, first):
@@ -147,13 +147,14 @@ def field_says(program: Program, field: Field) -> str:
 
 
 def _says(member: str, quantity: Quantity) -> str:
-    """Returns 'q[1], ...: stretch [m]'; empty parts are left out."""
+    """Returns a text like 'q[1], ...: stretch [m]', without the parts that are empty."""
     what = _with_unit(quantity.description, quantity.unit).strip()
     return ": ".join(x for x in (member, what) if x)
 
 
 def bounds_text(program: Program, index: int) -> str:
-    """Returns bounds as text, 'in (0, inf)'; '' for none, and for bounds that need locals."""
+    """Returns a parameter's bounds as text, such as 'in (0, inf)'. Returns '' if it has none, or if
+    the code of the bounds declares local variables."""
     slot = program.equations.parameters[index]
     lo, hi = program.bounds[index].lo, program.bounds[index].hi
     if (lo is None and hi is None) or program.bounds[index].statements:
@@ -175,5 +176,5 @@ def operations_rows(program: Program) -> list[str]:
 
 
 def labelled(rows: list[tuple[str, str]]) -> list[str]:
-    """Returns rows of facts, or of constants of the motion, as lines of a comment."""
+    """Returns pairs (label, text) as lines 'label: text' of a comment."""
     return [f"{name}: {text}" for name, text in rows]

@@ -38,25 +38,26 @@ def base(place: str) -> str:
 
 
 def variable(text: str) -> Code:
-    """Returns the Code of a name, a member of a struct or an element of an array."""
+    """Returns the Code of a C variable: a name, a member of a struct, or an element of an array."""
     return Code(text, (text,))
 
 
 def joined(parts: Sequence[Code]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Returns the reads of several expressions, without repetition, and their operations."""
+    """Returns the `reads` of several Codes, without repetition, and all their `operations`."""
     reads = dict.fromkeys(name for part in parts for name in part.reads)
     return tuple(reads), tuple(operation for part in parts for operation in part.operations)
 
 
 class Form(NamedTuple):
-    """A sum of (sign, text) terms if `terms` is not empty; otherwise a product sign * above /
-    below. An atom is a product with one factor."""
+    """An expression: the sum of `terms`, pairs (sign, text), if there are any. Otherwise a fraction
+    with a sign; `above` are the factors of its numerator, `below` those of its denominator. An atom
+    is a fraction with one factor in the numerator."""
 
     terms: tuple[tuple[int, Code], ...] = ()
     sign: int = PLUS
     above: tuple[Code, ...] = ()
     below: tuple[Code, ...] = ()
-    length: int = 0  # approximate length of the text, in characters
+    length: int = 0  # approximate number of characters of the C text
 
     @property
     def is_sum(self) -> bool:
@@ -84,7 +85,7 @@ def added(a: Form, b: Form) -> Form:
 
 
 def multiplied(a: Form, b: Form) -> Form:
-    # In most calls both are products; skipping _as_factors for these saves time.
+    # In most calls a and b are both products. Products skip _as_factors to save time.
     sign_a, above_a, below_a = _as_factors(a) if a.terms else a[1:4]
     sign_b, above_b, below_b = _as_factors(b) if b.terms else b[1:4]
     above = above_a + above_b

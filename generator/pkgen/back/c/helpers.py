@@ -8,8 +8,8 @@ from ...functions import FUNCTIONS, SIDE
 
 
 def helpers(names: Iterable[str]) -> list[dict[str, str]]:
-    """Returns the functions for helpers.j2, in the order of FUNCTIONS, then those with an argument
-    `side`: the sign of a switch."""
+    """Returns the functions that the template helpers.j2 writes: first plain functions in the order
+    of FUNCTIONS, then functions with an additional argument `side`, the sign of a switch."""
     names = set(names)
     plain = [
         _helper(name, row.arguments, row.body, row.note, row.remark)
@@ -25,8 +25,8 @@ def _helper(name: str, arguments: Iterable[str], body: str, note: str, remark: s
 
 
 def _sided(name: str) -> dict[str, str]:
-    """Returns a function with an argument `side`: its sign, unless 0, selects one of the function's
-    two smooth branches."""
+    """Returns a function with an additional argument `side`. If `side` is not 0, the sign of `side`
+    selects one of the function's two smooth branches."""
     row = FUNCTIONS[name]
     sides = row.kinked or row.cut
     assert sides is not None

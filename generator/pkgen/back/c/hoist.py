@@ -18,7 +18,7 @@ from .schedule import Schedule, number_text
 
 
 def rewritten(targets: Iterable[Target], new: Mapping[Node, Node]) -> list[Target]:
-    """Returns the targets with their nodes replaced."""
+    """Returns the targets with each node replaced by its value in the map `new`."""
     return [replace(t, nodes=tuple(new[node] for node in t.nodes)) for t in targets]
 
 
@@ -29,8 +29,8 @@ class Hoisting(ABC):
         self.prefix = name + "_"
         self.libm = libm
         self.work = Workspace(graph)
-        self.hoisted: dict[Node, str] = {}  # Node -> C text of its struct member.
-        self.constants: list[Constant] = []  # Empty in models with loops.
+        self.hoisted: dict[Node, str] = {}  # node -> its member of NAME_params
+        self.constants: list[Constant] = []  # models with loops leave it empty
         self.helpers: set[str] = set()
         self._leaves: dict[Node, Code] = {}
 
@@ -64,7 +64,8 @@ class Hoisting(ABC):
     def scheduled(
         self, targets: Iterable[Target], names: Names, fixed: bool = False, **how: Any
     ) -> Schedule:
-        """Returns the statements of a kernel or block; if `fixed`, without hoisted values."""
+        """Returns the statements of a kernel or block. With `fixed` they do not read constants that
+        `prepare` hoists, but compute them."""
         leaf = self.fixed_leaf if fixed else self.leaf
         inline = not (self.libm or fixed)
         found = Schedule(self.work, names, self.prefix, leaf, inline_sincos=inline, **how)
@@ -77,8 +78,8 @@ class Hoisting(ABC):
         return len(set(self.hoisted.values()))
 
     def named(self, nodes: list[Node], found: Mapping[Node, Node]) -> list[str]:
-        """Returns the C members for constants in struct NAME_params. `found` maps each constant to
-        its node in the kernels."""
+        """Returns the C names of the members of struct NAME_params that store the constants
+        `nodes`. `found` maps each of these nodes to the node in the kernels that it replaces."""
         return [f"c_[{k}]" for k in range(len(nodes))]
 
     def hoist(self, roots: Iterable[Node], names: Names) -> Schedule:

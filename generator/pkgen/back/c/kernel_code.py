@@ -20,16 +20,18 @@ TYPES = {
     **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
     "w": "pk_real *w",
 }
-_ROOM = 76  # Most characters of declarations on a line.
-_GROUP = {LOAD: 0, CHECK: 2}  # Kind -> group; others are in group 1.
+_ROOM = 76  # The largest length of the declarations on one line.
+_GROUP = {LOAD: 0, CHECK: 2}  # kind of statement -> its group; other kinds are in group 1
 
 
 def statements(
     found: Iterable[Statement], lane: str = "", flag: str = "bad", uniform: Collection[str] = ()
 ) -> Iterator[Node]:
-    """Yields a kernel's C statements. `lane` is C text of an enum pk_pass, "" for plain code. With
-    a pass a failed sincos sets `flag`, a failed check `bad`; a pass over one state then returns. In
-    SIMD lanes the `uniform` checks, of parameters alone, are left to code after the loop."""
+    """Yields a kernel's C statements. Code that is shared by the SIMD lanes has a constant of the
+    enum pk_pass, with the C text `lane`; plain code has "". With such a constant, an angle that
+    the inline sine cannot handle sets the C variable `flag`, and a failed check sets `bad`; code
+    for a single state then returns. The checks `uniform` contain parameters alone; within a loop
+    over lanes they are omitted, since code after the loop makes them."""
     for s in found:
         if s.kind in (LOAD, LOCAL):
             yield Declare("const pk_real", s.target, s.text)
@@ -55,8 +57,8 @@ def statements(
 
 
 def sincos(s: Statement, lane: str, flag: str) -> Node:
-    """Returns the call for the sine and cosine of one or two angles. With a pass `lane` a failure
-    sets `flag`."""
+    """Returns the call for the sine and cosine of one or two angles. If `lane` is not "", a failure
+    sets the C variable `flag`."""
     places = ["NULL" if name == "NULL" else f"&{name}" for name in s.targets]
     function = ("pk_sincos_pass" if lane else "pk_sincos") + "_2" * (len(s.values) > 1)
     call = f"{function}({', '.join([*([lane] if lane else []), *s.values, *places])})"
@@ -180,7 +182,8 @@ class KernelCode:
         yield from grouped(of.blocks[-1].statements)
 
     def definition(self, dense: str) -> Function:
-        """Returns the kernel's function; `dense` is C code that solves M a = f in a loop."""
+        """Returns the kernel's C function. Its body is `dense`, which solves M a = f (mass matrix
+        M, accelerations a) by a loop, if the kernel has no statements of its own."""
         body: list[Node] = [Text(dense)] if self.kernel.solves else [*self.body()]
         if self.kernel.result == "int" and not self.kernel.solves:
             body.append(Return("0"))

@@ -1,4 +1,8 @@
-"""C functions of the acceleration of one state, of W states, and of W ensemble members."""
+"""C functions of the acceleration: of one state, and of W states in SIMD lanes.
+
+In the functions `lanes` all W states have the same parameters; in the functions `members`, for
+ensembles, each state has its own.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +33,7 @@ class LaneCode:
         self.n_inputs = len(program.equations.inputs)
         self.angles, self.algebra, self.pairs = lane_parts(code.kernel)
         self.uniform = [s.text for s in self.algebra.statements if is_uniform(s)]
-        # Straight-line code in one function can be inlined into a loop over lanes.
+        # Whether the kernel is one function without loops, which a loop over lanes can inline.
         self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
         self.sc = ", sc" if self.pairs else ""
         self.arguments = {
@@ -207,7 +211,8 @@ class LaneCode:
         yield Return(f"any ? {self.model}_{form}_apart(W, bad, {of}, t, q, v, u, a) : 0")
 
     def _own_state(self, part: LanePart, form: str) -> list[Node]:
-        """Returns the statements that load a lane's state and parameters that are used."""
+        """Returns the statements that load the elements of a lane's state, and those parameters of
+        the lane, that the loop `part` uses."""
         sizes = {"q": self.n, "v": self.n, "u": self.n_inputs}
         found: list[Node] = [
             Declare("const pk_real", f"{x}_[{size}]", _places(x, size))
@@ -221,7 +226,8 @@ class LaneCode:
         return found
 
     def _lane(self, part: LanePart, form: str) -> str:
-        """Returns the arguments of a call: the pass, the parameters, t and the loaded state."""
+        """Returns the arguments of a call for one lane: an enum pk_pass, the parameters, t, and the
+        state of the lane."""
         state = ", ".join(x + "_" * (x in part.uses) for x in ("q", "v", "u"))
         if form == "lanes":
             return f"PK_IN_LANE, p, t[l], {state}"
@@ -229,5 +235,5 @@ class LaneCode:
 
 
 def _places(array: str, count: int) -> str:
-    """Returns the initializer {q[0 * W + l], q[1 * W + l], ...}."""
+    """Returns the C initializer of lane l's copy of an array: {q[0 * W + l], q[1 * W + l], ...}."""
     return "{" + ", ".join(f"{array}[{i} * W + l]" for i in range(count)) + "}"

@@ -1,8 +1,9 @@
-"""The loops of lane kernels. They compute W states at once, each in an element (lane) of arrays.
+"""The loops of kernels that compute W states at once, each state in one SIMD lane.
 
-The acceleration has two loops over lanes: first the sines and cosines of angles that depend on no
-other sine, then the rest. Two short loop bodies let a processor overlap several iterations. Checks
-of parameters alone are the same in all lanes and follow the loops.
+The acceleration has two loops over lanes. The first computes the sines and cosines of angles that
+depend on no computed value, such as another sine; the second computes the rest. Two short loop
+bodies let a processor overlap several iterations. Checks of parameters alone are the same in all
+lanes and follow the loops.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ LANE_ARGUMENTS = (
 
 @record
 class LanePart:
-    """The statements of one loop over lanes, and the arguments that these use and do not use."""
+    """The statements of one loop over lanes; the arguments of the function are divided into those
+    that the statements use, and `unused` ones."""
 
     statements: tuple[Statement, ...]
     uses: tuple[str, ...]
@@ -28,7 +30,8 @@ class LanePart:
 
     @staticmethod
     def of(statements: Iterable[Statement]) -> LanePart:
-        """Returns the part with these statements; loads that none of them needs are left out."""
+        """Returns the part with these statements, without loads of values that no other statement
+        of the part reads."""
         body = list(statements)
         words = _read(s for s in body if s.kind != LOAD)
         body = [s for s in body if s.kind != LOAD or s.target in words]
@@ -48,7 +51,7 @@ def is_uniform(statement: Statement) -> bool:
 
 def lane_parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
     """Returns the first loop (sines and cosines), the second loop, and the names of the variables
-    that the first sets."""
+    that the first loop computes for the second."""
     made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
     leading = [s for s in kernel.statements if s.kind == TRIG and not made & _read([s])]
     loads = [s for s in kernel.statements if s.kind == LOAD]

@@ -1,11 +1,12 @@
 """Exact constants as C text, correctly rounded in float, double, long double and quad.
 
-- An integer up to 2^24 is written as it is: every type holds it, and the compiler converts it.
+- An integer up to 2^24 is written as it is: every type represents it exactly.
 - A number with a finite decimal expansion is written out in full (0.5, 9.81): the compiler
   rounds it once, in the type at hand.
 - A ratio of two integers up to 2^24 is PK_C(1.0) / PK_C(3.0): both are exact in every type, and
-  IEEE division rounds once. (The 36 digits that quad needs would be rounded twice.)
-- All others get 60 digits, so that a second rounding matters in less than one number in 1e20.
+  IEEE division rounds once. (Decimal digits would be rounded twice: here and by the compiler.)
+- All other numbers get 60 digits, so that the rounding to these digits changes the result of the
+  compiler's rounding for less than one number in 1e20.
 """
 
 from __future__ import annotations

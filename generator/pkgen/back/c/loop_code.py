@@ -1,7 +1,8 @@
-"""C of models whose families are loops: row functions, loops that call them, totals, pairs.
+"""The C text of models whose families (arrays of coordinates, such as q[i]) are loops.
 
-A row function computes one member's equation. Templates call the methods of `LoopCode`, which
-return C text.
+A row is the equation of one member of a family; a row function computes a row, and loops call it.
+A total is a sum over members; a double loop computes forces between pairs. Templates call the
+methods of `LoopCode`, which return C text.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from .tree import (
 )
 
 STATE = "p, t, q, v, u"
-KICKED = "p, t, q, q, u"  # The force does not depend on v, so q is passed as v.
+KICKED = "p, t, q, q, u"  # If forces do not depend on v, any array may be passed as v.
 ONE_CELL = "ptrdiff_t m, pk_real *r"
 
 
@@ -60,7 +61,8 @@ class LoopCode:
         return "\n".join(rendered(statements(found), indent))
 
     def most(self, texts: Sequence[str], which: str) -> str:
-        """Returns C of the greatest ("most") or smallest ("least") of some index expressions."""
+        """Returns a C expression: if `which` is "most" the greatest of the index expressions
+        `texts`, if it is "least" the smallest."""
         return _pairwise(f"{self.name}_{which}", [*dict.fromkeys(texts)])
 
     def edge(self, s: RowSet) -> str:
@@ -68,15 +70,18 @@ class LoopCode:
 
     @staticmethod
     def scaled(s: RowSet) -> str:
-        """Returns C of a row's value in the interior: r[0] times the common factor of all rows."""
+        """Returns the C expression of a row's value in the interior. The row function computes
+        r[0], which is multiplied by the common factor of all rows, if there is one."""
         return f"{s.scale.value} * r[0]" if s.scale else "r[0]"
 
     # -- functions of a row -------------------------------------------------------------------
 
     def row_functions(self, s: RowSet) -> str:
-        """Returns C functions of one cell (member): _inner for the interior (if it does not return
-        0, an angle is too large for the inline sine: call _part), _part for any cell, and _edge,
-        which adds the rows of the cell's ghost cells. _bond computes the forces of a bond."""
+        """Returns the C functions that compute the row of one member. NAME_inner is for members
+        away from the ends. If it returns a nonzero value, an angle was too large for the inline
+        sine, and NAME_part must be called, which is for any member. NAME_edge also adds the rows of
+        the ghost cells (indices beyond an end) that copy the member. NAME_bond computes the forces
+        between two neighbours."""
         stem = f"{self.name}_{s.name}"
         inline = "PK_INLINE static pk_bits"
         found = []
@@ -93,7 +98,8 @@ class LoopCode:
         return "".join(f"{function.text}\n" for function in found)
 
     def part_function(self, s: RowSet) -> str:
-        """Returns the function _part alone, half the code, for rows whose speed does not matter."""
+        """Returns only NAME_part of row_functions(), which is half as long, for rows that are
+        computed rarely."""
         signature = f"static void {self.name}_{s.name}_part({self.ARGS}, {ONE_CELL})"
         return f"{Function(signature, self._part(s)).text}\n"
 
@@ -133,14 +139,15 @@ class LoopCode:
     # -- loops over rows ----------------------------------------------------------------------
 
     def _chunks(self, begin: str, end: str, body: Callable[[str], list[Node]]) -> list[Node]:
-        """Returns loops over chunks of `begin` .. `end` - 1. `body` is called with the end of a
-        chunk. All chunks but the last have a constant length."""
+        """Returns loops over the indices `begin` .. `end` - 1, in chunks of constant length except
+        the last. `body` takes the end of a chunk as C text, and returns the loop over the chunk."""
         length = f"{self.name}_CHUNK"
         step = f"chunk = {begin}; chunk + {length} <= {end}; chunk += {length}"
         return [Loop(step, body(f"chunk + {length}")), If(f"chunk < {end}", body(end))]
 
     def bonds(self, s: RowSet, begin: str, end: str, arguments: str = STATE) -> list[Node]:
-        """Returns loops that compute the forces of the bonds `begin` .. `end` - 1 into flux."""
+        """Returns loops that compute the forces of the bonds (pairs of neighbours) with the indices
+        `begin` .. `end` - 1, and store them in the C array flux."""
         return self._chunks(begin, end, lambda last: [self._bonds(s, "chunk", last, arguments)])
 
     def _bonds(self, s: RowSet, begin: str, end: str, arguments: str) -> Node:
@@ -160,9 +167,11 @@ class LoopCode:
         first: Sequence[Node] = (),
         then: Sequence[str] = (),
     ) -> list[Node]:
-        """Returns loops over the interior rows `begin` .. `end` - 1; `inside` follows each row. If
-        an angle is too large for the inline sine, the chunk's rows are computed again, with
-        `outside` after each. `first` begins a chunk; `then` ends it, once for each row."""
+        """Returns loops over the rows `begin` .. `end` - 1 of the interior, in chunks. Each chunk
+        has the declarations `first`, a loop over rows with the statements `inside` after each row,
+        and a loop over rows with the statements `then`. If an angle is too large for the inline
+        sine, the rows of the chunk are computed again, with the statements `outside` after each
+        row."""
         place = f"flux + (m - base + {self.name}_BOND), " if s.flux else ""
         call = f"{self.name}_{s.name}_inner({arguments}, {place}m, r)"
         noted = Assign("far", call, "|=") if s.inner.trig else Call(f"(void){call}")
@@ -184,13 +193,14 @@ class LoopCode:
         return self._chunks(begin, end, chunk)
 
     def flux(self, s: RowSet) -> list[Node]:
-        """Returns the declaration of the array of bond forces in a block of rows."""
+        """Returns the declaration of the array of the bond forces that a block of rows reads; [] if
+        the rows have none."""
         length = f"{s.n_flux} * ({self.name}_BLOCK + {self.name}_BOND)"
         return [Declare("pk_real", f"flux[{length}]")] if s.flux else []
 
     def row_loop(self, s: RowSet, inside: Sequence[str], outside: Sequence[str]) -> str:
-        """Returns a loop over all cells of a family. The statements `outside` follow a row near an
-        end, `inside` a row in the interior."""
+        """Returns loops that compute the rows of all members of a family. The statements `outside`
+        follow each row near an end, the statements `inside` each row in the interior."""
         row = Declare("pk_real", f"r[{s.outputs}]")
         at_end = [row, Call(f"{self.edge(s)}({STATE}, m, r)"), *_stated(outside)]
         block = f"{self.name}_BLOCK"
@@ -210,7 +220,8 @@ class LoopCode:
         return "\n".join(rendered([Scope(body)])) + "\n"
 
     def _ends(self, s: RowSet, end: str) -> list[Node]:
-        """Returns declarations of `end`, after the last row, and of the interior's `lo`, `hi`."""
+        """Returns the declarations of C indices: `end` is one more than the last row, `lo` and `hi`
+        are the first and last row of the interior."""
         return [
             Declare("const ptrdiff_t", "end", end),
             Declare("const ptrdiff_t", "lo", self.most(s.lows, "most")),
@@ -220,12 +231,14 @@ class LoopCode:
     # -- statements before rows ---------------------------------------------------------------
 
     def before(self, *functions: str) -> str:
-        """Returns the C lines that must precede these functions' rows (see loops_before.py)."""
+        """Returns the C lines that compute the values which rows of the given functions read (see
+        loops_before.py)."""
         lines = dict.fromkeys(line for f in functions for line in self._before.lines(f))
         return "".join(f"    {line}\n" for line in lines)
 
     def rate_function(self, key: str, x: Rates) -> str:
-        """Returns a C function that writes a state's rates to the array that rows read."""
+        """Returns a C function that computes the rates of a first-order state. It stores them in an
+        array, from which rows of other variables read them."""
         if x.rows:
             found, store = self.row_functions(x.rows), [f"out[{x.group['cell']}] = r[0];"]
             rows: Node = Text(self.row_loop(x.rows, store, store))
@@ -246,8 +259,8 @@ class LoopCode:
     # -- totals and pairs ---------------------------------------------------------------------
 
     def total_function(self, x: TotalSet, signature: str, key: str = "") -> str:
-        """Returns a C function of a total. It has eight partial sums, which vectorise and reduce
-        rounding error. With a `key` it begins with the lines of `before` for this key."""
+        """Returns a C function that computes a total. Eight partial sums let compilers vectorize
+        it, and reduce the rounding error. The function begins with the lines of before(key)."""
         body = [
             Declare("pk_real", "total"),
             Blank(),
@@ -303,8 +316,8 @@ class LoopCode:
         return f"j = {pair.first}; j <= {pair.last}; j++"
 
     def pair_loop(self, x: PairSet, array: str) -> str:
-        """Returns a double loop over pairs (m, j). The forces on m are summed in a local variable;
-        the force on j is added to the array directly."""
+        """Returns a double loop over pairs of members (m, j). The forces on member m are first
+        summed in local variables; the force on member j is added to `array` directly."""
         count = len(x.block.targets)
         pair = [Declare("pk_real", f"r[{count}]"), *statements(x.block.statements)]
         pair += [Assign(f"own[{k}]", f"r[{k}]", "+=") for k in x.own]
@@ -318,8 +331,9 @@ class LoopCode:
     # -- kicks --------------------------------------------------------------------------------
 
     def kicks(self, s: RowSet, drift: str = "") -> str:
-        """Returns loops that kick the rows `from` .. `to` - 1 (v += h a), each followed by `drift`.
-        If rows may be computed twice, v changes only after a whole chunk succeeds."""
+        """Returns loops of the kick v += h a, with the step h, over the members `from` .. `to` - 1.
+        The statement `drift` follows each kick. If rows may be computed twice, because of large
+        angles, v is changed only after the rows of the whole chunk are known."""
         v = f"v[{s.group['cell']}]"
         if s.trig:
             own = [Declare("pk_real", f"a[{self.name}_CHUNK]")]
@@ -333,8 +347,8 @@ class LoopCode:
         return "\n".join(rendered(nodes)) + "\n"
 
     def kicked_bonds(self, s: RowSet) -> str:
-        """Returns loops over the bonds of the rows `begin` .. `stop` - 1. The bonds before the
-        first cache line boundary come first, then chunks of bonds."""
+        """Returns loops that compute the bonds of the rows `begin` .. `stop` - 1. The first loop
+        ends at a boundary of a cache line of bonds; the others compute chunks of bonds."""
         first, line = f"begin - {s.span}", f"{self.name}_line(begin - {s.span}, from)"
         nodes = [
             Declare("const ptrdiff_t", "base", "from"),

@@ -1,4 +1,7 @@
-"""C functions of the parameters of a model with loops; families are set in loops over members."""
+"""C functions of the parameters of a model with loops.
+
+For a family of parameters they loop over its members.
+"""
 
 from __future__ import annotations
 
@@ -25,14 +28,16 @@ from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return
 
 
 def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:
-    """Returns the statements in a loop over the members lo..hi; without a loop if lo is ""."""
+    """Returns the statements `nodes` in a C loop over the indices lo..hi; if lo is "", the
+    statements without a loop."""
     if lo:
         return [Loop(f"m = {lo}; m <= {hi}; m++", [Scope(nodes)])]
     return [Scope(nodes)] if len(nodes) > 1 else nodes
 
 
 def assigned(x: Assignment, count: int) -> list[Node]:
-    """Returns the statements of an assignment; `count` is the length of its array of sums."""
+    """Returns the statements of an assignment. `count` is the length of the local array that stores
+    the sums in the assigned value."""
     own = [*summed(x.each), *statements(x.block.statements)]
     if not (x.before or x.each):
         return each(x.lo, x.hi, own)
@@ -53,7 +58,8 @@ def summed(found: Sequence[Summing]) -> Iterator[Node]:
 def code(
     group: Group, places: Places, block: Block, default: Assignment, k: int, count: int
 ) -> ParameterCode:
-    """Returns the code of parameter k: its default value, the check of its bounds, their stores."""
+    """Returns the C code of parameter k: the assignment of its default value, the check of its
+    bounds, and the stores of its bounds."""
     given = group.declared.bounds
     kept = {s.target: s.text for s in block.statements if s.kind == STORE}
     needs = tuple(s for s in block.statements if s.kind != STORE)
@@ -88,9 +94,10 @@ def functions(
     fixed: Sequence[str] = (),
     summed: int = 0,
 ) -> str:
-    """Returns the C functions of the parameters. `prepare` computes the `count` hoisted constants
-    and the `fixed` totals; with `factored` it factors M. `block`: the model needs allocated memory.
-    `summed`: the number of sums in initial values and parameters that are computed once."""
+    """Returns the C functions of the parameters. The C function `prepare` computes the `count`
+    hoisted constants and the totals `fixed`, and factors the mass matrix if `factored`. `block`:
+    the model needs allocated memory. `summed`: the number of sums in initial values and parameters
+    that are computed once."""
     params = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]

@@ -1,8 +1,9 @@
-"""Turns LoopEquations into blocks of C statements: loop bodies, guarded parts of rows, assignments.
+"""Turns LoopEquations into blocks of C statements, such as loop bodies and assignments.
 
-A block is straight-line code in the index m (and j, in a pair). It first loads its inputs into
-local constants: in the interior directly from the arrays, near an end through functions that handle
-indices beyond it. Expressions of parameters and sizes alone are hoisted into `prepare`.
+A block is straight-line code for one member m of a family, or for a pair of members m and j. It
+first loads its inputs into local constants. In the interior of a family it reads them directly from
+the arrays; near an end it calls functions that handle indices beyond the end. Expressions of
+parameters and sizes alone are hoisted into `prepare`.
 """
 
 from __future__ import annotations
@@ -33,16 +34,20 @@ _OURS = (
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
 SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "acc": "_acc", "p": "_momentum"}
-CHUNK = 64  # Members in a chunk: a loop of constant length.
-BLOCK = 1024  # Members per array of bond forces: enough that stores finish before rows read them.
-WIDEST_BOND = 8  # Longest bond whose force is shared, in members: 8 doubles fill a cache line.
+CHUNK = 64  # Members in a chunk, which a loop of constant length computes.
+# Members per array of bond forces: enough that the forces are stored before rows read them.
+BLOCK = 1024
+# The force of a bond between members m and m - k is computed once for both if k is at most this.
+# Eight doubles fill a cache line.
+WIDEST_BOND = 8
 FLUX_STRIDE = BLOCK + WIDEST_BOND
 M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
 
 @dataclass
 class Block:
-    """Targets, and their statements (set by Lowering); `where` says how members are read."""
+    """Straight-line code: the expressions to store (`targets`) and the C statements, which Lowering
+    adds. `where` is INNER, EDGE, PAIR or FIXED: how the block reads members of families."""
 
     targets: list[Target]
     where: str
@@ -50,7 +55,8 @@ class Block:
 
     @staticmethod
     def of(kind: str, place: str, nodes: Iterable[Node], where: str) -> Block:
-        """Returns a block with one target per node; `place` is a format such as "r[{}]"."""
+        """Returns a block that stores each node. The C variables are `place`, a format such as
+        "r[{}]", filled with the number of the node."""
         targets = [Target(kind, place.format(k), (node,)) for k, node in enumerate(nodes)]
         return Block(targets, where)
 
@@ -93,15 +99,15 @@ class Places:
             self.size_texts |= {f"least{k}'": f"p->side_lo_[{k}]", f"most{k}'": f"p->side_hi_[{k}]"}
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
-        self.ids = {g.name: names.take(g.name) for g in own}  # name -> part of C names
-        # Names of constraint rows that express recurrences.
+        self.ids = {g.name: names.take(g.name) for g in own}  # name -> its part in C names
+        # The name of the constraint row that expresses each recurrence.
         self.made = {g.name: names.take(f"of_{g.name}") for g in e.carried_groups}
         self.first: dict[str, Affine] = {}  # name -> array index of the first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):
             self.first[group.name] = total
             total = total + group.count
-        self.whole = total  # length of q, including recurrence values
+        self.whole = total  # length of the array q, which includes recurrence values
         total = Affine()
         self.lets: dict[str, tuple[Affine, Affine]] = {}  # name -> (offset, least index)
         for item in (item for found in e.along for item in found):
@@ -124,7 +130,8 @@ class Places:
         return at.text(self.size_texts)
 
     def let(self, name: str, at: Affine) -> Affine:
-        """Returns the array index of a member of a recurrent `let` in the array of all of them."""
+        """Returns the array index of a member of a recurrent `let`. One array stores the values of
+        all recurrent `let`s."""
         first, lo = self.lets[name]
         return first + at - lo
 
@@ -132,7 +139,8 @@ class Places:
         return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
 
     def flat(self, name: str, at: Affine | None) -> Affine:
-        """Returns the index in q, v, ... of a member, or of a scalar coordinate (`at` is None)."""
+        """Returns the index in the arrays q, v, ...: of the member `at` of a family, or of a scalar
+        coordinate if `at` is None."""
         return self.first[name] if at is None else self.first[name] + at - self._lo(name)
 
     def _lo(self, name: str) -> Affine:
@@ -142,8 +150,9 @@ class Places:
         return next(g.lo for g in groups if g.name == name)
 
     def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
-        """Returns the array and index of a recurrence value, its rate or acceleration. The kinds
-        "w", "d", "hung_p", "hung_f" (see Slot) follow q and the rates, in this order."""
+        """Returns the array and the index at which C stores a recurrence value, its rate or its
+        acceleration. The array q has further sections behind the values and the rates: for the
+        kinds "w", "d", "hung_p", "hung_f" (see Slot), in this order."""
         place, own = self.flat(name, at), self.equations.count
         behind = {"w": self.whole.times(2), "d": self.whole.times(3) - own}
         behind["hung_p"] = self.whole.times(4) - own.times(2)
@@ -151,12 +160,14 @@ class Places:
         return ("q", place - own + behind[kind]) if kind in behind else (kind, place)
 
     def member(self, name: str, at: Affine | None) -> str:
-        """Returns C of a parameter, or of a member of a family of parameters."""
+        """Returns the C expression of a parameter, or of the member `at` of a family of
+        parameters."""
         place = "" if at is None else f"[{self.index(at - self._lo(name))}]"
         return f"p->{self.fields[name]}{place}"
 
     def group(self, g: Group) -> dict[str, str | bool]:
-        """Returns the template variables of a declared coordinate or parameter."""
+        """Returns the template variables of a declaration: a coordinate, a parameter, or a family
+        of these."""
         declared, family = g.declared, g.is_family
         unseen = "a body rate, in v" if g.is_turn else "a state, in v" if g.is_state else ""
         first = self.first.get(g.name, Affine())
@@ -177,7 +188,7 @@ class Places:
             "lo_text": g.lo.text() if family else "",
             "hi_text": g.hi.text() if family else "",
             "first_text": first.text(),
-            # Free ends: the ghost cell there has the values of its neighbour, at `home`.
+            # At a free end, the ghost cell (index `at`) has the values of the last member, `home`.
             "ends": [
                 {"at": self.index(at), "home": self.index(g.lo if at == g.lo - 1 else g.hi)}
                 for at, end in g.ends
@@ -201,7 +212,7 @@ class Lowering(Hoisting):
         super().__init__(equations.graph, equations.model.name, libm)
         for call, (side, sign) in sides.items():
             self.work.side(call, side, sign)
-        self.kept = kept  # Numbers of the totals stored in the model's memory.
+        self.kept = kept  # the numbers of the totals in the model's memory
         self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
         self.inputs = [q.name for q in equations.inputs]
@@ -236,7 +247,8 @@ class Lowering(Hoisting):
         return variable(self._local(slot))
 
     def _access(self, slot: Slot, where: str) -> Code:
-        """Returns C that reads a slot's value; the Code's names include those in the index."""
+        """Returns the C expression that reads a slot's value. The names in the Code include the
+        variables of the index."""
         places = self.places
         index = () if slot.at is None else places.names_in(slot.at)
         if slot.kind == "param":
@@ -279,8 +291,9 @@ class Lowering(Hoisting):
         return Code(text, (reader, needs, "p", "t", "u", *index))
 
     def _side(self, slot: Slot, where: str) -> Code:
-        """Returns C that reads the side of a switch for a member. In the interior the member
-        exists, so the array is read directly; elsewhere a function checks the index."""
+        """Returns the C expression that reads the side (sign) of a switch for a member. For an
+        index that exists it reads the array; elsewhere it calls a function that checks the
+        index."""
         at = slot.at or Affine()
         names = ("p", *self.places.names_in(at))
         if where == INNER and at.factor(ROW):
@@ -309,7 +322,7 @@ class Lowering(Hoisting):
         return self._names[slot]
 
     def _written(self, targets: list[Target], where: str) -> list[Statement]:
-        # Names for the block's slots are chosen before those for other local variables.
+        # The inputs (slots) of the block get names before its other local variables do.
         slots = []
         for node in self.work.reachable([n for t in targets for n in t.nodes]):
             symbol = self.work.data[node]
@@ -327,7 +340,8 @@ class Lowering(Hoisting):
 
 
 def flux_place(k: int, back: int) -> str:
-    """Returns C of the k-th force of the bond whose first member is m - `back`."""
+    """Returns the C array element with the k-th force of the bond whose first member is m -
+    `back`."""
     return f"flux[{k * FLUX_STRIDE - back}]"
 
 

@@ -1,7 +1,7 @@
 """The values that a C function computes before its rows: totals, rates of states, `let`s.
 
-They are stored in the model's memory, from where rows read them; a total that only outputs contain
-is stored in a local array. `prepare` computes the totals of parameters alone.
+These values are stored in the model's memory, where rows read them. A total that only outputs
+contain is stored in a local array. `prepare` computes totals that contain only parameters.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from ...middle.loops.slots import Slots
 from .loops import Block, Places
 from .loops_plan import Plan, within
 
-# ("sum", number), ("rate", name of the state), ("let", number of the pass over members), or
-# ("acceleration", "") for the accelerations of all coordinates.
+# A value to compute before rows: ("sum", number of the total), ("rate", name of the state), ("let",
+# number of the pass over members), or ("acceleration", "") for all accelerations.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 
 
 class Before:
-    """The C lines that precede the rows in a model's functions, by function."""
+    """For each C function of a model, the lines that compute values before its rows."""
 
     def __init__(
         self,
@@ -101,14 +101,15 @@ class Before:
         return self.plan.rates[name].blocks
 
     def _needed(self, blocks: Iterable[Block]) -> list[Key]:
-        """Returns all values to compute before some blocks, in order of computation."""
+        """Returns the values that must be computed before the given blocks, in the order of
+        computation."""
         done: dict[Key, None] = {}
 
         def need(key: Key) -> None:
             if key in done or (key[0] == "sum" and int(key[1]) in self.e.fixed):
                 return
             for inner in self._below(self._blocks(key)):
-                if inner != key:  # Equal for a `let` that uses its own lower members.
+                if inner != key:  # A `let` may use its own lower members.
                     need(inner)
             done[key] = None
 

@@ -1,10 +1,11 @@
 """The order of unknowns in the band matrix K = [M J^T; J 0], and its template variables.
 
-For each index the band has the member of every family with this index, then one row of every family
-of constraints. A constraint row stands at the last index whose coordinates it contains, after them.
-L D L^T then needs no pivoting: each leading block of K is regular if the constraint rows are
-independent. A dense border follows the band: rows that reach around the end of a ring (a periodic
-family), then scalar coordinates and single rows.
+M is the mass matrix, J the matrix of the constraint rows. For each index the band has first the
+members of all families with this index, then one row of every family of constraints. A constraint
+row belongs to the largest index of a coordinate in it. The factorization K = L D L^T then needs no
+pivoting: each leading block of K is regular if the constraint rows are independent. A dense border
+follows the band: rows that reach around the end of a ring (a periodic family), then scalar
+coordinates and single rows.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ SAYS = {
 
 
 def _free(g: Group, e: LoopEquations, side: int) -> int:
-    """Returns 1 if the end is free (its ghost cell copies the last member), else 0."""
+    """Returns 1 if the end of the family is free (the ghost cell beyond it copies the last member),
+    else 0."""
     at = g.lo - 1 if side < 0 else g.hi + 1
     return int(any(end.kind == "free" and index == at for index, end in g.ends))
 
@@ -41,13 +43,14 @@ def _reach(e: LoopEquations, rows: Bound) -> Iterator[tuple[Group, int]]:
 
 
 def _ahead(e: LoopEquations, rows: Bound) -> int:
-    """Returns the distance from a constraint row's own index to the last index that it contains."""
+    """Returns the distance from the index of a constraint row to the largest index of a coordinate
+    in the row."""
     return max(shift + _free(g, e, -1) for g, shift in _reach(e, rows))
 
 
 def shape_of(e: LoopEquations, places: Places, made: tuple[Bound, ...]) -> dict[str, Any]:
-    """Returns the shape of K: its half bandwidth, unknowns per index, the first and last indices of
-    families and constraint rows, and the size of the border."""
+    """Returns the shape of K: its half bandwidth, the number of unknowns per index, the first and
+    last index of each family, and the size of the border."""
     names = [g.name for g in e.banded]
     banded = [*made, *(rows for rows in e.bound if not rows.is_single)]
     slots = len(names) + len(banded)
@@ -73,8 +76,8 @@ def shape_of(e: LoopEquations, places: Places, made: tuple[Bound, ...]) -> dict[
 
 
 def spares_of(e: LoopEquations) -> int:
-    """Returns the number of scalar coordinates that occur in constraint rows of the band. At most
-    this many rows are independent only because of scalar coordinates."""
+    """Returns the number of scalar coordinates in constraint rows of the band. If the columns of
+    these coordinates are left out, at most this many more rows become dependent on the others."""
     felt = {name for rows in e.bound for name, shift in rows.entries if shift is None}
     if e.extended and any(not rows.is_single for rows in e.bound):
         of = (z for item in e.carried for piece in item.pieces for z in piece.by)
@@ -138,7 +141,7 @@ def _row(e: LoopEquations, rows: Bound, places: Places) -> dict[str, Any]:
     ends = [e.group(name).lo - shift for name, shift in least.items()]
     return found | {
         "ahead": _ahead(e, rows),
-        # A row whose index is below any of these indices crosses the end of a ring.
+        # A row with an index below one of these crosses the end of a ring.
         "wraps": [index(end) for end in ends],
         "entries": [
             {"scalar": name} if shift is None else {"other": places.ids[name], "shift": shift}

@@ -1,13 +1,16 @@
 """Recurrence values (`carried`) in C, and the elimination of M a = f with them.
 
-Recurrence values X, defined along a chain, have X'' = A a + ... with the accelerations a of the
-coordinates, which obey
+Recurrence values X, such as the positions of the links of a chain, are defined index by index.
+Their second derivatives are X'' = A a + ..., where a are the accelerations of the coordinates.
+These obey
 
-    A~^T M~ A~ a = A~^T f~          A~ = (1, A), M~ and f~ those of L with X as a family
+A~^T M~ A~ a = A~^T f~ A~ = (1, A)
 
-M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. From the last index to the
-first, this is substituted for X''[m], and a[m] is eliminated. The matrix passed on is small and
-symmetric: the articulated-body inertia of the chain beyond. The pivots are those of M.
+M~ and f~ are the mass matrix and the force that the Lagrangian would have if X were coordinates. M~
+couples only neighbours, and X''[m] = Phi_X X''[m-1] + Phi_q a[m] with the partial derivatives Phi_X
+and Phi_q of the recurrence. From the last index to the first, this replaces X''[m], and a[m] is
+eliminated. Each index passes a small symmetric matrix to the next lower one: the articulated-body
+inertia of the rest of the chain. The pivots are those of the mass matrix M.
 
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7.
 """
@@ -26,9 +29,10 @@ from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet
 
-BESIDE = 1  # An offset that marks a scalar coordinate.
-Variable = tuple[int, int]  # (offset of its index, at most 0; number of its family)
-# Passes along the chain: the fields of Piece that each computes, besides value and rate.
+BESIDE = 1  # This number, in place of an offset, marks a scalar coordinate.
+Variable = tuple[int, int]  # (its index relative to m, at most 0; number of its family)
+# For each pass along the chain, the fields of Piece that it computes besides the value and the
+# rate.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
 
 
@@ -37,13 +41,13 @@ class Level:
     """Recurrence values of one level and index range, which one loop computes."""
 
     rows: RowSet
-    group: dict  # template variables of the first value
-    stores: list[str]  # r[k] is stored in the k-th of these C variables.
-    guards: list[tuple[str, str]]  # (C condition, C variable that is 0 if it holds)
+    group: dict  # template variables of the first recurrence value
+    stores: list[str]  # The C variable that stores r[k], for each k.
+    guards: list[tuple[str, str]]  # (C condition, C variable that is 0 if the condition holds)
 
     @property
     def of_place(self) -> list[str]:
-        """Returns the C variables of derivatives, which are 0 outside the index range."""
+        """Returns those of `stores` that are derivatives; outside the index range they are 0."""
         return [x for x in self.stores if x.startswith(("slopes", "changes"))]
 
 
@@ -57,9 +61,9 @@ class Carrying:
         self.number = {name: k for k, name in enumerate(self.groups)}
         self.scalar = {g.name: k for k, g in enumerate(e.scalars)}
         self.low = [p.hi + 1 for item in e.carried for p in item.pieces if self._is_low(item, p)]
-        self.slopes: dict[tuple[str, Variable], str] = {}  # C variables of derivatives.
-        self.changes: dict[tuple[str, Variable], str] = {}  # C variables of their rates.
-        self._shared: dict[tuple[str, Variable], Node] = {}  # Derivatives equal at all indices.
+        self.slopes: dict[tuple[str, Variable], str] = {}  # C variables of Phi
+        self.changes: dict[tuple[str, Variable], str] = {}  # C variables of dPhi/dt
+        self._shared: dict[tuple[str, Variable], Node] = {}  # Phi that is the same at all indices
         self._place_slopes()
         self.levels = {mode: list(self._levels(mode)) for mode in MODES}
         self.gathered = {low: self._gathered(low, False) for low in (False, True)}
@@ -71,7 +75,8 @@ class Carrying:
 
     @cached_property
     def reach(self) -> int:
-        """Returns the largest difference between the indices of coupled rows, at least 1."""
+        """Returns the largest difference between the indices of rows that are coupled by a
+        recurrence or by the mass matrix, at least 1."""
         found = [offset for _, (offset, _) in (*self.slopes, *self._shared)]
         found += [shift for _, _, shift in self.e.mass.entries]
         return -min([-1, *found])
@@ -84,7 +89,8 @@ class Carrying:
         return ((slot.at - M).constant, self.number[slot.name])
 
     def _is_low(self, item: Carried, piece: Piece) -> bool:
-        """Returns whether a piece covers only a few first members, however long the chain is."""
+        """Returns whether a piece of a recurrence holds only near the first index, at a fixed
+        distance from it."""
         return Part(piece.lo, piece.hi, ZERO).is_point and (piece.hi - item.group.lo).is_constant
 
     def _place_slopes(self) -> None:
@@ -102,8 +108,8 @@ class Carrying:
         self.changes = {key: f"changes[{k}]" for k, key in enumerate(changing)}
 
     def _same_for_all(self, item: Carried, slot: Slot) -> Node | None:
-        """Returns the derivative if it is the same constant, mostly 1, wherever it is used, else
-        None."""
+        """Returns the derivative of a recurrence value by the variable `slot`, if it is the same
+        constant (mostly 1) at all indices; otherwise None."""
         nodes = {piece.by[slot] for piece in item.pieces if slot in piece.by}
         if len(nodes) > 1 or self.g.depends[node := nodes.pop()] & ~CONSTANT:
             return None
@@ -116,7 +122,8 @@ class Carrying:
         return node if before and (begins or not rest) else None
 
     def outside(self, item: Carried, slot: Slot) -> str:
-        """Returns the C condition that a slot's index is beyond an end; "" if it never is."""
+        """Returns the C condition that the index of a variable is beyond an end of its family; ""
+        if the index never is."""
         if slot.at is None or not self.groups[slot.name].ends:
             return ""
         target, shift = self.groups[slot.name], (slot.at - M).constant
@@ -133,8 +140,9 @@ class Carrying:
         return f"{at} < {self.places.index(target.lo)} || {at} > {self.places.index(target.hi)}"
 
     def slope(self, name: str, low: bool, change: bool = False) -> Iterator[tuple[Variable, Node]]:
-        """Yields the derivatives of a recurrence value by the variables that define it; with
-        `change` the rates of these derivatives. Pieces at low indices are left out unless `low`."""
+        """Yields pairs (variable, derivative by it) for the variables in the definition of a
+        recurrence value. With `change` it yields the time derivatives of these derivatives. Pieces
+        that hold only near the first index count only if `low`."""
         [item] = [item for item in self.e.carried if item.group.name == name]
         pieces = [p for p in item.pieces if low or not self._is_low(item, p)]
         for slot in dict.fromkeys(z for piece in pieces for z in piece.by):
@@ -175,8 +183,9 @@ class Carrying:
     def _values(
         self, item: Carried, mode: str
     ) -> Iterator[tuple[str, str, Callable[[Piece], Node]]]:
-        """Yields for each value that a mode computes: its C variable, the C condition under which
-        it is 0, and a function that returns its node in a piece."""
+        """Yields a triple for each value that the pass `mode` computes: the C variable of the
+        value, the C condition under which the value is 0, and a function that returns the node of
+        the value for a piece of the recurrence."""
         what, name = MODES[mode], item.group.name
         texts = {"value": "q", "rate": "v", "coasting": "w", "own": "d"}
         for key, kind in texts.items():
@@ -204,13 +213,15 @@ class Carrying:
     # -- from forces on recurrence values to forces on coordinates -------------------------------
 
     def hung(self, low: bool) -> Block:
-        """Returns the block of _gathered with `moving`, which here also stores its own sums."""
+        """Returns the block that _gathered makes with `moving`, extended by stores of the sums for
+        the recurrence values themselves."""
         return self._gathered(low, True, own=True)
 
     def _gathered(self, low: bool, moving: bool, own: bool = False) -> Block:
-        """Returns the block that passes the forces on the recurrence values of one index on to the
-        variables that define these, by the chain rule. With `moving` it passes dL/dq and momenta;
-        these add to dL/dq too, since the rates of recurrence values depend on coordinates."""
+        """Returns the block that converts the forces on the recurrence values of one index to
+        forces on the variables that define these values, by the chain rule. With `moving` the block
+        converts dL/dq and momenta. A momentum of a recurrence value also adds to dL/dq, since the
+        rate of this value depends on coordinates."""
         known: dict[str, Node] = {}
         changed: dict[str, None] = {}
 

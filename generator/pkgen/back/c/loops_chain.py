@@ -14,7 +14,7 @@ from .loops_elimination import Elimination, of_scalars
 from .loops_sets import Builder
 from .program import operations_text
 
-# By kernel: the pass along the chain (see MODES) that it needs.
+# For each kernel, the pass along the chain (see MODES) that it needs.
 NEEDS = {"force": "force", "momenta": "force", "gradient": "motion", "canonical": "motion"}
 
 

@@ -1,9 +1,10 @@
 """Solves M a = f of a chain by elimination, index by index: the formulas of one index, as C blocks.
 
-Each index passes a symmetric matrix `front` on to the index below. Its variables are those that
-both have: variables of lower indices, and scalar coordinates. The pattern of its nonzero entries is
-found by repeating the step until no entry is added. `bulk` is `front` without elimination of
-coordinates: its diagonal is that of M, relative to which a pivot must be positive.
+Each index passes a symmetric matrix `front` on to the next lower index. Its rows and columns belong
+to variables of lower indices and to scalar coordinates. The step from an index to the next is
+repeated until it adds no nonzero entry; this gives the pattern of `front`. The matrix `bulk` is
+`front` without elimination of coordinates. Its diagonal is that of the mass matrix M, and a pivot
+must be positive in comparison with it.
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ Pair = tuple[Variable, Variable]
 
 @dataclass
 class MassRows:
-    """The row of M~ of one family at one index: its entries in columns of this and lower
-    indices."""
+    """The row of the matrix M~ (see loops_carried.py) of one family at one index: the entries in
+    columns of the same and of lower indices."""
 
     group: dict
     number: int
     set: RowSet
-    guards: list[tuple[str, int]]  # (C condition: the column is out of range, entry's number)
-    is_padded: bool  # A coordinate: the pivot is 1 outside its range.
+    guards: list[tuple[str, int]]  # (C condition that a column does not exist, its number)
+    is_padded: bool  # whether it is a coordinate; its pivot is 1 outside its range
 
 
 class _Symmetric:
@@ -55,7 +56,8 @@ class _Symmetric:
         self.entries = {pair: n for pair, n in self.entries.items() if a not in pair}
 
     def put(self, a: Variable, slopes: list[tuple[Variable, Node]]) -> None:
-        """Substitutes the sum of slope * x over `slopes` for the variable `a`."""
+        """Replaces the variable `a` by the sum of slope * x over the pairs (x, slope) of
+        `slopes`."""
         own, row = self(a, a), self.row(a)
         self.without(a)
         multiply = self.g.multiply
@@ -72,8 +74,8 @@ def _pair(a: Variable, b: Variable) -> Pair:
 
 
 class Elimination:
-    """The elimination at one index, in two versions: for low indices, near the first member, where
-    other pieces define the recurrence values, and for all other indices."""
+    """The elimination at one index, in two versions: one for low indices, near the first member,
+    where the recurrence values may have other definitions, and one for all other indices."""
 
     def __init__(self, of: Carrying):
         self.of, self.g = of, of.g
@@ -87,7 +89,7 @@ class Elimination:
             while count != len(self.front) + len(self.bulk):
                 count = len(self.front) + len(self.bulk)
                 self._stepped(low)
-            if not low:  # Low indices may add entries; these come last.
+            if not low:  # Entries that only low indices have come last.
                 self._common = len(self.front), len(self.bulk)
         self.steps = {low: self._step(low) for low in (False, True)}
         self.backs = {low: self._back(low) for low in (False, True)}
@@ -138,7 +140,8 @@ class Elimination:
         return k < self._common[name == "bulk"]
 
     def _stepped(self, low: bool) -> tuple[_Symmetric, _Symmetric, list[Target]]:
-        """Returns `front` and `bulk` for the next lower index, and the stores of other results."""
+        """Returns `front` and `bulk` for the next lower index, and the stores of pivots, factors
+        and forces."""
         of, g = self.of, self.g
         front, bulk = self._incoming(low)
         right: dict[Variable, Node] = {}
@@ -191,7 +194,8 @@ class Elimination:
         return Block(targets, INNER)
 
     def _back(self, low: bool) -> Block:
-        """Returns the block of the accelerations at one index; those at lower indices are known."""
+        """Returns the block that computes the accelerations at one index from those at lower
+        indices."""
         of, g = self.of, self.g
         known: dict[Variable, Node] = {}
 
@@ -262,7 +266,7 @@ def of_scalars(chain: Elimination) -> Block:
 
 
 def _next(at: Variable) -> Variable:
-    """Returns the same variable with its offset relative to the next lower index."""
+    """Returns the same variable, with an offset that counts from the next lower index."""
     offset, number = at
     return at if offset == BESIDE else (offset + 1, number)
 

@@ -1,4 +1,7 @@
-"""The interior of rows: away from the ends a row is one expression, and bonds are computed once."""
+"""The interior of families: there a row (the equation of a member) is a single expression.
+
+The force of a bond between two members is computed once for both.
+"""
 
 from __future__ import annotations
 
@@ -30,8 +33,8 @@ class Interior:
     def fluxes(self, row: Row) -> tuple[list[Node], int, Node]:
         """Splits off the forces of bonds: row(m) = sum of F_k(m) - F_k(m - s), plus a remainder.
 
-        By Newton's third law the derivatives of a term at its two ends are opposite. Returns the
-        F_k, their common distance s, and the interior of the row as an expression in the F_k.
+        The forces of a bond on its two members, m and m - s, are opposite (Newton's third law).
+        Returns the F_k, the distance s, and the interior of the row as an expression in the F_k.
         """
         bulk = [part for part in row.parts if not part.is_point]
         found: list[Node] = []
@@ -65,8 +68,8 @@ class Interior:
     def interior(
         self, rows: Sequence[Row], group: Group | None
     ) -> tuple[list[Node], list[Affine], list[Affine]]:
-        """Returns for each row the sum of the parts whose conditions hold in the interior, and the
-        lower and the upper bounds of the interior."""
+        """Returns for each row its expression in the interior, which is the sum of the parts that
+        apply there, and the lower and the upper bounds of the interior."""
         lows: list[Affine] = [] if group is None else [group.lo]
         highs: list[Affine] = [] if group is None else [group.hi]
         nodes = []
@@ -80,7 +83,8 @@ class Interior:
                 lows.append(part.lo)
                 highs.append(part.hi)
             nodes.append(self.g.sum(bulk))
-        # `inner` lacks rates and accelerations of prescribed cells, so the full parts bound these.
+        # `inner` leaves out the rates and accelerations of cells whose motion is prescribed. The
+        # bounds that these need are found in the full parts.
         ends = [part.node for row in rows for part in row.parts if part.node != part.inner]
         for kinds, found in ((REACHED, nodes), (("d", "w"), [*nodes, *ends])):
             for slot in (slot for node in found for slot in self.slots.below(node)):
@@ -115,7 +119,8 @@ class Interior:
 
 
 def _pruned(found: list[Affine], sign: int) -> list[Affine]:
-    """Returns those lower bounds (sign 1) or upper bounds (sign -1) that no other bound implies."""
+    """Returns the lower bounds (sign 1) or upper bounds (sign -1) without those that another bound
+    implies."""
     kept: list[Affine] = []
     for at in dict.fromkeys(found):
         if any((k - at).is_constant and (k - at).constant * sign >= 0 for k in kept):

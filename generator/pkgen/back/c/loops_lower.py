@@ -126,7 +126,7 @@ class _Context:
         fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried and not e.extended else acceleration
-        constant = e.facts.mass_constant and not e.carried  # Recurrences use M's memory.
+        constant = e.facts.mass_constant and not e.carried  # recurrences use its memory
         inside = {
             kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
             for kernel, outputs in within(e).items()
@@ -142,7 +142,8 @@ class _Context:
         homed = {ids[g.name] for g in e.families}
         parameters = [loops_tables.parameter(e, self.places, k) for k in range(len(e.parameters))]
         system = self._system_kernels()
-        # struct pk_system gets other kernels for these, with J^T lambda, or p = v and p' = a.
+        # In struct pk_system these kernels are replaced by others: with constraints by kernels that
+        # add J^T lambda, for solved equations by one in which p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
         answered = plan.slopes_of is not None and plan.slopes_of.answered
         accelerates = any(slot.kind == "acc" for slot in e.slots)
@@ -291,8 +292,8 @@ class _Context:
         return {"needs": self.places.index(limit.needs), "unless": unless}
 
     def _readers(self) -> Iterator[dict[str, Any]]:
-        """Yields functions that read a member of a family by its index, which may be beyond an end.
-        There is one for each array (q, v, ...) that the code reads in this way."""
+        """Yields the C functions that read a member of a family by its index, which may be beyond
+        an end. Each array (q, v, ...) that is read by index in this way has its own function."""
         places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
         for g in self.e.families:
             for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3, "a": 3, "acc": 2}.items():
@@ -312,7 +313,8 @@ class _Context:
                 yield places.group(g) | {"reader": name, "kind": kind, "given": ends}
 
     def _band(self) -> dict[str, Any]:
-        """Returns the shape of M: a band of families interleaved by index, a border of scalars."""
+        """Returns the template variables of the band matrix: a band, in which the families are
+        interleaved by index, and a border of scalar coordinates."""
         e, ids = self.e, self.places.ids
         return {
             **shape_of(e, self.places, self.plan.made),
@@ -332,7 +334,8 @@ class _Context:
 
 
 def _told(e: LoopEquations) -> Facts:
-    """Returns the facts for the runtime's table. In solved form, p = v and p' = a, M is 1."""
+    """Returns the facts for the runtime's table. For equations solved for the accelerations, p = v
+    and p' = a, so the mass matrix M is 1."""
     one = {"mass_constant": True, "mass_diagonal": True, "quadratic": True}
     return replace(e.facts, **one) if e.solved else e.facts
 

@@ -18,7 +18,7 @@ from .loops_switches import terms
 from .recurrence_rows import made_of
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
-# Kernels with a value for each coordinate. By output: the field of LoopEquations with the rows.
+# Kernels that write a value for each coordinate: {kernel: {output: field of LoopEquations}}.
 VECTORS = {
     "force": {"f": "force"},
     "canonical": {"momenta": "momenta", "pdot": "pdot"},
@@ -34,21 +34,22 @@ BOUND: dict[str, Callable[[Bound], Row | Total]] = {
     "rate_size": lambda rows: rows.sizes[1],
 }
 OF_POSITIONS = ("constraint", "position_size")
-# Outputs with pair forces, by kernel.
+# The output of each kernel that contains forces between pairs.
 PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}
 
 
 @dataclass
 class SlopeKernel:
-    """A kernel that writes matrices of derivatives. `stores` says where each value of a row set is
-    added, as (output, row, column) in C; `corner` are entries of two scalars, as (output, row,
-    column, name of the total)."""
+    """A kernel that writes matrices of derivatives. Each value of a row set in `rows` is added to a
+    matrix entry; `stores` has these entries, as (output, row, column) in C. `corner` has the
+    entries whose row and column belong to scalar coordinates, as (output, row, column, name of the
+    total)."""
 
     name: str
     outputs: tuple[str, ...]
     rows: list[RowSet] = field(default_factory=list)
-    stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # for each row set
-    columns: list[str] = field(default_factory=list)  # C functions: a row's index
+    stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # by row set
+    columns: list[str] = field(default_factory=list)  # C functions that return the index of a row
     corner: list[tuple[str, str, str, str]] = field(default_factory=list)
 
 
@@ -57,8 +58,8 @@ class Rates:
     """The rates of a first-order state, computed before the rows that contain them."""
 
     group: dict
-    rows: RowSet | None  # None for a scalar state.
-    total: TotalSet | None  # None for a family of states.
+    rows: RowSet | None  # for a family of states
+    total: TotalSet | None  # for a scalar state
     pairs: list[PairSet]
 
     @property
@@ -69,8 +70,9 @@ class Rates:
 
 @dataclass
 class Alongside:
-    """Recurrent `let`s in outputs: row sets to evaluate member by member in order, the C variables
-    of their values, and the first and last indices of their ranges, in C."""
+    """Recurrent `let`s in outputs. They are computed in one loop over the indices: `rows` are the
+    definitions, `stores` the C variables of the values, `least` and `greatest` the first and last
+    index of each definition in C."""
 
     rows: list[RowSet]
     stores: list[str]
@@ -84,7 +86,7 @@ class Alongside:
 
 @dataclass
 class Plan:
-    """The row sets by kernel, and the totals by name, of all kernels."""
+    """All row sets and totals that the kernels of a model need."""
 
     rows: dict[str, list[RowSet]] = field(default_factory=dict)
     band: list[RowSet] = field(default_factory=list)
@@ -93,17 +95,17 @@ class Plan:
     singularities: list[TotalSet] = field(default_factory=list)
     switches: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
-    made: tuple[Bound, ...] = ()  # Recurrences, as constraint rows.
-    jacobian: dict[str, RowSet] = field(default_factory=dict)  # J of the rows in the band.
-    border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family.
-    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # By kernel, row.
+    made: tuple[Bound, ...] = ()  # recurrences in the form of constraint rows
+    jacobian: dict[str, RowSet] = field(default_factory=dict)  # constraint rows of the band
+    border: dict[str, RowSet] = field(default_factory=dict)  # derivatives of single constraint rows
+    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # by kernel, name
     slopes: list[SlopeKernel] = field(default_factory=list)
     slopes_of: Slopes | None = None
     reach: int = 0  # Half bandwidth of the matrices in `slopes`.
-    observed: dict[int, RowSet] = field(default_factory=dict)  # Outputs with a value per index.
-    pull: list[RowSet] = field(default_factory=list)  # The rows of J^T lambda.
-    along: dict[int, Alongside] = field(default_factory=dict)  # Passes over members, by number.
-    rates: dict[str, Rates] = field(default_factory=dict)  # Rates that rows use, by state.
+    observed: dict[int, RowSet] = field(default_factory=dict)  # outputs with a value for each index
+    pull: list[RowSet] = field(default_factory=list)  # forces of constraints: rows of J^T lambda
+    along: dict[int, Alongside] = field(default_factory=dict)  # recurrent `let`s of each pass
+    rates: dict[str, Rates] = field(default_factory=dict)  # {name of the state: ...}
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -144,7 +146,8 @@ def watches_momenta(e: LoopEquations) -> bool:
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:
-    """Returns the vector kernels and their outputs; with recurrences `gradient` has momenta too."""
+    """Returns VECTORS; in models with recurrences the kernel `gradient` has momenta as
+    an additional output."""
     return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
 
 
@@ -219,7 +222,8 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
 
 
 def _plan_before(e: LoopEquations, make: Builder, plan: Plan) -> None:
-    """Plans the totals, states' rates and `let`s that the planned blocks use, also indirectly."""
+    """Plans the values that the planned blocks read: totals, rates of states and `let`s, including
+    those that such values read in turn."""
     below, states = make.interior.slots.below, {g.name: g for g in e.states}
     passes = {item.name: k for k, found in enumerate(e.along) for item in found}
     nodes = [node for block in plan.blocks for node in block.nodes]
@@ -343,7 +347,7 @@ def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> Non
 
 
 def _reach(slopes: Slopes) -> int:
-    """Returns the half bandwidth of the matrices."""
+    """Returns the half bandwidth of the matrices of derivatives."""
     of = dict(slopes.families)
     at = {unknown: k for k, unknown in enumerate(of)}
     found = [0]
@@ -354,11 +358,13 @@ def _reach(slopes: Slopes) -> int:
 
 
 def apart(a: tuple[Group, int], b: tuple[Group, int], shift: int, slots: int) -> int:
-    """Returns the largest distance in the matrix between the rows of member m of `a` and of member
-    m + shift of `b`. Each is a family and its number among the `slots` rows of an index."""
+    """Returns the largest distance, in rows of the matrix, between the unknowns of member m of the
+    family `a` and of member m + shift of the family `b`. Each family is given with its number among
+    the `slots` unknowns that an index has."""
     (own, i), (other, j) = a, b
     distance = abs(shift * slots + j - i)
-    # A ghost cell shares its neighbour's unknown, one index away; with equal ends this cancels.
+    # A ghost cell has the unknown of its neighbour, one index away. If both families have the same
+    # ends, this shifts both alike.
     alike = (own.lo, own.hi, _free(own)) == (other.lo, other.hi, _free(other))
     return distance + slots * bool((_free(own) or _free(other)) and not alike)
 
@@ -370,7 +376,8 @@ def _free(g: Group) -> tuple[Affine, ...]:
 def _of_row(
     matrix: Matrix, own: Unknown, column: dict[Unknown, str], scalar: dict[Unknown, str]
 ) -> Iterator[tuple[str, str, Row]]:
-    """Yields the entries in a family's row, in band and border, as (row, column, value)."""
+    """Yields the entries of the matrix, in band and border, that the row of one member contributes,
+    as (row, column, value)."""
     for (row, other, shift), value in matrix.entries.items():
         if row == own:
             yield "row", f"{column[other]}(p, m + {shift})", value
@@ -387,7 +394,8 @@ def _own(e: LoopEquations, g: Group) -> Row:
 
 
 def entries(e: LoopEquations, g: Group, ids: Mapping[str, str]) -> list[tuple[dict[str, Any], Row]]:
-    """Returns M's entries in the rows of a family: first family columns, then scalar columns."""
+    """Returns the entries of the mass matrix in the rows of a family: first those in columns of
+    families, then those in columns of scalar coordinates."""
     found = [
         ({"other": ids[other], "shift": shift}, row)
         for (own, other, shift), row in e.mass.entries.items()

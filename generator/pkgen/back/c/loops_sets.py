@@ -17,7 +17,7 @@ from .loops_interior import Interior
 
 @dataclass
 class Guarded:
-    """The parts of rows that have one condition: r[k] += ... if lo <= m <= hi."""
+    """Parts of rows that have the same condition. `block` adds them to r[k] if lo <= m <= hi."""
 
     lo: str
     hi: str
@@ -26,7 +26,8 @@ class Guarded:
 
 @dataclass
 class Summing:
-    """A sum computed once: its C variable, its index ranges in C, its term, sums in the term."""
+    """A sum that is computed once and stored: `place` is its C variable, `ranges` are the loop
+    variables with first and last index, `block` is its term, `inside` are sums in the term."""
 
     place: str
     ranges: list[tuple[str, str, str]]
@@ -40,8 +41,8 @@ class Summing:
 
 @dataclass
 class Assignment:
-    """Assigns the members lo..hi, or one value if these are "". The sums `before` are computed
-    once, the sums `each` for every member."""
+    """An assignment to the members lo..hi of a family, or to a scalar if lo is "". The sums
+    `before` are computed once, the sums `each` again for every member."""
 
     lo: str
     hi: str
@@ -56,9 +57,10 @@ class Assignment:
 
 @dataclass
 class RowSet:
-    """Rows of one family, with several values per cell, or the terms of totals. Ranges are C text.
+    """The rows of one family, with `outputs` values r[k] for each member m, or the terms of a
+    total.
 
-    The interior has m >= each of `lows` and m <= each of `highs`.
+    In the interior m is at least each of `lows` and at most each of `highs`, which are C text.
     """
 
     name: str
@@ -68,13 +70,13 @@ class RowSet:
     lows: list[str]
     highs: list[str]
     group: dict = field(default_factory=dict)  # Template variables of the family.
-    ghosts: bool = False  # Ghost cells' rows are added to the rows of the cells they copy.
+    ghosts: bool = False  # whether rows of ghost cells are added to those of the members they copy
     below: int = 0  # Number of ghost cells below the range.
     above: int = 0  # Number of ghost cells above the range.
-    plain: bool = False  # The mass r[1] is a positive number: no check.
-    scale: Block | None = None  # Common factor of r[0] in all interior rows.
-    flux: Block | None = None  # Computes the bond forces, flux[k * stride].
-    span: int = 0  # Length of a bond, in members.
+    plain: bool = False  # The mass r[1] is a positive number, so it needs no check.
+    scale: Block | None = None  # factor by which r[0] is multiplied in the interior
+    flux: Block | None = None  # computes the forces of a bond, flux[k * stride]
+    span: int = 0  # A bond is between members m and m - span.
 
     @property
     def blocks(self) -> list[Block]:
@@ -109,15 +111,16 @@ class RowSet:
 
 @dataclass
 class PairSet:
-    """A double loop over pairs (m, j). For a force, `own` are the array elements that get the sums
-    over j, and `other` those to which the value for each j is added, in C."""
+    """A double loop over pairs of members (m, j). The block computes values r[k]. For forces, `own`
+    has for k the array element to which the sum of r[k] over j is added, and `other` the array
+    element to which each r[k] is added, in C."""
 
     lo: str
     hi: str
     first: str
     last: str
     block: Block
-    own: dict[int, str] = field(default_factory=dict)  # number in the block -> array element
+    own: dict[int, str] = field(default_factory=dict)  # k -> array element
     other: dict[int, str] = field(default_factory=dict)
 
 
@@ -146,8 +149,8 @@ class Builder:
     def rows(
         self, name: str, group: Group, rows: list[Row], quotient: bool = False, ghosts: bool = True
     ) -> RowSet:
-        """Returns the set of `rows`. With `quotient` the rows are a force and a mass, and r[0] in
-        the interior is force / mass."""
+        """Returns the RowSet of the given rows. With `quotient` there are two: a force and a mass;
+        r[0] in the interior is then force / mass."""
         interior = self.interior
         nodes, lows, highs = interior.interior(rows, group)
         flux: list[Node] = []
@@ -162,8 +165,8 @@ class Builder:
         number = interior.g.value(mass)
         below, above = self._beyond(group)
         mapped = group.periodic or any(end.kind == "free" for _, end in group.ends)
-        found = self._set(name, rows, nodes, lows, highs)  # not expanded, since that would lose
-        found.group = self.places.group(group)  # digits in differences of neighbours
+        found = self._set(name, rows, nodes, lows, highs)  # A difference of neighbours is not
+        found.group = self.places.group(group)  # expanded, since that would lose digits.
         found.below, found.above = below, above
         found.ghosts = ghosts and mapped and bool(below or above)
         found.plain = number is not None and number > 0
@@ -176,7 +179,8 @@ class Builder:
         return found
 
     def _beyond(self, group: Group) -> tuple[int, int]:
-        """Returns the numbers of ghost cells below and above a family's range."""
+        """Returns the number of ghost cells below the first member of a family, and the number
+        above the last one."""
         below = above = self.e.wraps.get(group.name, 0)
         for at, _ in group.ends:
             low, high = group.lo - at, at - group.hi

@@ -35,8 +35,8 @@ def slopes_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, An
 
 
 def _hung(e: LoopEquations, plan: Plan, places: Places) -> list[dict[str, Any]]:
-    """Returns the matrix row of each recurrence, with C text for the indices of the row and of its
-    columns."""
+    """Returns the template variables of the matrix rows of recurrences: C text of the index of each
+    row and of its columns."""
     families = [unknown for unknown, _ in plan.slopes_of.families]
     carried = {g.name for g in e.carried_groups}
 

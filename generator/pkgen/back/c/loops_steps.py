@@ -1,4 +1,7 @@
-"""Fused steps of splitting methods on families that are loops: when they apply, and block sizes."""
+"""Fused steps of splitting methods, for families of coordinates that are loops.
+
+A fused step computes accelerations, kicks (v += h a) and drifts (q += h v) in one loop.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +13,15 @@ from ...middle.loops.slots import Slots
 from .loops import BLOCK, CHUNK, Places
 from .loops_plan import Plan
 
-LINE = 8  # Members per cache line; chunks of rows start at line boundaries.
-STAGES = 32  # Stages per pass over memory: their data and a block fit in 32 KiB of cache.
+LINE = 8  # Members per cache line; chunks of rows start at boundaries of cache lines.
+# Stages of the method in one pass over memory. The data of the stages and a block of members fit in
+# 32 KiB of cache.
+STAGES = 32
 
 
 def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[str, Any] | None:
-    """Returns the template variables of fused steps, or None if they do not apply. They need rows
-    of the acceleration that depend only on t and on q of nearby cells."""
+    """Returns the template variables of fused steps, or None if the model cannot have them. Each
+    acceleration must depend only on t and on the coordinates q of nearby members."""
     rows, index = plan.rows["acceleration"], places.index
     if not e.facts.separable or e.scalars or e.model.inputs:
         return None
@@ -26,12 +31,12 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         return None
     cells = [s.at for s in below if s.kind == "q" and s.at is not None]
     if not all(at.factor(ROW) for at in cells):
-        return None  # All rows depend on this one member.
+        return None  # All rows depend on one fixed member, however far away.
     reach = max((abs(at.constant) for at in cells), default=0)
     if reach > CHUNK or not all((g.lo - e.families[0].lo).is_constant for g in e.families):
         return None
-    # Drifts lag behind kicks: cells that the next rows read, also as ghost cells, must not drift
-    # yet.
+    # A member drifts only after the kicks of all members that need its old position, also through a
+    # ghost cell.
     reach = max([1, reach, *(s.span for s in rows)]) + max(max(s.below, s.above) for s in rows)
     trail = -(-reach // LINE) * LINE
     block = max(1, BLOCK // CHUNK // len(e.families)) * CHUNK
@@ -43,7 +48,8 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         "line": LINE,
         "trail": trail,
         "together": together,
-        # If only bond forces link rows to lower cells, a cell drifts right after its kick.
+        # If rows depend on lower members only through bond forces, a member drifts right after its
+        # kick.
         "merged": len(rows) == 1
         and bool(rows[0].flux)
         and not rows[0].trig

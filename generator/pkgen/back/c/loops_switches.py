@@ -1,4 +1,7 @@
-"""Switches of families that are loops: the switch that decides a call, and the C tables."""
+"""Switches of families that are loops: which switch selects the branch of a function call.
+
+A switch is a function whose sign selects the branch of calls with a kink or jump, such as abs(x).
+"""
 
 from __future__ import annotations
 
@@ -17,8 +20,8 @@ from .loops import Places
 
 
 def terms(e: LoopEquations) -> Iterator[Total]:
-    """Yields the switching function of each switch as a total. In a family it has one term for each
-    index, from the least of its ranges to the greatest."""
+    """Yields the switching function of each switch as a total. The switch of a family has a term
+    for each index between the least and the greatest at which it occurs."""
     for k, x in enumerate(e.switches):
         if x.ranges[0]:
             lo, hi = (Affine(0, ((f"{which}{k}'", 1),)) for which in ("least", "most"))
@@ -28,9 +31,9 @@ def terms(e: LoopEquations) -> Iterator[Total]:
 
 
 def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, tuple[Symbol, int]]:
-    """Returns for each call that stays on one side during a step: the symbol of the side that
-    decides it, and 1 or -1 if its argument has the sign of the switch or the opposite. May add
-    nodes."""
+    """Returns for each function call whose branch is fixed during a step: the symbol with the sign
+    of the switch that selects the branch, and 1 if the argument of the call has the same sign, -1
+    if it has the opposite sign. May add nodes."""
     found: dict[Node, tuple[Symbol, int]] = {}
     if not e.switches:
         return found

@@ -79,8 +79,9 @@ def _multiplier(rows: Bound) -> Quantity:
 
 
 def _quantity(g: Group, form: str, unit: str, of_state: str = "{}", own: str = "") -> Quantity:
-    """Returns a quantity, named by the format `form` (for a state `of_state`) or, for a body rate,
-    by the field `own` of its declaration; `unit` is the field with the unit."""
+    """Returns the quantity of a family. Its name is `form` filled with the family's name;
+    `of_state` replaces `form` for a state, and a body rate has the name in the field `own` of its
+    declaration. `unit` is the field of the declaration with the unit."""
     form, unit = (of_state, "unit") if g.is_state else (form, unit)
     name = getattr(g.declared, own) if own and g.is_turn else form.format(g.name)
     return Quantity(name, getattr(g.declared, unit), g.declared.description)

@@ -28,7 +28,8 @@ from .schedule import Schedule
 
 __all__ = ["Program", "lower"]
 
-LONG = 1000  # Operations: in embedded C a longer acceleration solves M a = f by a loop.
+# In embedded C an acceleration kernel with more operations solves M a = f by a loop.
+LONG = 1000
 _ARGUMENT = {
     Kind.COORDINATE: "q",
     Kind.RATE: "v",
@@ -47,14 +48,16 @@ def lower(
     kept: frozenset[int] | None = None,
     plain: bool = False,
 ) -> Program:
-    """Returns straight-line code of the kernels named (None: all that the model has). With `libm`
-    sine and cosine are those of the C library. `kept`: indices of the parameters (None: all).
-    `plain`: C to be embedded, without the tables for the runtime."""
+    """Returns straight-line code of the named kernels (None: of all that the model has). With
+    `libm` sines and cosines are computed by the C library. Parameters whose index is not in `kept`
+    are left out (None: none). With `plain` the C is to be embedded, without tables for the
+    runtime."""
     made = _Lowering(equations, structure, libm, kept, plain).program(kernels)
     solve = made.kernel("acceleration") if plain and not equations.constraints else None
     if solve is None or solve.operations.total() <= LONG or "mass" not in (kernels or {"mass"}):
         return made
-    # For 20 links straight-line code is twice as fast as a loop, but half of the file.
+    # For a pendulum of 20 links straight-line code is twice as fast as a loop, but takes half of
+    # the file.
     by_loop = replace(equations, acceleration=None)
     return _Lowering(by_loop, structure, libm, kept, plain).program(kernels)
 
@@ -67,8 +70,8 @@ def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> fro
 
 
 def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int]:
-    """Returns `read`, with all members of families in it, and with the parameters on which the
-    defaults of all these depend."""
+    """Returns the indices `read` of parameters, completed: by the other members of their families,
+    and by all parameters on which the defaults of these depend."""
     slots, kept = equations.parameters, set(read)
     families = {slots[k].family for k in kept}
     for k in reversed(range(len(slots))):  # A default depends on earlier parameters only.
@@ -212,7 +215,8 @@ class _Lowering(Hoisting):
         return self._finished("start", spec.result, spec.outputs(e), code, {})
 
     def _fixed_code(self, targets: list[Target]) -> Schedule:
-        """Returns code, without hoisting, for targets that depend on parameters alone."""
+        """Returns the code of targets that depend on parameters alone. It reads no hoisted
+        constants, since it may run before `prepare`."""
         new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
         return self.scheduled(rewritten(targets, new), self._names(), fixed=True)
 
@@ -249,7 +253,7 @@ def _local_names(equations: Equations) -> dict[Symbol, str]:
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
     accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
     rows = [
-        (Kind.COORDINATE, equations.coordinates[:own]),  # No equation uses the integral of a state.
+        (Kind.COORDINATE, equations.coordinates[:own]),  # no integrals of states
         (Kind.RATE, equations.rates),
         (Kind.INPUT, equations.inputs),
         (Kind.ACCELERATION, accelerations),

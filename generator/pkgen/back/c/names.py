@@ -1,8 +1,8 @@
 """Makes C names from a model's names, distinct from macros, keywords and each other.
 
-A macro of a header that a user includes before the model's would rewrite a struct member or a local
-variable, so such names get a trailing underscore in C. The tables that a program reads at run time
-keep the author's spelling.
+If a user includes another header before the model's, a macro of that header may have the name of a
+struct member or a local variable. Names of known macros therefore get a trailing underscore in C.
+The tables that a program reads at run time keep the author's spelling.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _KEYWORDS = """
     using virtual void volatile wchar_t while xor xor_eq
 """
 
-# Most macros are in capitals, so a name of three or more capitals gets an underscore. _MACROS are
-# all others: macros of standard and system headers, of gcc's gnu modes, of platforms.
+# Most macros have names in capitals, so all names of three or more capitals get an underscore.
+# _MACROS has other macros, of standard and system headers, of gcc's gnu modes and of platforms.
 _CAPITALS = re.compile(
     r"(?![A-Z](_[0-9]+)+$)[A-Z][A-Z0-9_]+[A-Z0-9](f|l|q|f[0-9]+x?)?|(PRI|SCN)[a-z]\w*[^_]"
-)  # Names like M_0_1, made by pkgen, are excluded.
+)  # The lookahead excludes names like M_0_1, which pkgen itself makes.
 _MACROS = """
     I B0 HZ SP IN PI AF_DECnet PF_DECnet L_ctermid L_cuserid L_tmpnam P_tmpdir
     and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq
@@ -46,7 +46,7 @@ _MACROS = """
     atomic_fetch_sub_explicit atomic_fetch_xor_explicit
 """
 
-# Functions of <math.h> and POSIX: a local variable of that name would hide the function.
+# Functions of <math.h> and POSIX. A local variable with such a name would hide the function.
 _FUNCTIONS = """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
     fdim floor fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log
@@ -63,7 +63,7 @@ _OURS = """
 """
 _MEMBERS = " c_ side_ factors_ inverse_ block_"  # of struct NAME_params
 
-# Also the names of the float, long double and quad versions.
+# The names of the versions of these functions for double, float, long double and quad.
 _LIBM = " ".join(name + end for name in _FUNCTIONS.split() for end in ("", "f", "l", "q"))
 FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS + _MEMBERS).split())
 LOCAL_RESERVED = frozenset((_KEYWORDS + _MACROS + _LIBM + _OURS).split())

@@ -20,8 +20,9 @@ NOT_FINITE = Return("PK_FAILED(PK_FAILURE_DERIVED, 0)")
 
 @record
 class ParameterCode:
-    """The code of a parameter or family: its default value, whether this depends on other
-    parameters, the check of its bounds, and the stores of the bounds."""
+    """The code of a parameter or a family of parameters: the assignment of its default value
+    (`follows`: the default depends on other parameters), the check of its bounds, and the stores of
+    its bounds."""
 
     default: Sequence[Node]
     follows: bool
@@ -47,7 +48,8 @@ def ends(index: int, bounds: Interval) -> list[Node]:
 
 
 def derived(rows: Iterable[ParameterCode]) -> list[Node]:
-    """Returns the assignments of defaults that use other parameters, unless these are given."""
+    """Returns the assignments of those defaults that depend on other parameters. The C code skips
+    parameters whose values are given."""
     return [If(f"!given || !given[{k}]", row.default) for k, row in enumerate(rows) if row.follows]
 
 
@@ -71,7 +73,7 @@ def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
 
 
 def _scoped(needs: Sequence[Statement], nodes: list[Node]) -> list[Node]:
-    """Returns the nodes, in a scope of their own if they need local constants."""
+    """Returns the nodes; if the statements `needs` are not empty, in a C scope of their own."""
     return [Scope(nodes)] if needs else nodes
 
 

@@ -17,7 +17,7 @@ from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG
 from .constants import Constant
 from .expressions import Code, base
 
-LANES = ("lanes", "members")  # Kernels for many states, with one parameter set or one for each.
+LANES = ("lanes", "members")  # Many states with common or own parameters.
 
 _SHOWN = {
     LOCAL: "{target} = {text}",
@@ -71,11 +71,11 @@ class Statement(NamedTuple):
 
 @record
 class Block:
-    """A sequence of statements. Each block of a kernel but the last becomes a function, to limit
-    compile time; the functions pass values through a work array."""
+    """A sequence of statements. A long kernel has several blocks; all except the last become C
+    functions, to limit compile time. These functions pass values through a work array."""
 
     statements: tuple[Statement, ...]
-    uses: frozenset[str]  # arguments (p t q v u w ...) and outputs in use
+    uses: frozenset[str]  # the arguments and outputs that occur in the statements
 
     @property
     def checks(self) -> bool:
@@ -121,7 +121,7 @@ class Assignment:
 
 @record
 class Interval:
-    """The bounds of one parameter, as C text; None: infinite."""
+    """The bounds of one parameter, as C text. A bound that is None is infinite."""
 
     statements: tuple[Statement, ...]  # Declarations that the bounds need.
     lo: str | None
@@ -150,11 +150,11 @@ class Program:
     parameter_names: tuple[str, ...]  # C text of each scalar parameter: "m1", "k[2]"
     defaults: tuple[Assignment, ...]
     bounds: tuple[Interval, ...]
-    prepare: Kernel  # Computes the hoisted constants.
+    prepare: Kernel  # the function that computes the constants
     constants: tuple[Constant, ...]  # The hoisted constants.
     start: Kernel
     kernels: tuple[Kernel, ...]
-    float_too: bool  # All constants are in the range of float.
+    float_too: bool  # whether all constants fit in C's float
     helpers: tuple[str, ...]  # Functions that <math.h> lacks: "min", "step", ...
     lanes: tuple[str, ...] = ()  # A subset of LANES.
     plain: bool = False  # C to be embedded, without the runtime's tables.

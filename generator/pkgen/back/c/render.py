@@ -72,9 +72,9 @@ _TESTED = """
 def render(
     program: Program, *, self_test: bool = False, report: Report | None = None
 ) -> dict[str, str]:
-    """Returns NAME.h and NAME.c; unless they are to be embedded, also the files that connect them
-    to the runtime; with `self_test` also NAME_selftest.c, which tests the kernels. `report`: a
-    scene's simplifications, which the header lists."""
+    """Returns the C files of a model: NAME.h, NAME.c, and the files that connect these to the
+    runtime, which embedded C lacks. With `self_test` it adds NAME_selftest.c, which tests the
+    kernels. `report`: the simplifications made to a scene; the header lists these."""
     lines = report.lines if report else ()
     context = _context(program) | {"reductions": [str(line) for line in lines]}
     templates = {".h": "header.h.j2", ".c": "source.c.j2", **GLUE}
@@ -103,7 +103,8 @@ def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dic
     return {name: _embedded(text) for name, text in files.items()}
 
 
-# Replacements for embedded C, which calls <tgmath.h> and returns numbers for failures.
+# Replacements in embedded C, which calls functions by the names of <tgmath.h> and returns plain
+# numbers for failures.
 _EMBEDDED = (
     (r"PK_F\((\w+)\)", r"\1"),
     (r"PK_RESTRICT ", ""),
@@ -136,7 +137,7 @@ def _order() -> list[str]:
     members = {}
     for struct, body in re.findall(r"struct (pk_\w+) \{(.*?)\n\};", text, re.DOTALL):
         members[struct] = [
-            (declared.split()[1], name)  # (name of its struct, if it is one; name of the member)
+            (declared.split()[1], name)  # (type: for a struct its name; name of the member)
             for declared in body.split(";")[:-1]
             for name in re.findall(r"\(\*(\w+)\)", declared)
             or re.findall(r"(\w+)(?=,|$)", declared)
@@ -149,8 +150,8 @@ def _order() -> list[str]:
 
 
 def in_order(text: str) -> str:
-    """Returns the initializers `.events.n = 1,` of struct pk_system as C++ requires them: in the
-    order of declaration, with the members of a part in braces."""
+    """Returns the initializers of struct pk_system, such as `.events.n = 1,`, in the order of
+    declaration, as C++ requires. The initializers of a part such as `events` are put in braces."""
     found = dict(re.findall(r"^ {4}\.([\w.]+) = (.*?),$(?=\n {4}\.|\s*\Z)", text, re.DOTALL | re.M))
     assert len(found) == len(re.findall(r"^ {4}\.", text, re.M)), text
     order = {name: k for k, name in enumerate(_order())}
@@ -271,7 +272,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_first_order": equations.n_first_order,
         "n_unread": equations.n_unread,
         "states": [q.name for q in equations.rates[equations.own :]],
-        # Whether p is dL/dv and h is v.p - L: the self-test can then compare them.
+        # Whether p = dL/dv and the energy is v.p - L, so that the self-test can check this.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
         "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
@@ -332,7 +333,7 @@ typedef double pk_real;
 """
 
 
-# Embedded C has the type REAL instead of the header real.h.
+# Embedded C contains the definition REAL in place of the header real.h.
 EMBEDDED = {"embedded": True, "real_header": REAL}
 
 

@@ -31,12 +31,13 @@ class Workspace(Tables):
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
         self._known = graph.tables()
-        self.sides: dict[Node, Node] = {}  # call that a switch decides -> its side
+        self.sides: dict[Node, Node] = {}  # call -> the side that selects its branch
         self._side_leaves: dict[Symbol, Node] = {}
         self.constants = Constants(self)
 
     def side(self, call: Node, switch: Symbol, sign: int) -> None:
-        """Makes a call depend on the side of a switch (sign > 0), or on the opposite side."""
+        """Makes a function call depend on a side: that of the switch if sign > 0, otherwise the
+        opposite one."""
         if switch not in self._side_leaves:
             leaf = self._side_leaves[switch] = len(self.op)
             self.op.append(Op.SYMBOL)
@@ -96,8 +97,8 @@ class Workspace(Tables):
 
 
 def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Node, Node]:
-    """Returns the replacement of every node at or below the roots; `gather` groups factors and
-    terms that depend on parameters alone."""
+    """Returns a map from every node at or below the roots to its replacement. With `gather`,
+    factors of products and terms of sums are grouped if they depend on parameters alone."""
     order = work.reachable(roots)
     absorbed = _absorbed(work, order, roots, gather)
     signed = _normal_signs(work, order) if gather else {}
@@ -105,7 +106,8 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
     new: dict[Node, Node] = {}
     for node in order:
         if node in absorbed or (gather and fixed[node]):
-            # The node stays unchanged: its user takes it apart, or it is hoisted without its sign.
+            # The node stays unchanged if its user takes it apart. A constant is hoisted without its
+            # sign.
             new[node] = node
             if node not in absorbed and ops[node] is not Op.NUMBER:
                 sign, plain = signed[node]
@@ -130,8 +132,8 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
 
 
 def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: bool) -> set[Node]:
-    """Returns the nodes with one user that takes them apart: a sum takes sums apart, a product
-    takes products and reciprocals."""
+    """Returns the nodes that are merged into their only user: a sum into a sum, a product or a
+    reciprocal into a product."""
     uses: dict[Node, int] = dict.fromkeys(order, 0)
     user: dict[Node, Node] = {}
     for root in roots:
@@ -156,8 +158,8 @@ def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: boo
 
 
 def _normal_signs(work: Workspace, order: Iterable[Node]) -> dict[Node, tuple[int, Node]]:
-    """Returns for each constant a sign and a node: x and -x have the same node, as do a - b and b -
-    a. The first term of a sum is positive."""
+    """Returns for each constant a pair (sign, node) with constant = sign * node. Both x and -x have
+    the same node, and so have a - b and b - a. The first term of a sum is positive."""
     signed: dict[Node, tuple[int, Node]] = {}
     for node in order:
         if not work.fixed[node]:

@@ -37,7 +37,8 @@ from .names import Names
 from .program import Statement
 from .rewrite import Workspace
 
-# Longest texts, in characters: an expression, a part in brackets, a local variable's name.
+# The largest lengths, in characters, of an expression, of a part in brackets, and of the name of a
+# local variable.
 _LONGEST = 150
 _LONGEST_PART = 64
 _LONGEST_NAME = 32
@@ -53,9 +54,9 @@ class Schedule:
     prefix: str
     leaf: Callable[[Node], Code | None]
     hints: Mapping[Node, str] = field(default_factory=dict)
-    kept: frozenset[Node] = frozenset()  # Nodes that must become locals.
-    known_after: frozenset[str] = frozenset()  # Outputs that later statements may read.
-    inline_sincos: bool = False  # Sines are computed inline, not by libm.
+    kept: frozenset[Node] = frozenset()  # nodes that must become local variables
+    known_after: frozenset[str] = frozenset()  # outputs that later statements read
+    inline_sincos: bool = False  # whether sines are computed inline or by libm
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
     _forms: dict[Node, Form] = field(default_factory=dict)
@@ -63,7 +64,7 @@ class Schedule:
     _angles: dict[Node, None] = field(default_factory=dict)  # Angles still to compute.
 
     def __post_init__(self) -> None:
-        self.leaf = cache(self.leaf)  # Called several times for each node.
+        self.leaf = cache(self.leaf)  # it is called several times for each node
 
     def run(self, targets: Iterable[Target]) -> None:
         targets = list(targets)
@@ -90,7 +91,8 @@ class Schedule:
                 self._forms[target.nodes[0]] = atom(variable(target.where))
 
     def _locals(self, targets: list[Target]) -> set[Node]:
-        """Returns the nodes that become locals: `kept`, used several times (also as -x), sines."""
+        """Returns the nodes that become local variables: those of `kept`, those used several times
+        (x or -x), and sines and cosines."""
         work, leaf = self.work, self.leaf
         uses: dict[Node, int] = {}
         pending = [node for target in targets for node in target.nodes]
@@ -108,7 +110,7 @@ class Schedule:
         for node in uses:
             if work.op[node] is Op.CALL and (self._partner(node) in uses or self._is_trig(node)):
                 local.add(node)
-        if self.known_after:  # The code can read these outputs.
+        if self.known_after:  # Later statements read the output.
             local -= {node for target in targets for node in target.nodes}
         return {node for node in local if self.leaf(node) is None}
 
@@ -210,7 +212,7 @@ class Schedule:
         for a in args:
             self._promote(a, _LONGEST_PART)
         if op is Op.POWER:
-            assert self.work.data[node] == Fraction(-1)  # All other powers are rewritten.
+            assert self.work.data[node] == Fraction(-1)  # rewrite() has replaced all other powers.
             return inverted(forms[args[0]])
         function = str(self.work.data[node])
         row = FUNCTIONS[function.removeprefix(SIDE)]
@@ -223,7 +225,8 @@ class Schedule:
         return called(name, [_typed(forms[a]) for a in args], counted)
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
-        """Makes locals of the longest arguments until all together fit on a line."""
+        """Makes the longest arguments local variables until the text of all arguments fits on a
+        line."""
         for a in sorted(args, key=lambda a: -self._forms[a].length):
             if sum(self._forms[b].length for b in args) > longest:
                 self._promote(a, 0)
@@ -257,7 +260,8 @@ class Schedule:
 
 
 def _typed(form: Form) -> Form:
-    """Returns a form; an integer becomes a real, since <tgmath.h> takes an int as a double."""
+    """Returns the form, in which an integer is written as a real: functions of <tgmath.h> convert
+    an int to double."""
     text = code(form)
     return constant(f"PK_C({text}.0)") if text.isdigit() else form
 

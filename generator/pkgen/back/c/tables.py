@@ -84,7 +84,8 @@ def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
 
 
 def indices(program: Program) -> list[dict[str, Any]]:
-    """Returns the names of indices, of each plain quantity and of each family's first member."""
+    """Returns the rows of the enum of indices: one for each single quantity and for the first
+    member of each family."""
     e, names = program.equations, tables(program)
     own = e.own
     parameters = [] if program.plain else [slot.quantity for slot in e.parameters]

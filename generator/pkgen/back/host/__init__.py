@@ -1,1 +1,2 @@
-"""The C interface `pk_host.h`, by which each host (a wheel, a crate, a page, ...) calls a model."""
+"""The C interface `pk_host.h`, by which each host (Python wheel, Rust crate, page, ...) calls a
+model."""

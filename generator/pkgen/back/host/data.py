@@ -29,8 +29,8 @@ const struct pk_host_model pk_host_model = {{{entries}}};
 
 
 def interface(name: str, own: Sequence[Own], of: Described | None, files=MOTIONS) -> dict[str, str]:
-    """Returns the C files of the interface to the model `name`, by path. If `of` is None, they
-    omit default values and names, for hosts that do not need these."""
+    """Returns the C files of the interface to the model `name`, by path. `of` is the description of
+    the model; if it is None, the files contain no default values and names."""
     found = {file: (HERE / file).read_text(encoding="utf-8") for file in files}
     return found | {DATA: data(name, own, of)}
 
@@ -80,7 +80,8 @@ def states(of: Described) -> list[dict[str, Any]]:
 
 
 def tables(of: Described) -> dict[str, list[dict[str, Any]]]:
-    """Returns by kind the quantities of a description that a host lists, in order of index."""
+    """Returns for each kind (parameters, inputs, ...) the quantities that a host lists, in the
+    order of their indices."""
     y, n_q = states(of), len(of["coordinates"])
     found = {**of, "coordinates": y[:n_q], "rates": y[n_q:]}
     return {kind: [q for q in found[kind] if not q.get("hidden")] for kind in _TABLES}

@@ -18,7 +18,8 @@ int pk_host_refuse(const char *text)
 
 static const struct pk_system *system_of(void) { return pk_host_model.system; }
 
-/* Returns the number of members of parameter k (1 unless it is a family); *first is the address. */
+/* Returns the number of members of parameter k, 1 unless it is a family, and sets *first to the
+ * address of the first member. */
 static size_t members(const void *params, size_t k, double **first)
 {
     const struct pk_system *s = system_of();
@@ -162,7 +163,7 @@ static unsigned long long block(const void *params, const double *t, const doubl
     return failed;
 }
 
-/* Computes the values of a kind at one state. Returns 0 if they do not exist there. */
+/* Computes the values of one kind at one state. Returns 0 if the state has no such values. */
 static int one(const void *params, int kind, double t, const double *y, const double *u,
                double *out, double *work)
 {

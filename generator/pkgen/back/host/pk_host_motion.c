@@ -21,7 +21,7 @@ struct pk_host_motion {
     double *u;         /* inputs */
     double *crossings; /* rows of event index, t, y */
     size_t n_crossings, room;
-    int stopped; /* `it` has reached an event that ends the motion */
+    int stopped; /* nonzero after an event that ends the motion */
     double from; /* time at which the last step began */
 };
 
@@ -147,13 +147,14 @@ struct pk_host_motion *pk_host_motion_new(const void *params, const char *method
     return m;
 }
 
-/* Makes the second integrator `aside`, which computes states within a step. It starts at the
- * initial state, since another state might be refused as a start. Returns PK_DONE or an error. */
+/* Makes the second integrator `aside`, which computes states within a step of the first. It starts
+ * at the initial state of the motion, since the integrator might refuse to start at another state.
+ * Returns PK_DONE or an error. */
 static enum pk_status make_aside(struct pk_host_motion *m)
 {
     struct pk_problem problem = m->it.problem;
     if (!m->aside_block) {
-        if (m->events.sides) /* in these params each switch is fixed */
+        if (m->events.sides) /* parameters in which the side of each switch is fixed */
             problem.params = m->events.params;
         m->aside_block = calloc(1, m->size + 1);
         if (!m->aside_block)
@@ -184,8 +185,9 @@ static enum pk_status within(struct pk_host_motion *m, double t)
     return found;
 }
 
-/* Computes the state at t by steps of `aside` from the start of the last step, which ended at an
- * event or a switch and has no dense output. During these steps, switches are not fixed. */
+/* Computes the state at t by steps of `aside` from the start of the last step. That step ended
+ * at an event or a switch and has no dense output. In the steps of `aside` the sides of switches
+ * are not fixed. */
 static enum pk_status before_end(struct pk_host_motion *m, double t)
 {
     const enum pk_status found = make_aside(m);

@@ -31,9 +31,9 @@ LINKERS = (
 )
 LIBC = (Path("/usr/lib/wasm32-wasi/libc.a"), Path("/opt/wasi-sysroot/lib/wasm32-wasi/libc.a"))
 TARGET = "--target=wasm32-wasi"
-# -msimd128: with SIMD pairs gauss is a third faster, a swarm a tenth; every browser that has
-# DecompressionStream, which the page needs, has SIMD. -fno-unroll-loops: the code is as fast and a
-# tenth smaller.
+# With -msimd128 the method gauss is a third faster and a swarm a tenth. The page needs
+# DecompressionStream, and every browser that has it has SIMD. With -fno-unroll-loops the code is as
+# fast and a tenth smaller.
 FLAGS = (
     TARGET,
     STANDARD,
@@ -47,9 +47,9 @@ FLAGS = (
     "-fno-trapping-math",
     "-DPK_RUNTIME",
 )
-# There is no -O here: with it clang runs a wasm-opt on the PATH, and its version 108 breaks
-# -msimd128. The stack holds the arrays of large models. It comes first in memory, so that an
-# overflow traps instead of overwriting data.
+# Linking has no -O: with -O clang runs the program wasm-opt if it is installed, and version 108 of
+# wasm-opt breaks code compiled with -msimd128. The stack, which holds the arrays of large models,
+# is first in memory, so that an overflow traps instead of overwriting data.
 LINK = (
     TARGET,
     "-mexec-model=reactor",
@@ -123,10 +123,10 @@ def _runtime(compiles: list[str], linker: str, more: Sequence[Path]) -> Path:
 def wasm(
     files: Mapping[str, str], name: str, own: Sequence[Own] = (), more: Sequence[Path] = ()
 ) -> bytes:
-    """Returns the gzipped WebAssembly module of the model NAME, from its generated files, its `own`
-    methods and `more` C files; the same files give the same bytes. JavaScript has the model's
-    values from the description. Raises BuildError with the missing packages or the compiler's
-    output."""
+    """Returns the gzipped WebAssembly module of the model `name`. It contains the generated
+    `files`, the integration methods `own` and the C files `more`, but no default values, which
+    JavaScript takes from the description. Equal files give equal bytes. Raises BuildError with the
+    missing packages or the compiler's output."""
     compiles, links = _tools()
     core = _runtime(compiles, links[-1].partition("=")[2], more)
     every = {**files, DATA: data(name, own), in_c.FILE: in_c.tables(own)}

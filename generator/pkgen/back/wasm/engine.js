@@ -1,14 +1,14 @@
 "use strict";
-/* The model and the runtime in WebAssembly, called by pk_host.h. Parameters are a flat Float64Array
- * in the order of the description; q has the coordinates, v the rates and behind them the
- * first-order variables; y is both. All numbers are in SI. */
+/* Calls the model and the runtime in WebAssembly, through the interface pk_host.h. Parameters are a
+ * flat Float64Array in the order of the description. The array q has the coordinates, v the rates
+ * and after them the first-order variables; y is q followed by v. All numbers are in SI units. */
 const Engine = (() => {
   /* Stubs of the system calls that wasi-libc imports: no file is read or written. */
   const WASI = { fd_close: () => 0, fd_seek: () => 70, fd_write: () => 0, fd_fdstat_get: () => 0,
     proc_exit: (code) => { throw new Error("the model's code ended with " + code); } };
   const BUDGET = 20000;    /* integration steps between two checks of the time */
-  const PATIENCE = 1500;   /* longest time of a call of advance, in ms */
-  const KEPT = 16;         /* parameter sets kept in memory while unused */
+  const PATIENCE = 1500;   /* largest duration of a call of advance(), in ms */
+  const KEPT = 16;         /* largest number of parameter sets in memory */
   const [ACCELERATIONS, ENERGY, OUTPUTS, CLAIMS, MOMENTA] = [0, 1, 2, 3, 4]; /* enum pk_host_kind */
 
   async function load(bytes, description) {
@@ -31,7 +31,7 @@ const Engine = (() => {
       this.nOut = description.outputs.length;
       this.constants = description.constants;
       this.claims = this.constants.filter((x) => x.kind === "claim").length;
-      this.sets = new Map();                            /* prepared parameters by their values, */
+      this.sets = new Map();                            /* parameters -> their struct */
       this.room = c.malloc(8 * (1 + this.nq + this.n + this.inputs + Math.max(this.nOut, this.claims, this.n, 1)));
     }
 
@@ -40,7 +40,7 @@ const Engine = (() => {
       return new Float64Array(this.c.memory.buffer, at, length);
     }
 
-    /* q and v of the state at an address. */
+    /* Returns copies of the arrays q and v of the state at a memory address. */
     split(at) {
       return [this.reals(at, this.nq).slice(), this.reals(at + 8 * this.nq, this.n).slice()];
     }
@@ -63,14 +63,15 @@ const Engine = (() => {
       return at;
     }
 
-    /* Defaults and starts of the description: those of the chosen scene. */
+    /* Returns the parameters and the initial state of the description, or of its scene. */
     defaults() {
       const params = new Float64Array(this.count).fill(NaN);
       for (const p of this.description.parameters) if (!p.follows) params[p.index] = p.value;
       return this.given(params);
     }
 
-    /* All parameters, and the start, where those that are not a number follow the others. */
+    /* Returns all parameters, of which those that are NaN are computed from the others, and the
+     * initial state. */
     given(params) {
       const { c } = this;
       const at = this.write(params);
@@ -86,8 +87,8 @@ const Engine = (() => {
       return { params: all, q, v };
     }
 
-    /* Starts that scene and options give stand in the description; those that follow parameters
-     * are as there while these are its own. */
+    /* Sets initial values that the description has, from a scene or from options. An initial value
+     * that depends on parameters is set only if all parameters are those of the description. */
     asDescribed(all, q, v) {
       const { parameters, coordinates, states, rotations } = this.description;
       const own = parameters.every((p) => p.value === null || p.value === all[p.index]);
@@ -103,7 +104,7 @@ const Engine = (() => {
         r.rate_indices.forEach((k, i) => put(v, k, r.rate_values[i], r.rates_follow[i]));
     }
 
-    /* null, or why these parameters cannot be. */
+    /* Returns null, or as text why the model cannot have these parameters. */
     prepare(params) {
       try {
         this.prepared(params);
@@ -113,7 +114,8 @@ const Engine = (() => {
       }
     }
 
-    /* The struct of these parameters; the last ones are kept, and those that a motion holds. */
+    /* Returns the address of a struct with these parameters. The structs used last stay in memory,
+     * and those that a motion uses. */
     prepared(params) {
       return this.set(params).at;
     }
@@ -123,7 +125,7 @@ const Engine = (() => {
       let set = this.sets.get(key);
       if (set) this.sets.delete(key);
       else set = { key, at: this.made(params), users: 0 };
-      this.sets.set(key, set);                          /* the newest is last */
+      this.sets.set(key, set);                          /* the set used last comes last */
       if (this.sets.size > KEPT) this.forget();
       return set;
     }
@@ -150,7 +152,7 @@ const Engine = (() => {
       }
     }
 
-    /* Values of a kind at a state, `count` numbers; null where there are none. */
+    /* Returns the `count` values of one kind, such as momenta, at a state; null if there are none. */
     values(kind, count, params, t, q, v, u) {
       const at = this.room;
       const out = at + 8 * (1 + this.nq + this.n + this.inputs);
@@ -160,7 +162,7 @@ const Engine = (() => {
       return found ? this.reals(out, count).slice() : null;
     }
 
-    /* Writes t, y and u at an address. */
+    /* Writes t, the state q and v, and the inputs u at a memory address. */
     state(at, t, q, v, u) {
       const room = this.reals(at, 1 + this.nq + this.n + this.inputs).fill(0);
       room[0] = t;
@@ -189,7 +191,7 @@ const Engine = (() => {
       return this.values(CLAIMS, this.claims, ...at) ?? new Float64Array(this.claims).fill(NaN);
     }
 
-    /* Values of the proved constants, in the order of the description. */
+    /* Returns the constants of the motion at a state, in the order of the description. */
     constantsAt(params, t, q, v, u) {
       const kinds = new Set(this.constants.map((x) => x.kind));
       const claims = kinds.has("claim") ? this.claimed(params, t, q, v, u) : [];
@@ -208,7 +210,8 @@ const Engine = (() => {
     }
   }
 
-  /* One trajectory. Throws with words where method, settings or start are refused. */
+  /* One trajectory. The constructor throws an error with the reason if the runtime refuses the
+   * method, its settings or the initial state. */
   class Motion {
     constructor(engine, { method, step, rtol, params, q, v, t = 0, inputs = null }) {
       const { c, n } = engine;
@@ -231,8 +234,8 @@ const Engine = (() => {
       this.read();
     }
 
-    /* A step for a method that must have one, of a hundredth of a unit of time where nothing is
-     * known; an adaptive one begins by itself. */
+    /* Returns the step for a method that needs one: 0.01 if the description has none. Returns 0 for
+     * an adaptive or exact method, which chooses its own. */
     usual(engine, method) {
       const known = engine.description.methods.find((x) => x.name === method);
       return known && (known.adaptive || known.exact) && !known.fixed ? 0 : engine.description.run.step || 0.01;
@@ -246,7 +249,7 @@ const Engine = (() => {
       this.evaluations = c.pk_host_evaluations(this.at);
     }
 
-    /* To t: "" or the status in words. One that takes too long for a page is given up. */
+    /* Integrates to t. Returns "", or the reason for a failure. Gives up after PATIENCE ms. */
     advance(t) {
       const { c } = this.engine;
       const until = performance.now() + PATIENCE;
@@ -274,7 +277,7 @@ const Engine = (() => {
       return this.engine.constantsAt(this.params, this.t, this.q, this.v, this.inputs);
     }
 
-    /* Crossings since the last call. */
+    /* Returns the event crossings since the last call of events(). */
     events() {
       const { c, n, nq } = this.engine;
       const count = c.pk_host_crossed(this.at);
