@@ -90,7 +90,7 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
 
 
 def of_swarm(prepared: Prepared, asked: Asked, path: Path, show: Show) -> Film:
-    """Makes a film of a swarm; each member is a point of a cloud."""
+    """Makes a film of a swarm (many motions of one model); each motion is a point of a cloud."""
     from . import swarm
 
     assert prepared.ensemble is not None and prepared.library is not None
@@ -118,7 +118,8 @@ def _title(model: str, scene: str) -> str:
 
 
 def _clock(times: numpy.ndarray, of: str) -> list[tuple[str, float]]:
-    """Returns about TICKS round times as text, each with its position in the film (0 to 1)."""
+    """Returns about TICKS round times of the motion as text, each with the relative time of the
+    film (0 to 1) at which it appears."""
     span = float(times[-1] - times[0])
     if not span > 0:
         return []

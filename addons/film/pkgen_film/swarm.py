@@ -30,8 +30,8 @@ TICKS = 6
 
 @record(eq=False)
 class Cloud:
-    """The drawn members: `t` has a time per frame; `places` is (frames, members, 2), coordinate and
-    rate."""
+    """The drawn members of a swarm. `t` has a time per frame; `places`, of shape (frames, members,
+    2), has the coordinate and the rate of each member."""
 
     t: numpy.ndarray
     places: numpy.ndarray
@@ -70,7 +70,8 @@ def moved(
     rows = done.rows()
     made = numpy.full((frames, len(few.lines), 2), numpy.nan)
     at = numpy.rint(rows[:, 1] / every).astype(int)
-    member = (rows[:, 0] - few.lines[0]).astype(int)  # index relative to the first member
+    # Index of the member, counted from the first drawn one.
+    member = (rows[:, 0] - few.lines[0]).astype(int)
     good = (at < frames) & (member < len(few.lines))
     made[at[good], member[good]] = rows[good, 2:4]
     names = label(q.name, q.unit), label(v.name, v.unit)

@@ -170,7 +170,8 @@ UNIT_SHOWN fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real le
         unit->slopes[i] = 0;
     }
     if (status == UNIT_OK && importer->made.ends)
-        return (fmi2Status)unit_early(unit); /* fmi2GetBooleanStatus() returns made.ends */
+        /* the importer learns that the motion has ended from fmi2GetBooleanStatus() */
+        return (fmi2Status)unit_early(unit);
     return (fmi2Status)status;
 }
 
