@@ -13,7 +13,8 @@ from .xml import ANGLE, Element, Errors
 ZERO = (0.0, 0.0, 0.0)
 TURNS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 READ = ("worldbody", "compiler", "option", "default")
-# Sections whose elements are noted by tag; of other sections, notes give the number of elements.
+# For these sections, notes list the tags of the elements left out; for other sections they give
+# only the number of elements.
 BY_KIND = ("actuator", "tendon", "contact", "equality", "deformable")
 # Known attributes: first those that are read, then those that have no effect without contacts,
 # actuators, friction in joints and pictures. Other attributes may change the motion and are errors.
@@ -56,7 +57,8 @@ class Settings:
     """The settings of <compiler> and <option>; a later element overrides an earlier one."""
 
     angle, sequence, auto_limits = math.pi / 180, "xyz", True
-    from_geoms, groups = "auto", (0.0, 5.0)  # masses come from geoms of these groups
+    # the body's mass comes from the geoms whose group number is in this range
+    from_geoms, groups = "auto", (0.0, 5.0)
     balance, least_mass, least_moment, total = False, 0.0, 0.0, -1.0
     gravity = (0.0, 0.0, -9.81)
 

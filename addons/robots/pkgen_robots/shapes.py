@@ -105,7 +105,8 @@ def bounded(body: Lump, mass: float, moment: float) -> Lump:
 
 
 def balanced(body: Lump) -> Lump:
-    """Returns a body in which all moments are their mean if one exceeds the sum of two others."""
+    """Returns the body unchanged if no principal moment of inertia exceeds the sum of the other
+    two; otherwise, all three moments are replaced by their mean."""
     values = np.linalg.eigvalsh(np.array(body.inertia))
     if values[0] + values[1] >= values[2]:
         return body

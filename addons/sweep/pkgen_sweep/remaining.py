@@ -17,8 +17,8 @@ from .job import Job
 from .shards import Folder, failed_shard
 from .store import NOW, is_folder, listed, write_json
 
-TRIES = 3  # Attempts after which a shard counts as failed.
-LOST = 30  # Consecutive lost tasks after which the sweep is stopped.
+TRIES = 3  # A shard counts as failed after this many attempts.
+LOST = 30  # The sweep is stopped after this many lost tasks in a row.
 Task = tuple[str, int]  # "shard" or "part", and its number.
 
 

@@ -35,8 +35,9 @@ from .store import of_kinds, read_json, write_json, written
 if TYPE_CHECKING:
     import numpy
 
-TAIL = 1 << 16  # Bytes read for the description of a shard; usually enough.
-DIGEST = 65  # Bytes of the last line, a SHA-256 in hexadecimal.
+# Bytes read from the end of a shard for its description; usually the description is shorter.
+TAIL = 1 << 16
+DIGEST = 65  # Bytes of a shard's last line: its SHA-256 in hexadecimal.
 PLAN, DATA = "plan.json", "data"
 _FOLDERS = ("shards", "parts", "failed", DATA)
 
@@ -136,8 +137,8 @@ def shard_head(folder: Folder, k: int) -> dict:
 def write_shard(
     folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, dict]]
 ) -> dict:
-    """Writes a shard from blocks (members, rows, report of the run). Returns its description.
-    runtime/program/shard.c writes the same format without Python."""
+    """Writes shard k from blocks (members, rows, report of the run), and returns its description.
+    The C program runtime/program/shard.c writes the same format."""
     digest = hashlib.sha256()
     said = {**shard_head(folder, k), "blocks": [], "reports": []}
     with written(folder.shard_file(k)) as file:
@@ -261,7 +262,7 @@ def failed_shard(folder: Folder, k: int, why: str) -> int:
 
 def foreign(path: Path, own: str) -> UsageError | None:
     """Returns an error if the folder has files that no sweep writes; `own` is the name of the
-    model's file. A sweep killed before it wrote plan.json leaves only known names."""
+    model's file. Files of a sweep that was killed before it wrote plan.json are no error."""
     if path.exists() and not path.is_dir():
         return UsageError(f"-o {path}: it is a file; a sweep needs a folder")
     ours = {*_FOLDERS, "rows", "plan.toml", own}
