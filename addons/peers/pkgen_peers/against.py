@@ -35,8 +35,8 @@ from .peers import Integrate, Motion, Peer, Refused, Slow, gsl_methods
 
 SHARE = 0.5  # Time for measuring all packages, relative to the time that the chart itself took.
 LAP = 1e-3  # Shortest timed repetition in seconds.
-# ROUNDS is the number of rounds in which runs are timed again. LONGEST is the longest run, in
-# seconds, that is timed again. MOST is the time limit of such a run, relative to its first time.
+# Runs are timed again in ROUNDS rounds, if they take less than LONGEST seconds. MOST is the time
+# limit of such a run, relative to LONGEST.
 ROUNDS, LONGEST, MOST = 3, 0.3, 30
 
 

@@ -157,8 +157,8 @@ class _Reader:
                 lumps += [part] if part else []
         with self.errors.collecting():
             least = settings.least_mass or settings.least_moment
-            # A body without own mass gets the least mass `boundmass`. MuJoCo puts this mass at the
-            # attribute `pos`, although that is not in the body's frame.
+            # If a body has no mass but that of `boundmass`, MuJoCo takes the attribute `pos` as the
+            # position of the mass in the body's frame.
             at = element.numbers("pos", 3, ZERO) if least else ZERO
             whole = Lump(0.0, at, (ZERO,) * 3)
             if lumps:

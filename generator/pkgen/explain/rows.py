@@ -1,9 +1,11 @@
-"""Equations of families in the form of a textbook: one in the index i, and others at the ends.
+"""Writes the equations of a family q[1..N] in the form of a textbook: one equation in the index i,
+and separate equations for some members at each end of the family.
 
-Each part of a row (a sum of parts) holds for lo <= i <= hi. Where all parts hold, the row is one
-expression in i. A few members at each end are written out one by one: those where some parts do not
-hold, and those next to an index outside the family that copies a member (`free`) or has an
-acceleration (`fixed` at a function of t). The family is assumed to be longer than both ends.
+An equation is a sum of parts, and each part holds for a range lo <= i <= hi. For the indices at
+which all parts hold, there is one equation in i. A few members at each end have separate equations:
+members at which some parts do not hold, and neighbours of an index outside the family where the
+value copies a member (`free`) or has an acceleration (`fixed` at a function of t). The family is
+assumed to be longer than both ends together.
 """
 
 from __future__ import annotations
@@ -29,12 +31,14 @@ SHOWN_OPERATIONS = 300
 M = variable(ROW)
 PRIMES = {"v": "'", "w": "''", "d": "'", "acc": "''"}
 
-# A function that returns the left side of the equation of a member, or None if it has none.
+# A function of a member's index. It returns the left side of the member's equation; None if the
+# member has no such equation.
 Label = Callable[[Affine], str | None]
 
 
 class Unclear(Exception):
-    """A part's range and the family's range cannot be compared without the values of sizes."""
+    """The range of a part and the range of its family cannot be compared, since the values of sizes
+    such as N are unknown."""
 
 
 @record
@@ -49,7 +53,8 @@ class EquationLine:
 
 @record
 class Style:
-    """Formats of an expression, of a large one (by its size), of an indexed sum, of a plain sum."""
+    """Functions that format: an expression; in place of a large expression, its number of
+    operations; a sum over an index; a sum of given terms."""
 
     expression: Callable[[sympy.Expr], str]
     large: Callable[[int], str]
@@ -105,7 +110,8 @@ class Writer:
         return style.plus(parts) if parts else "0"
 
     def text(self, pieces: Iterable[tuple[Node, Affine]]) -> str:
-        """Returns the sum of nodes, each evaluated at the index that is paired with it."""
+        """Returns the text of a sum of nodes. Each node is evaluated at the index that is paired
+        with it in `pieces`."""
         import sympy as sp
 
         pieces = [(node, at) for node, at in pieces if node != ZERO]
@@ -157,7 +163,8 @@ class Writer:
             place = slot.at.replaced({ROW: at})
             if slot.kind in ("q", "v", "w", "d", "s", "a", "acc"):
                 if slot.kind == "w" and group.is_carried:
-                    return sp.Integer(0)  # this row takes accelerations as zero
+                    # In this equation the accelerations of carried values count as zero.
+                    return sp.Integer(0)
                 place = self.home(group, place)
                 if slot.kind == "w" and at != M and self._is_own(group, place):
                     return sp.Integer(0)
@@ -165,7 +172,8 @@ class Writer:
         return sp.Symbol(name + primes)
 
     def _once(self, k: int) -> str:
-        """Returns the text of sum k, one of the sums that are computed once, not per step."""
+        """Returns the text of sum number k over families. Such sums are computed once per run, not
+        in each step."""
         [found] = [x for x in self._summed if x.place == k]
         ranges = (
             f"{self.index(variable(v))} = {self.index(a)}..{self.index(b)}"
@@ -176,7 +184,8 @@ class Writer:
     # -- members ------------------------------------------------------------------------------
 
     def home(self, group: Group, at: Affine) -> Affine:
-        """Returns the member that an index outside the family copies; else the same index."""
+        """Returns the index of the member whose value is copied at an index outside the family; for
+        any other index, returns that index."""
         below, above = at - group.lo, group.hi - at
         if group.periodic:
             if below.is_constant and below.constant < 0:
@@ -192,7 +201,8 @@ class Writer:
         return group.is_family and _reaches(group.lo, at) and _reaches(at, group.hi)
 
     def _images(self, group: Group, at: Affine) -> list[Affine]:
-        """Returns a member's index, and the indices outside the family that copy the member."""
+        """Returns the index of a member, and all indices outside the family at which the member's
+        value is copied."""
         found = [at]
         if group.periodic:
             found += [at + group.count, at - group.count]
@@ -212,7 +222,8 @@ class Writer:
     # -- rows ---------------------------------------------------------------------------------
 
     def rows(self, group: Group, items: list[tuple[Label, tuple[Part, ...]]]) -> list[EquationLine]:
-        """Returns a family's equations; an item is a label (left side) and the parts of its sum."""
+        """Returns the equations of a family. Each of `items` is an equation: a label (its left
+        side), and the parts of the sum on its right side."""
         try:
             below, above = self._ends(group, [part for _, parts in items for part in parts])
             labels = [label for label, _ in items if label(M) is not None]
@@ -252,7 +263,8 @@ class Writer:
         return [EquationLine(left, self.text(pieces)) for left, pieces in found.items()]
 
     def _listed(self, items) -> list[EquationLine]:
-        """Returns every part with its own range, if Unclear is raised."""
+        """Returns a line for each part, with the range of indices for which the part holds. rows()
+        calls this if ranges cannot be compared."""
         found = []
         for label, parts in items:
             left = label(M)
@@ -306,7 +318,8 @@ class Writer:
 
 
 def _reaches(low: Affine, high: Affine) -> bool:
-    """Whether low <= high if families are long enough. Raises Unclear if that is not determined."""
+    """Whether low <= high, if all families are long enough. Raises Unclear if that depends on which
+    of two sizes is larger."""
     distance = high - low
     if distance.is_constant:
         return distance.constant >= 0

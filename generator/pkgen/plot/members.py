@@ -8,7 +8,7 @@ from .names import amount, shown
 from .picture import Line
 from .table import Table
 
-FEW = 7  # most members, or times, that have a colour and a name each
+FEW = 7  # If there are at most this many members, or times, each has a colour and a name.
 
 
 def few_times(table: Table) -> int:
@@ -32,16 +32,18 @@ def bundle(
     more: bool,
     z: numpy.ndarray | None = None,
 ) -> tuple[list[Line], tuple[float, float, str] | None]:
-    """Returns lines of y over x, and the range of a colour bar or None: one line, one per member
-    for few members, or one Line with a strand per member. `first` is the index of the first colour;
-    `more` says that there are other tables."""
+    """Returns lines of y over x, and the range of their colour bar or None. A single trajectory is
+    one line. A few members are one line each. Many members are one Line with a strand for each.
+    `first` is the index of the first colour; `more` says that other tables are drawn in the same
+    panel."""
     along = x is table.time or numpy.shares_memory(x, table.time)
     drawn = [column for column in (None if along else x, y, z) if column is not None]
     kind = "points" if table.several and few_times(table) else joined(table, *drawn)
     if not table.several:
         mark = kind == "line" and not along
         return [Line(table.label if more else "", x, y, first, kind, z, marked=mark)], None
-    order = numpy.argsort(table.member, kind="stable")  # rows may be in order of time
+    # Rows of several members may be sorted by time, not by member.
+    order = numpy.argsort(table.member, kind="stable")
     member = table.member[order]
     begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
     numbers = table.data[order, 0][begins]

@@ -119,8 +119,8 @@ class Shown:
         return [] if made == expr else [sp.expand(made)]
 
     def _entries(self) -> dict[sympy.Expr, sympy.Expr]:
-        """Maps polynomials in quaternion components to entries of rotation matrices. If a negated
-        or halved polynomial occurs in the expression graph, it is mapped too."""
+        """Maps polynomials in quaternion components to entries of rotation matrices. The negative
+        of each polynomial is mapped too, and so is its half if it has a factor of two."""
         import sympy as sp
 
         found: dict[sympy.Expr, sympy.Expr] = {}

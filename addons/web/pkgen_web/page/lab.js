@@ -49,7 +49,8 @@ const Lab = (() => {
       return this.base * HEADS[((n % 3) + 3) % 3] * 10 ** Math.floor(n / 3);
     }
 
-    /* Returns the step of a method; for a fixed step that is not set, a hundredth of a period. */
+    /* Returns the step of a method: the one that the user has set; otherwise null for an adaptive
+     * method, and a hundredth of the natural period for a method with fixed steps. */
     stepOf({ method, step }) {
       if (step) return step;
       return (this.model.methodNamed.get(method) || {}).adaptive
@@ -76,7 +77,8 @@ const Lab = (() => {
       this.dirty = true;
     }
 
-    /* Restarts the count of ticks, so that their times are exact multiples. */
+    /* Restarts the count of ticks at the present time. The time of each tick is this time plus an
+     * exact multiple of the tick's length. */
     clock() {
       this.from = this.now = this.runs.t;
       this.count = 0;
@@ -202,7 +204,9 @@ const Lab = (() => {
       this.dirty = true;
     }
 
-    /* Makes the ticks that are due, within BUDGET; drops the others and records the slowdown. */
+    /* Advances the runs by the ticks that are due, for at most BUDGET milliseconds. Ticks that are
+     * then left over are dropped: the motion is slower than requested, and the slowdown is
+     * recorded. */
     ticks(seconds) {
       this.behind += seconds * TICKS;
       const begun = performance.now();
@@ -282,7 +286,7 @@ const Lab = (() => {
     }
   }
 
-  /* Returns a time as text, with as many decimals as change visibly. */
+  /* Returns a time as text. Slow motions are shown with fewer decimals than fast ones. */
   function time(t, natural, unit) {
     const places = Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(natural || 1))));
     return Text.minus(t.toFixed(places)) + (unit ? " " + unit : "");
