@@ -24,9 +24,10 @@ from .step import Step, begun, step
 SPARE = 9  # digits computed in addition to those requested
 ATTEMPTS = 5
 BITS_A_DIGIT = log(10) / log(2)
-GUARD = 40  # Additional bits of precision.
-SHORTEST = 1e-9  # Shortest step, relative to the duration.
-GROWTH = 1.2  # Factor from a step's time radius to the next one tried.
+GUARD = 40  # Bits of precision in addition to those of the digits.
+SHORTEST = 1e-9  # Shortest step, relative to the duration of the run.
+# The first time radius that is tried for a step is that of the last step times this factor.
+GROWTH = 1.2
 
 
 @record

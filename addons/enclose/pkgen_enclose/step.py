@@ -1,12 +1,12 @@
-"""Makes one step: the Taylor polynomial of the midpoint, its remainder, and Lohner's set around it.
+"""Makes one step of Lohner's method, which encloses a motion by a moving set.
 
 The set is u + A r: u is a point, A a nearly orthogonal matrix, r a box around 0. A step moves u
-along its Taylor series, and A r by the derivative of the flow over the whole set (mean value
-theorem). The next A is the Q factor of J A (J is that derivative), with columns ordered by length,
-which reduces the wrapping effect. References: R. Lohner, Enclosing the solutions of ordinary
-initial and boundary value problems, in Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson,
-G. Corliss, Validated solutions of initial value problems for ordinary differential equations, Appl.
-Math. Comput. 105 (1999) 21-68.
+along its Taylor series, with a bound of the remainder, and moves A r by J, the derivative of the
+flow over the whole set (mean value theorem). The next A is the Q factor of the product J A, with
+columns ordered by length, which reduces the wrapping effect. References: R. Lohner, Enclosing the
+solutions of ordinary initial and boundary value problems, in Computerarithmetic, Teubner 1987; N.
+Nedialkov, K. Jackson, G. Corliss, Validated solutions of initial value problems for ordinary
+differential equations, Appl. Math. Comput. 105 (1999) 21-68.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def step(flow: Flow, now: Set, order: int, ratio: Any, tried: Any) -> Step | Non
 
 
 def _tail(part: Any, first: int) -> Any:
-    """Returns the sum of part^k over k >= first."""
+    """Returns the sum of part^k over all k >= first: the tail of a geometric series."""
     return part**first / (1 - part)
 
 

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 KINDS = (".mp4", ".webm", ".gif", ".svg")
 TICKS = 50  # Approximate number of times that the clock of an SVG shows.
-SAMPLES = 6  # Frames from which the colours of a GIF are computed.
-INTEGRATED = 0.3  # Fraction of the progress bar for the integration.
+SAMPLES = 6  # Number of frames from which the colours of a GIF are computed.
+INTEGRATED = 0.3  # Part of the progress bar that is filled when the integration ends.
 HELD = 0.5  # Seconds that the last frame is shown if the motion ended early.
 
 
@@ -43,7 +43,8 @@ class Asked:
     size: tuple[int, int]
     seconds: float
     labels: bool = True  # Whether title, time and names of bobs are shown.
-    beside: str = ""  # Column drawn as a growing graph next to the motion.
+    # Name of a column that is drawn as a growing graph next to the motion; "" for none.
+    beside: str = ""
 
     @property
     def frames(self) -> int:

@@ -23,8 +23,10 @@ from pkgen.system.exits import UsageError
 from .raster import Label
 from .tracks import Track
 
-MOST, MOST_OF_VECTORS = 4000, 150  # Most drawn members, in raster and in vector formats.
-EDGE = (0.09, 0.12, 0.97, 0.87)  # Axes, as fractions of the picture: left, low, right, high.
+# Most members of a swarm that are drawn, in raster and in vector formats.
+MOST, MOST_OF_VECTORS = 4000, 150
+# Left, lower, right and upper end of the axes, as fractions of the picture.
+EDGE = (0.09, 0.12, 0.97, 0.87)
 TICKS = 6
 
 

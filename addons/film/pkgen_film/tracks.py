@@ -21,9 +21,9 @@ from .motion import Motion
 COLOURS = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY)
 BOB = 0.018  # Default radius of a bob, relative to the picture's shorter side.
 ARROW = 9.0  # Length of an arrow's head in pixels, in a picture 720 pixels high.
-NAMED = 6  # If there are more bobs, their names are not shown.
+NAMED = 6  # If a drawing has more bobs than this, the names of bobs are not shown.
 BESIDE = 6.0  # Pixels from a bob to its name, in a picture 720 pixels high.
-TURNS = 40  # Points of a circle.
+TURNS = 40  # Number of points by which a circle is drawn.
 TONES = ((0.36, 0.60, 0.80), (0.93, 0.88, 0.76))
 LIGHT = numpy.array([-0.4, 0.75, 0.55]) / numpy.linalg.norm([-0.4, 0.75, 0.55])
 REST = 1e-9

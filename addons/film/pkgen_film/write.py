@@ -22,9 +22,9 @@ CODECS = {
         *("-row-mt", "1", "-pix_fmt", "yuv420p"),
     ),
 }
-COLOURS = 128  # Colours of a GIF.
+COLOURS = 128  # Number of colours of a GIF.
 INK = 225  # A pixel is ink, not background, if its darkest channel is below this.
-SAID = 3  # Reported lines of ffmpeg's messages.
+SAID = 3  # Number of lines of ffmpeg's messages that an error quotes.
 
 
 def refuse(kind: str) -> None:

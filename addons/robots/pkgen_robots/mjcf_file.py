@@ -165,7 +165,8 @@ class Defaults:
             waiting += [(child, name) for child in element.all("default")][::-1]
 
     def of(self, element: Element, around: str) -> Element:
-        """Returns an element with the defaults of its class or of `around`. Raises ModelError."""
+        """Returns an element with the default attributes of its class; if it names no class, of the
+        class `around` of the body that contains it. Raises ModelError."""
         name = element.attributes.get("class", around)
         if name not in self.classes:
             raise element.wrong(f"there is no default class '{name}'")
@@ -174,8 +175,9 @@ class Defaults:
 
 
 def _over(values: dict[str, str], own: dict[str, str]) -> dict[str, str]:
-    """Returns default attributes, overridden by an element's own. An own rotation replaces the
-    default rotation in any form; a short `size` replaces only the first numbers."""
+    """Returns the default attributes `values`, overridden by an element's own. A rotation in `own`
+    replaces the default rotation, even if both are given in different forms. If `size` in `own` has
+    fewer numbers than the default, the default's other numbers are kept."""
     turned = any(way in own for way in TURNS)
     both = {k: v for k, v in values.items() if not (turned and k in TURNS)} | own
     if "size" in own and "size" in values:

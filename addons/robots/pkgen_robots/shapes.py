@@ -27,7 +27,8 @@ class Lump:
 
 
 def lump(geom: Element, at: Vector, turn: Turns) -> Lump | None:
-    """Returns mass and inertia of a geom at a position; None without mass. Raises ModelError."""
+    """Returns mass and inertia of a geom at the position `at`, rotated by `turn`; None if the geom
+    has no mass. Raises ModelError."""
     kind = geom.attributes.get("type", "sphere")
     own = geom.number("mass") if "mass" in geom.attributes else None
     density = geom.number("density", WATER)

@@ -42,7 +42,7 @@ BATCH = 1 << 16  # Most members of a batch.
 BATCH_BYTES = 1 << 25  # Most bytes of the rows of a batch.
 PART = 1 << 20  # Approximate rows per file of the data set.
 AT_START = "(0)"  # Suffix of the columns of sampled coordinates and rates.
-SAMPLE = 64  # Members from which the method is chosen.
+SAMPLE = 64  # The method is chosen from the motions of this many members.
 
 
 class Batch(NamedTuple):

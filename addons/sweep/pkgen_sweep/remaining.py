@@ -1,7 +1,8 @@
 """The queue of a sweep's remaining tasks, and the report of its progress.
 
-An engine has a method run(left), where `left` is a Left: it takes tasks by left.next() until there
-are none, reports each result by said() or lost(), and calls tick() several times per second.
+An engine, which runs the tasks, has a method run(left), where `left` is a Left. The engine takes
+tasks by left.next() until there are none, reports each result by left.said() or left.lost(), and
+calls left.tick() several times per second.
 """
 
 from __future__ import annotations

@@ -2,17 +2,17 @@
 
     plan.json    description of the sweep; written once
     model.lag, plan.toml
-    shards/K     the members from K S on, S per shard; removed when all are in the data set
-    data/        a row per member, in Parquet: part-K.parquet has the members from K P on, P per
-                 part; level-L-part-K.parquet has those of level L of a refined grid
-    rows/        rows over time of the members, in files of the same names, if rows are kept
+    shards/K     S members from number K*S on; removed when all of them are in the data set
+    data/        the data set, a row per member, in Parquet: part-K.parquet has P members from
+                 number K*P on; level-L-part-K.parquet has members of level L of a refined grid
+    rows/        if the plan keeps rows over time: these rows, in files with the names of data/
     parts/K      hashes of the files of part K, and the failures of its members
     failed/K     number of attempts at shard K, and why it failed
     levels.json  number of members of each level that has been begun
     now.json     the running engine and its progress
 
-A file appears when it is complete (`store.py`). A shard has blocks of numbers (little-endian
-doubles), a line of JSON that describes them, and the SHA-256 of both.
+A file appears under its name only when it is complete (`store.py`). A shard has blocks of numbers
+(little-endian doubles), a line of JSON that describes them, and the SHA-256 of both.
 """
 
 from __future__ import annotations

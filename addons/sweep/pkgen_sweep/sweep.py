@@ -173,7 +173,7 @@ def _pace(job: Job) -> float:
     method refuses the system."""
     count = 1
     exponents = [2 + k for k, (what, _) in enumerate(job.kept.reduced) if what == b"l"]
-    job.library  # noqa: B018 (compiles it now, not within the timing)
+    job.library
     while True:
         began = time.process_time()
         firsts = sorted({min(job.members - count, k * job.members // 4) for k in range(4)})

@@ -19,7 +19,7 @@ from .table import COARSE, CONSTANT, Table, base
 from .view import View
 
 PANELS = 6  # Most panels of a picture.
-FAMILY = 12  # Most members of a family drawn as lines; larger families are images.
+FAMILY = 12  # A family with more members than this is drawn as an image, not as lines.
 LINES = 14  # Most lines in one panel.
 LONG = 18  # If the names at an axis have more characters, the label of the axis is shortened.
 # A column whose size, relative to that of the largest column with the same unit, is below this is

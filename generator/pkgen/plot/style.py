@@ -33,7 +33,7 @@ FORMATS = ("svg", "png", "pdf")
 # A picture as a file for LaTeX, which sets the text of the picture in the font of the document.
 OF_LATEX = "pgf"
 DPI = 200
-DPI_WITHIN = 144  # Resolution of rasterized parts of vector files.
+DPI_WITHIN = 144  # Resolution, in dots per inch, of rasterized parts of vector files.
 # Viewers without DejaVu Sans use these fonts. Their letters are about as wide, so labels stay in
 # place.
 FONTS = "'DejaVu Sans', Verdana, sans-serif"

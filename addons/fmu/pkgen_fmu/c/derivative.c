@@ -38,8 +38,8 @@ static enum unit_status values(struct unit *unit, const unsigned *unknowns, size
     return status;
 }
 
-/* Sets the variables `knowns` to the values `at` + e `seed`, and computes the variables `unknowns`.
- * */
+/* Sets the variables `knowns` to the values `at` + e `seed`, and computes the variables
+ * `unknowns`. */
 static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size_t n,
                                const unsigned *knowns, size_t n_knowns, const double *seed,
                                const double *at, double e, double *out)
@@ -102,8 +102,8 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     return status;
 }
 
-/* Computes derivatives of the n accelerations by the kernel `linear`. Returns UNIT_DISCARD if the
- * model has no such kernel, or a known is an input. */
+/* Computes the directional derivatives of the n accelerations along `seed` by the kernel `linear`.
+ * Returns UNIT_DISCARD if the model has no such kernel, or if one of the knowns is an input. */
 static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_t n_knowns,
                                 const double *seed, double *out)
 {

@@ -163,7 +163,7 @@ UNIT_SHOWN fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real le
     CALL(__func__, UNIT_STEPPING);
     struct importer *importer = (struct importer *)unit->environment;
     const enum unit_status status = unit_step(unit, t, length, &importer->made);
-    /* Derivatives of inputs apply to one step only. */
+    /* Derivatives of inputs that the importer sets apply to one step only. */
     for (size_t i = 0; i < UNIT_ORDERS * unit->n_inputs; i++) {
         if (unit->slopes[i] != 0)
             unit->ready = 0;

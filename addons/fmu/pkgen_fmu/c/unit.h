@@ -1,7 +1,8 @@
-/* A model as a functional mock-up unit (FMU): common code of FMI 2 and FMI 3, over pk_host.h. All
- * variable data of a unit is in one array of numbers, `all`: an FMU state is a copy of `all`. Data
- * derived from `all` (params, the integrator, values) is computed on demand. A function returns
- * UNIT_OK, or reports its failure by unit_say(). */
+/* A model as a functional mock-up unit (FMU): the code common to FMI 2 and FMI 3, which calls
+ * pk_host.h. A unit is an instance of the FMU. All data that changes is in one array of numbers,
+ * `all`, so that an FMU state is a copy of this array. Other data (params, the integrator, values)
+ * is computed from `all` when it is needed. A function returns UNIT_OK, or reports its failure by
+ * unit_say(). */
 #ifndef UNIT_H
 #define UNIT_H
 

@@ -57,12 +57,12 @@ enum unit_status unit_bound_start(struct unit *unit)
 
 /* The largest tolerated drift, in units of rtol. A larger drift causes an event, and importers
  * restart after an event with short steps of low order. With CVode, the energy of a double pendulum
- * of rods drifts by 7e-3 if MOST_OFF is 100, by 5e-2 if it is 1, and by 0.17 without such events.
- * */
+ * of rods drifts by 7e-3 if MOST_OFF is 100, by 5e-2 if it is 1, and by 0.17 without such
+ * events. */
 static const double MOST_OFF = 100;
 
-/* Returns whether the states a and b differ by more than MOST_OFF rtol (1 + |b|) in some component.
- * */
+/* Returns whether the states a and b differ by more than MOST_OFF rtol (1 + |b|) in some
+ * component. */
 static int apart(const struct unit *unit, const double *a, const double *b)
 {
     double most = 0;

@@ -26,8 +26,9 @@ from .written import Line, Written
 if TYPE_CHECKING:
     import sympy
 
-ROWS = 24  # If there are more equations of motion, only the first three and the last are shown.
-MEMBERS = 6  # If a table row has more names, only the first two and the last are shown.
+# If there are more equations of motion than this, only the first three and the last are shown.
+ROWS = 24
+MEMBERS = 6  # If a table row has more names than this, only the first two and the last are shown.
 _OF_MULTIPLIERS = (
     "The multipliers; J has the slopes of these rows by the rates, "
     "γ is their rate of change where nothing accelerates"

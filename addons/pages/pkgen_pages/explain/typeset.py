@@ -260,8 +260,9 @@ def _is_below(factor: sympy.Expr) -> bool:
 
 
 def _decimal(value: sympy.Rational) -> str:
-    """Returns a number as a decimal like "9.81". Returns "" for integers, for simple fractions like
-    1/2, and for numbers without a finite decimal expansion."""
+    """Returns a number as a decimal like "9.81". Returns "" if a decimal is not the best form: for
+    integers, for simple fractions like 1/2, and for fractions like 1/7 without a finite decimal
+    expansion. Very large integers and denominators are always decimals."""
     p, q = abs(value.p), value.q
     few = q in FEW or (q == 1 and p < LARGE)
     if few or (q < LARGE and not _ends(q)):

@@ -18,8 +18,8 @@ const Marks = (() => {
       g.textAlign = "left";
       g.textBaseline = "middle";
       this.size = [width, height];
-      /* Areas that labels avoid: those of the buttons, and, next line, that of the methods' names.
-       * */
+      /* Areas that labels avoid: those of the buttons, and, next line, that of the methods'
+       * names. */
       this.boxes = [[0, 0, 186, 52], [width - 70, 0, width, 52]];
       if (runs.length > 1) this.boxes.push([0, height - 40, 0.78 * width, height]);
       this.placed = [];

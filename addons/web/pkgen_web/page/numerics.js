@@ -166,8 +166,8 @@ const Numerics = (() => {
     const { values, vectors } = eigen(S);
     const most = Math.max(...values.map(Math.abs));
     if (values[0] < -1e-3 * most) return null;
-    /* For y = Lᵀ dq the mass matrix is the identity; so the amplitude of a mode is vector · Lᵀ dq.
-     * */
+    /* For y = Lᵀ dq the mass matrix is the identity; so the amplitude of a mode is vector · Lᵀ
+     * dq. */
     return values.map((w2, k) => ({
       w2: Math.max(w2, 0),
       row: zero.map((_, j) => {

@@ -121,8 +121,8 @@ const Swarm = (() => {
     }
 
     /* Returns the area within the loop of the first members, in the planes (q, p), summed over all
-     * coordinates. If the model has no momenta p, returns the area in the shown plane (q, q') only.
-     * */
+     * coordinates. If the model has no momenta p, returns the area in the shown plane (q, q')
+     * only. */
     measure() {
       const { engine, runs, nq } = this.lab;
       const { swarm, loop } = this;
