@@ -26,8 +26,8 @@ TRIES = 300
 
 @record
 class Neighbourhood:
-    radius: Any  # R in the text above: the radius of the disk of complex times.
-    moved: list[Any]  # R M for each variable: the largest distance from its start.
+    radius: Any  # R, the radius of the disk of complex times.
+    moved: list[Any]  # R M of each variable, a bound of its distance from the start.
     turned: Any  # The matrix exp(R L) - 1, which bounds derivatives with respect to the start.
 
 

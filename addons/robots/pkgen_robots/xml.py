@@ -25,7 +25,8 @@ class Element:
     attributes: dict[str, str]
     span: Span
     children: list[Element] = field(default_factory=list)
-    where: str = ""  # position in an included file, if `span` is that of the <include>
+    # For an element of an included file: its position there; `span` is that of the <include>.
+    where: str = ""
 
     def all(self, tag: str) -> Iterator[Element]:
         return (child for child in self.children if child.tag == tag)

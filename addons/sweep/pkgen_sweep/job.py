@@ -1,4 +1,5 @@
-"""The data that workers need to integrate members: library, settings, starts, kept quantities.
+"""The data that workers need to integrate members: the model's library, the settings of the run,
+the starts of the members, and the quantities to keep.
 
 A Job is made once, on the machine that starts the sweep, and is sent to the workers.
 """

@@ -1,7 +1,9 @@
-"""The map of a sweep: an image of a kept quantity over two of the sampled quantities.
+"""The map of a sweep: an image of a quantity that the plan keeps (the colour) over two of the
+sampled quantities (the axes).
 
-A pixel is the mean of its members. If a sampled quantity has few values, as on a grid, each value
-is a pixel. The data set is read by row groups, so that the memory does not depend on its size.
+A pixel has the mean of its members. If a sampled quantity has few values, as on a grid, each value
+is a pixel. The data set is read by row groups, so that the memory used does not depend on the size
+of the data set.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The kept numbers of a member: final state, reductions over rows, event counts and times."""
+"""The numbers of each member that a plan keeps: final state, reductions over rows, and counts and
+times of events."""
 
 from __future__ import annotations
 
@@ -34,12 +35,14 @@ class NotThere(UsageError):
 
 @record
 class Kept:
-    """The kept numbers of a member, with their reductions in the runtime; and the kept rows."""
+    """The numbers of each member that the plan keeps, with the reductions by which the runtime
+    computes them; and the columns of rows that the plan keeps."""
 
     # the kind and the index of each reduction, as in struct pk_run_reduced
     reduced: tuple[tuple[bytes, int], ...]
     numbers: tuple[Quantity, ...]
-    rows: tuple[Quantity, ...]  # columns of kept rows, or empty
+    # columns of the rows over time that are kept; empty if no rows are kept
+    rows: tuple[Quantity, ...]
 
 
 def by_row(plan: Plan) -> bool:

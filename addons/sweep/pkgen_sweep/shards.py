@@ -75,7 +75,7 @@ class Folder:
     shard: int  # members per shard
     part: int
     rows: bool
-    level: int = 0  # level of refinement, which is in the names of its files
+    level: int = 0  # level of the refined grid; names of files contain it
 
     def _name(self, k: int, digits: int) -> str:
         return f"{f'level-{self.level}-' if self.level else ''}{k:0{digits}d}"

@@ -66,7 +66,7 @@ def drawing(compilation: Compilation) -> dict[str, object]:
         for shape in outputs.shapes(item):
             if item.shape == "level":
                 if not all(name in coordinates for name in item.axes):
-                    continue  # the scene fixes one of these coordinates
+                    continue  # Contours need two coordinates, and the scene fixes one of them.
                 x, y = (coordinates[name][0] for name in item.axes)
                 shape |= {"x": x, "y": y}
             shapes.append(_resolved(shape, entries))
@@ -187,7 +187,8 @@ class _Outputs:
         return self.definitions
 
     def shapes(self, item: Drawing) -> Iterator[dict[str, object]]:
-        """Yields the shapes of a statement: one per member of a family; one for a curve."""
+        """Yields the shapes that a `draw` statement makes. A statement about a family makes one
+        shape per member, but a curve through all members is a single shape."""
         made = [self._shape(item, parts) for parts in self._of_members(item)]
         if item.shape == "curve":
             made = [{"kind": "curve", "points": [s["at"] for s in made], **_labels(item)}]

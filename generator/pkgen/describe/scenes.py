@@ -66,8 +66,8 @@ def _member(key: tuple[str, int | None]) -> str:
 
 
 def _starts(model: Model, scene: Scene) -> dict[str, float]:
-    """Returns the start values of a scene for its parameter values, except values that differ
-    between members of a swarm."""
+    """Returns the start values of a scene, computed with the scene's parameter values. Starts that
+    differ between the members of a swarm are left out."""
     values = scenes.values(model, scene, {})
     found = {}
     for item in scene.starts:

@@ -17,7 +17,7 @@ from ..middle.analyze import sympy_bridge
 from .contents import Contents
 
 Rows = list[tuple[str, Node]]
-SHOWN_OPERATIONS = 300  # most operations of a shown expression
+SHOWN_OPERATIONS = 300  # An expression with more operations is not shown.
 
 
 def contents(compilation: Compilation) -> Contents:

@@ -81,7 +81,8 @@ class Writer:
         own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
         self.i = next(letter for letter in ("i", "k", "n", "i_") if letter not in own)
         self.j = next(letter for letter in ("j", "l", "o", "j_") if letter not in own)
-        # Sizes named like pkgen's loop variables have other names internally.
+        # A size of the model that is named like a loop variable of pkgen has another name
+        # internally; its own name is shown.
         sizes = {unlike_loops(size.name): size.name for size in e.model.sizes}
         free = (letter for letter in "jklnopqrsuvw" if letter not in own)
         self._shown = sizes | {ROW: self.i, OTHER: self.j} | dict(zip(COUNTERS, free, strict=False))
@@ -89,7 +90,8 @@ class Writer:
         self._summed = [inner for x in once for inner in within(x)]
 
     def index(self, at: Affine) -> str:
-        """Returns an index as text: `i+1`, `N-1`; the letter differs if the model uses `i`."""
+        """Returns an index as text, such as `i+1` or `N-1`. If the model uses the name `i`, another
+        letter replaces it."""
         return at.text(self._shown).replace(" ", "")
 
     def span(self, lo: Affine, hi: Affine) -> str:
@@ -304,7 +306,8 @@ class Writer:
         return below, above
 
     def _by_index(self, node: Node) -> bool:
-        """Whether a node contains the index itself as a number, or a parameter with an index."""
+        """Whether the value of a node depends explicitly on the index i: as a number, or by a
+        parameter with an index."""
         return any(
             slot.kind == "index" or (slot.kind == "param" and slot.at is not None)
             for slot in self._slots(node)

@@ -114,7 +114,8 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]:
-    """Returns a note if rows are drawn as points, since they are too sparse for lines."""
+    """Returns a note that rows are drawn as points, if the rows are too far apart in time for lines
+    between them."""
     if any(table.several or table.event is not None for table in tables):
         return ()
     if all(line.kind == "line" for panel in panels for line in panel.lines):
@@ -194,7 +195,8 @@ def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
 
 
 def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
-    """Returns axis limits at which rounding noise looks flat, if all columns are constant."""
+    """Returns limits of the axis if all columns are constant, so wide that rounding noise looks
+    flat; otherwise None."""
     good = [x[numpy.isfinite(x)] for x in columns]
     good = [x for x in good if len(x)]
     largest = max((float(numpy.abs(x).max()) for x in good), default=0.0)

@@ -83,7 +83,8 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
 
 
 def _both(table: Table, line: Line, words: str) -> list[Line]:
-    """Returns two lines: the running maximum, and the drift itself as a pale line behind it."""
+    """Returns two lines: the running maximum of the drift, and behind it the drift itself as a pale
+    line."""
     if table.several:
         strong = Line(words, line.x, line.y, line.colour, "line", None, line.strands)
         return [strong, Line("", line.x[:0], line.y[:0], line.colour, "back")]

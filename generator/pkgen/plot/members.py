@@ -19,7 +19,8 @@ def few_times(table: Table) -> int:
 
 
 def joined(table: Table, *columns: numpy.ndarray) -> str:
-    """Returns "line" if rows are close enough in time to be joined by lines, else "points"."""
+    """Returns "line" if rows are so close in time that lines between them do not mislead, else
+    "points"."""
     sparse = table.sparse or (not table.several and any(map(table.rough, columns)))
     return "points" if sparse or table.event is not None else "line"
 
@@ -57,7 +58,8 @@ def bundle(
             for k, (n, s) in enumerate(zip(numbers, spans, strict=True))
         ], None
     line = Line(table.label if more else "", x, y, first, kind, z, begins)
-    if more or len(numbers) == len(member):  # one row per member: a cloud at a single time
+    # No colour bar if there is one row per member (a cloud at a single time).
+    if more or len(numbers) == len(member):
         return [line], None
     return [line], (float(numbers[0]), float(numbers[-1]), f"member {word}")
 

@@ -167,7 +167,8 @@ def _dotted(
 ) -> list[Text]:
     bits = numpy.zeros((height, columns), int)
     colours = numpy.full((height, columns), -1)
-    for line in reversed(panel.lines):  # the first line is drawn last, above the others
+    # The first line is drawn last, so that it is above the others.
+    for line in reversed(panel.lines):
         i, j = _places(panel, line, x, y, 2 * columns, 4 * height)
         numpy.bitwise_or.at(bits, (j // 4, i // 2), DOTS[j % 4, i % 2])
         colours[j // 4, i // 2] = line.colour

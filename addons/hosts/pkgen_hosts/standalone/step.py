@@ -24,7 +24,8 @@ KERNELS = frozenset(("acceleration", "energy", "observe"))
 _FIELD = re.compile(r"offsetof\(struct \w+, (\w+)\)(?: \+ (\d+) \* sizeof\(pk_real\))?")
 _SINCOS = re.compile(r"#ifndef PK_SINCOS_H.*?\n#endif\n(?=\n[a-z])", re.DOTALL)
 _CALLED = re.compile(r"\bPK_F\((\w+)\)")
-INSTRUCTIONS = {"fabs", "fma", "sqrt"}  # compiled to processor instructions, not libm calls
+# Compilers make one instruction of each of these functions, so they need no libm.
+INSTRUCTIONS = {"fabs", "fma", "sqrt"}
 
 
 class Step:

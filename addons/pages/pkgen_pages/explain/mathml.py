@@ -176,8 +176,9 @@ def width(content: str) -> int:
 
 
 def name(text: str, lone: str = "", bold: bool = False) -> str:
-    """Returns a name of the model typeset, with primes, index or component; vectors are bold. The
-    angular velocity of `lone`, the only rotation of a model, has no name as subscript."""
+    """Returns a name of the model typeset, with primes, index or component; vectors are bold. If
+    the model has only one rotation, `lone` is its name, and its angular velocity is shown without
+    this name as subscript."""
     base = text.rstrip("'")
     letter, below = _parts(base, lone, bold)
     letter = dotted(letter, len(text) - len(base))

@@ -146,7 +146,7 @@ const Drag = (() => {
       for (const handle of Shapes.handles(stage.resolve(run))) {
         const [px, py] = stage.camera.project(handle.point);
         const far = Math.hypot(px - x, py - y);
-        /* If handles coincide, bodies take precedence over ends of rods. */
+        /* If the draggable points of a body and of a rod coincide, the body is dragged. */
         const rank = far - (handle.of.kind === "bob" || handle.of.kind === "body" ? 4 : 0);
         if (far < REACH && (!best || rank < best.rank)) best = { ...handle, rank, run, px, py };
       }
@@ -163,7 +163,7 @@ const Drag = (() => {
       document.body.classList.add("dragging");
     }
 
-    /* A drag during a motion takes the current coordinates and the initial rates. */
+    /* A drag during a motion makes a start from the current coordinates and the initial rates. */
     function restState(run, start) {
       const v = start.v.slice();
       for (const rotation of model.description.rotations || [])

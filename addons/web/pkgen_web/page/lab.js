@@ -43,7 +43,8 @@ const Lab = (() => {
       requestAnimationFrame((now) => this.frame(now));
     }
 
-    /* Returns the simulated time per second: the natural speed times 1, 2, 5, 10, ... */
+    /* Returns the simulated time per second of real time: the model's natural speed times 1, 2, 5,
+     * 10, ..., as the user has set. */
     speed() {
       const n = this.settings.speed;
       return this.base * HEADS[((n % 3) + 3) % 3] * 10 ** Math.floor(n / 3);
@@ -99,7 +100,7 @@ const Lab = (() => {
 
     enter(scene) {
       const { speed, panels, reference } = this.settings;
-      /* A swarm view that the previous scene opened is closed with it. */
+      /* If the previous scene was a swarm, the swarm view is closed when that scene is left. */
       const left = Settings.usual(this.model, this.settings.scene) === "swarm";
       const view = left ? "scene" : this.settings.view;
       this.settings = Settings.enter(

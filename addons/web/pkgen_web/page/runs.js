@@ -30,7 +30,8 @@ const Runs = (() => {
       (_, k) => values.get("u" + k) || 0,
     );
     turn(model, settings, all.v);
-    all.given = values; /* values set by the scene or the user, not computed by the model */
+    /* values that the scene or the user has set; other values are computed by the model */
+    all.given = values;
     return all;
   }
 
@@ -94,7 +95,7 @@ const Runs = (() => {
       this.sample(model, null);
     }
 
-    /* Records the state after an advance. */
+    /* Records the state that the run has after it is integrated to the next time. */
     sample(model, reference) {
       const { motion } = this;
       this.t = motion.t;
