@@ -173,7 +173,7 @@ def _pace(job: Job) -> float:
     method refuses the system."""
     count = 1
     exponents = [2 + k for k, (what, _) in enumerate(job.kept.reduced) if what == b"l"]
-    job.library
+    job.library  # noqa: B018 (compiled now, so that the timing below excludes the compilation)
     while True:
         began = time.process_time()
         firsts = sorted({min(job.members - count, k * job.members // 4) for k in range(4)})
