@@ -1,12 +1,12 @@
 """Finds a neighbourhood that no motion leaves in a step, by the theorem of Picard and Lindelof in
 complex time.
 
-The equations are y' = F(t, y). If |F| <= M over the polydisk of radii r around the start and R M <=
-r, each motion is holomorphic in the disk |t| < R, and in this disk differs from its start by at
-most R M. By Cauchy's estimate the Taylor coefficients of the motion are at most R M/R^k. The Taylor
-coefficients of the derivative of the motion with respect to the start are at most (exp(R L) -
-1)/R^k, where L bounds the entries of the Jacobian of F (Gronwall). Reference: W. Walter, Ordinary
-Differential Equations, Springer 1998, sections 6, 8 and 9.
+The equations are y' = F(t, y). Let |F| <= M over the polydisk of radii r around the start, with
+R M <= r. Then each motion is holomorphic in the disk |t| < R, and in this disk differs from its
+start by at most R M. By Cauchy's estimate the Taylor coefficients of the motion are at most
+R M/R^k. The Taylor coefficients of the derivative of the motion with respect to the start are at
+most (exp(R L) - 1)/R^k, where L bounds the entries of the Jacobian of F (Gronwall). Reference:
+W. Walter, Ordinary Differential Equations, Springer 1998, sections 6, 8 and 9.
 """
 
 from __future__ import annotations

@@ -116,8 +116,8 @@ class Complexes(Reals):
         return self._inside(_complex(x).atan(), 1 + x * x)
 
     def atan2(self, y: Any, x: Any) -> Any:
-        """Returns c + atan(w/u). Here c is the angle of the midpoint of (x, y), and (u, w) is (x,
-        y) rotated by -c."""
+        """Returns c + atan(w/u). Here c is the angle of the midpoint of (x, y), and (u, w) is
+        (x, y) rotated by -c."""
         y, x = _complex(y), _complex(x)
         if on_cut(y.real, x.real):
             return x * flint().arb.nan()

@@ -166,8 +166,8 @@ class Against:
         tracks: list[Track],
         on_progress: Show,
     ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-        """Returns the cheapest methods of the packages, and those of pkgen, both timed in turns;
-        and the points of all methods."""
+        """Returns the cheapest methods of the packages; those of pkgen, timed again in turns with
+        them; and the points of all methods in the chart."""
         return _measured(bench, self.peers, compilation, spectrum, own, tracks, on_progress)
 
 

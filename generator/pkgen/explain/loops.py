@@ -216,8 +216,8 @@ def force_lines(write: Writer) -> list[EquationLine]:
 
 
 def constraint_lines(write: Writer) -> list[EquationLine]:
-    """Returns the function phi(q, t) of each holonomic constraint phi = 0, and the expression J v +
-    j0 of each rolling constraint J v + j0 = 0 on the rates v."""
+    """Returns the function phi(q, t) of each holonomic constraint phi = 0, and the expression
+    J v + j0 of each rolling constraint J v + j0 = 0 on the rates v."""
     found = []
     for rows in write.e.bound:
         group, what = rows.group, rows.position if rows.holonomic else rows.rate

@@ -79,8 +79,8 @@ def _has_content(x: sympy.Expr) -> bool:
 
 
 def _content_outside(x: sympy.Expr) -> sympy.Expr:
-    """Moves the common factor of a sum out of a power of it: sqrt(x^2/4 + y^2/4) becomes sqrt(x^2 +
-    y^2)/2."""
+    """Moves the common factor of a sum out of a power of it: sqrt(x^2/4 + y^2/4) becomes
+    sqrt(x^2 + y^2)/2."""
     content, rest = x.base.primitive()
     return content**x.exp * rest**x.exp
 
