@@ -243,9 +243,9 @@ def _keep_columns(source: Source, block: list[Line]) -> None:
 
 
 def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
-    """Yields the aligned columns of the original text, from the left. Lines whose second tokens
-    form a column are statements of one kind; a column of later tokens may have statements of
-    different kinds. A column may skip lines."""
+    """Yields the aligned columns of the original text, from the left. A column of second tokens may
+    have statements of any kind; a column of later tokens has statements of one kind. A column may
+    skip lines."""
     # (whether more than one space precedes any of the tokens, the tokens)
     found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}
     for line in block:

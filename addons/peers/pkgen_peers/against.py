@@ -33,7 +33,8 @@ from pkgen.system.progress import Show
 
 from .peers import Integrate, Motion, Peer, Refused, Slow, gsl_methods
 
-SHARE = 0.5  # Time for measuring all packages, relative to the time that the chart itself took.
+# Seconds for measuring all packages, relative to the seconds planned for the whole chart.
+SHARE = 0.5
 LAP = 1e-3  # Shortest timed repetition in seconds.
 # Runs are timed again in ROUNDS rounds, if they take less than LONGEST seconds. MOST is the time
 # limit of such a run, relative to LONGEST.

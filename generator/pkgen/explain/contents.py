@@ -25,7 +25,7 @@ class Contents:
     parameters: Sequence[ParameterSlot]
     equations: list[Section]
     outputs: list[Shown]  # Outputs, and quantities claimed to be constant.
-    # For each family: text that says whether it is compiled to loops or unrolled.
+    # Pairs of a heading and a text: how families are compiled (to loops, or unrolled).
     families: list[tuple[str, str]]
     costs: Section
     # entries of the `--json` output that differ between loops.py and flat.py
