@@ -1,9 +1,10 @@
 """Formats the text of a model: the same tokens and comments, with normalised spaces.
 
-Lines are kept. Products have no spaces, sums and relations have; lines within a bracket are
-indented to its content; the clauses of a scene are indented. In a block of lines, the texts after
-the keywords of a scene are aligned, and so are comments; other columns that the author aligned stay
-aligned.
+Line breaks are kept. There are no spaces around the operators of products; there is one on each
+side of the operators of sums and relations. Lines within a bracket are indented to the content of
+the bracket; the clauses of a scene are indented. In a block of lines, comments are aligned; in a
+scene, the texts after the leading keywords of lines are aligned too. Other columns that the author
+aligned stay aligned.
 """
 
 from __future__ import annotations
@@ -80,7 +81,8 @@ def laid_out(source: Source) -> str:
 
 
 def signs(source: Source) -> list[list[tuple[str, str]]]:
-    """Returns the content of a text without spaces: tokens and comment of each statement."""
+    """Returns the tokens and the comment of each statement; texts with equal results differ in
+    spaces only."""
     return [
         [*((t.type, _text(source, t)) for t in statement.tokens), ("#", statement.comment)]
         for statement in statements(source)
@@ -119,9 +121,11 @@ def _scenes(lines: list[Line]) -> None:
 
 
 def _tight_signs(tokens: list[Token]) -> set[int]:
-    """Returns the positions of + and - in an index or a range, such as i+1..N."""
+    """Returns the positions of the signs + and - that belong to an index or a range, such as
+    i+1..N."""
     found: set[int] = set()
-    waiting: list[list] = [["", False, []]]  # [bracket, has dots, positions of signs]
+    # [bracket, whether ".." occurs in it, positions of signs]
+    waiting: list[list] = [["", False, []]]
     for token in tokens:
         if token.type in OPENERS:
             waiting.append([token.type, False, []])
@@ -148,7 +152,9 @@ def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -
     """Returns the texts of a line's tokens, each with the space before it; `before` is the previous
     token of the statement, in a line above."""
     pieces: list[str] = []
-    signed = False  # whether the previous token is a unary sign or in an index
+    # Whether the previous token is a sign without a space after it: a unary sign, or one in an
+    # index.
+    signed = False
     for token in line.tokens:
         text = _text(source, token)
         binary = before is not None and before.type in VALUE_ENDS
@@ -171,7 +177,8 @@ def _joins(left: str, right: str) -> bool:
 
 
 def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
-    """Yields blocks of consecutive statements: their first lines, not separated by other lines."""
+    """Yields blocks of statements without lines between them. A block has the first line of each of
+    its statements."""
     block: list[Line] = []
     for line in lines:
         heads = line.first and line.tokens[0].type in ("SCENE", "END")
@@ -186,12 +193,14 @@ def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
 
 
 def _align_words(block: list[Line]) -> None:
-    """Aligns the texts after the keywords of consecutive lines, if the keywords have similar
-    lengths: in scenes, and for statements of one expression."""
+    """Aligns the texts after the leading keywords of consecutive lines, if the keywords have
+    similar lengths. Only lines in scenes, and statements whose syntax is a keyword and one
+    expression, are aligned."""
     run: list[Line] = []
     for line in block:
         widths = [len(one.pieces[0]) for one in (*run, line)]
-        row = STATEMENTS.get(line.tokens[0].type.lower())  # None: no keyword at start
+        # None if the line does not begin with a statement's keyword.
+        row = STATEMENTS.get(line.tokens[0].type.lower())
         alone = row is not None and (line.inside or row.syntax == "single")
         behind = len(line.pieces) > 1 and alone
         if not behind or max(widths) - min(widths) > NEAR:
@@ -209,11 +218,13 @@ def _pad(run: list[Line]) -> None:
 
 @dataclass
 class _Place:
-    """A token in a column that the author aligned: its index, and the index of the piece to pad."""
+    """A token in a column that the author aligned. `index` is its index in the line's tokens."""
 
     line: Line
     index: int
-    before: int  # index of the piece to pad: the token's sign or the token
+    # Index of the token that gets spaces before it: the sign of a signed number, or the token
+    # itself.
+    before: int
 
     @property
     def column(self) -> int:
@@ -232,9 +243,11 @@ def _keep_columns(source: Source, block: list[Line]) -> None:
 
 
 def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
-    """Yields the columns of the original text from the left. A column of first tokens is of one
-    kind of statement; later tokens may be of any. Other lines may be between."""
-    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # (whether a gap is wide, tokens)
+    """Yields the aligned columns of the original text, from the left. A column of second tokens may
+    have statements of any kind; a column of later tokens has statements of one kind. A column may
+    skip lines."""
+    # (whether more than one space precedes any of the tokens, the tokens)
+    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}
     for line in block:
         for index, before, gap in _gaps(line):
             kind = line.tokens[0].type if index > 1 else ""
@@ -245,8 +258,9 @@ def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
 
 
 def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
-    """Yields tokens that may be in a column, as (index, index of the piece to pad, original gap). A
-    signed number is aligned by its digits, and padded before its sign."""
+    """Yields the tokens that may be in an aligned column, as (index, index of the token that gets
+    spaces before it, number of spaces in the original). A signed number is aligned by its digits,
+    and gets spaces before its sign."""
     for index in range(1, len(line.tokens)):
         gap = line.tokens[index].start_pos - line.tokens[index - 1].end_pos
         if gap and line.pieces[index].startswith(" "):
@@ -293,7 +307,7 @@ def _align_comments(block: list[Line]) -> None:
     """Aligns comments in their most common column, or else in the first one's column. Comments of
     lines that are too long for that column are aligned further right."""
     before: list[int] = []
-    while before != (before := [line.column for line in block]):  # until no comment moves
+    while before != (before := [line.column for line in block]):  # Repeat until no comment moves.
         waiting = block
         while waiting:
             column = _column(waiting)

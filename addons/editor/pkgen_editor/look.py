@@ -103,8 +103,8 @@ class Text:
         return before is not None and before.type == "SHAPE" and str(before) in ("ground", "plane")
 
     def _headed(self, token: Token) -> str:
-        """Describes a method, scene or model name, which is in no table, by the keyword before
-        it."""
+        """Describes the name of a method, a scene or a model by the keyword before it. The checker
+        has no table of such names."""
         before = self.before(token)
         word = before.type if before is not None else ""
         method = known(self.seen.parts["methods"]).get(str(token))
@@ -148,8 +148,8 @@ class Text:
         return self.made.get(name, (name, ""))[0]
 
     def declared_at(self, name: str, statement: Lexed | None) -> Span | None:
-        """Returns the span of a name's declaration; for a loop variable, it is in its own
-        statement."""
+        """Returns the span of the declaration of a name. The declaration of a loop variable is in
+        the statement that uses the variable."""
         entry = self.names.get(self.base(name))
         if entry is not None and entry.span.end:
             return Span(entry.span.start, entry.span.start + self._length(entry.span.start))
@@ -271,7 +271,8 @@ class Text:
         return "\n\n".join(lines)
 
     def inlays(self) -> Iterator[tuple[int, str]]:
-        """Yields (offset, unit) for definitions without a written unit, shown by editors."""
+        """Yields (offset, unit) for each definition whose unit is not written; editors display the
+        unit at the offset."""
         for statement in self.lexed:
             if statement.keyword not in ("let", "const", "observe", "conserve", "param"):
                 continue
@@ -286,7 +287,7 @@ class Text:
 
 
 def _runs(statement: Lexed, name: str) -> bool:
-    """Whether the statement is a swarm with this loop variable."""
+    """Whether the statement is a swarm whose loop variable has this name."""
     return statement.keyword == "swarm" and str(statement.tokens[1]) == name
 
 

@@ -20,7 +20,8 @@ from .look import NAMES, Text
 from .words import built_in, calls
 
 _SOME_NAME = "pk_q"  # Placeholder for the word that is being written.
-_WORD = re.compile(r"[^\W\d]\w*\Z")  # \Z, unlike $, does not match before a final newline.
+# \Z matches at the end of the text only; $ would also match before a final newline.
+_WORD = re.compile(r"[^\W\d]\w*\Z")
 _IN_UNIT = re.compile(r"[\w'\)\]][ \t]+\[[^\[\]\n#]*$|[\)'\d]\[[^\[\]\n#]*$")
 _NUMBERED = re.compile(r"[^\W\d]\w*\[[^\[\]\n#]*$")
 
@@ -80,7 +81,8 @@ def _statements(text: Text, offset: int) -> Iterator[Proposal]:
 
 
 def _parts(before: list) -> list[str]:
-    """Returns keywords of a drawing, body or joint that its statement does not have yet."""
+    """Returns the keywords that may still be added to a drawing, body or joint statement with
+    tokens `before`."""
     written = {str(token) for token in before if token.type == "WORD"}
     if before[0].type in ("BODY", "JOINT"):
         words = list(CLAUSES[before[0].type.lower()])
@@ -92,7 +94,8 @@ def _parts(before: list) -> list[str]:
 
 
 def _clauses(word: str) -> list[str]:
-    """Returns the clause keywords that the syntax of a statement allows."""
+    """Returns the keywords of the clauses that may follow in a statement with the keyword
+    `word`."""
     if word not in STATEMENTS:
         return []
     syntax = SYNTAX[STATEMENTS[word].syntax].lower()
@@ -184,8 +187,8 @@ def _placed(text: str, span: Span, instead: str) -> tuple[Span, str]:
 
 
 def uses(text: Text, offset: int) -> list[tuple[Span, str]]:
-    """Returns all occurrences of the name at an offset: span and text (the name, or a derived
-    one)."""
+    """Returns all occurrences of the name at an offset, as (span, text). The text is the name
+    itself, or a name derived from it."""
     token = text.token_at(offset)
     if token is None or token.type not in NAMES or text.is_axis(token):
         return []
@@ -237,8 +240,8 @@ def _messages(text: Text) -> set[str]:
 
 
 def _other(name: str, old: str, new: str) -> str:
-    """Renames a derived name: `p_old` becomes `p_new`; likewise for names of a joint's
-    coordinates."""
+    """Returns the derived name `name` after the declared name `old` in it is changed to `new`:
+    `p_old` becomes `p_new`. Names of a joint's coordinates are changed likewise."""
     head, _, tail = (
         name.rpartition(old) if not name.startswith(old) else ("", old, name[len(old) :])
     )

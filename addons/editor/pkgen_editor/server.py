@@ -31,7 +31,7 @@ from . import propose
 from .layout import laid_out
 from .look import Text
 
-QUICK = 0.2  # Seconds: if equations take less, they are derived after each change.
+QUICK = 0.2  # If deriving the equations takes fewer seconds, they are derived after each change.
 MOST_BYTES = 1 << 26  # Bytes of the longest accepted message.
 LONGEST = 10.0  # Most CPU seconds for the analysis of a text.
 KINDS = {
@@ -242,7 +242,7 @@ def _formatting(params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit] | No
     try:
         made = laid_out(source)
     except ModelError:
-        return None  # its errors are displayed already
+        return None  # The diagnostics already display the lexical errors of this text.
     whole = Span(0, len(source.text))
     return [] if made == source.text else _edits(source, [(whole, made)])
 
@@ -296,8 +296,9 @@ class _Input:
 
 
 def serve() -> None:
-    """Serves requests until the editor closes the connection. Prints go to standard error, since
-    standard output has the messages. A signal exits at once: the reading thread would block."""
+    """Serves requests until the editor closes the connection. Output of print() goes to standard
+    error, since standard output is for protocol messages. A signal ends the process at once: a
+    normal exit would wait for the thread that reads standard input."""
     for number in ENDS:
         signal.signal(number, lambda *_: os._exit(INTERRUPTED))
     output = os.fdopen(os.dup(1), "wb")

@@ -52,7 +52,8 @@ _BUILT_IN = {"T": "the kinetic energy", "V": "the potential energy", "L": "the L
 
 
 def calls() -> dict[str, tuple[str, str]]:
-    """Returns the form of the call, and a description, by function name."""
+    """Maps the name of each function to the text of a call, such as "norm(v)", and a
+    description."""
     rows = (line.partition(")") for line in _CALLS.strip().split("\n"))
     return {form.partition("(")[0]: (f"{form})", what.strip()) for form, _, what in rows}
 
@@ -65,8 +66,10 @@ def built_in() -> dict[str, str]:
 
 @cache
 def words() -> dict[str, tuple[str, ...]]:
-    """Returns words by class: `statement` is reserved everywhere, `opening` only at the start of a
-    statement, `part` is a word in some statements, `clause` in any, `function` before a bracket."""
+    """Returns the words of the language by class. `statement`: keywords that are reserved
+    everywhere. `opening`: words that are keywords only at the start of a statement. `part`:
+    keywords in some statements. `clause`: keywords in any statement. `function`: words that are
+    keywords before a bracket."""
     parts = {part for shape in SHAPES.values() for part in shape.parts}
     bodies = {word for words in CLAUSES.values() for word in words} | KINDS.keys()
     found = {

@@ -1,10 +1,10 @@
 """Rigorous bounds of a motion: `pkgen run --enclose`.
 
-domains.py    evaluation of the graph in balls, in their power series, in complex balls
+domains.py    evaluation of expression graphs in ball arithmetic: real, complex, power series
 flow.py       the equations as y' = F(t, y), their Jacobian, exact values of parameters
 ask.py        exact numbers from the options, and refusal of unsupported models
-apriori.py    a complex neighbourhood that no motion leaves in a step: Picard and Lindelof
-step.py       one step: Taylor series, remainder, Lohner's set
-enclose.py    steps to the end, repeated with more digits if too many are lost
-text.py       rows and report
+apriori.py    a complex neighbourhood that no motion leaves in a step (Picard and Lindelof)
+step.py       one step: Taylor series, bound of its remainder, Lohner's set
+enclose.py    a run of steps, repeated in higher precision if it lost too many digits
+text.py       the rows and the report as text
 """

@@ -1,10 +1,12 @@
-"""Finds a neighbourhood that no motion leaves in a step: Picard and Lindelof in complex time.
+"""Finds a neighbourhood that no motion leaves in a step, by the theorem of Picard and Lindelof in
+complex time.
 
-If |F| <= M over the polydisk of radii r around the start and R M <= r, each motion is holomorphic
-in the disk |t| < R, and differs from its start by at most R M there. By Cauchy its Taylor
-coefficients are at most R M/R^k. The Taylor coefficients of its derivative with respect to the
-start are at most (exp(R L) - 1)/R^k, where L bounds the entries of the Jacobian (Gronwall).
-Reference: W. Walter, Ordinary Differential Equations, Springer 1998, sections 6, 8 and 9.
+The equations are y' = F(t, y). Let |F| <= M over the polydisk of radii r around the start, with
+R M <= r. Then each motion is holomorphic in the disk |t| < R, and in this disk differs from its
+start by at most R M. By Cauchy's estimate the Taylor coefficients of the motion are at most
+R M/R^k. The Taylor coefficients of the derivative of the motion with respect to the start are at
+most (exp(R L) - 1)/R^k, where L bounds the entries of the Jacobian of F (Gronwall). Reference:
+W. Walter, Ordinary Differential Equations, Springer 1998, sections 6, 8 and 9.
 """
 
 from __future__ import annotations
@@ -24,14 +26,14 @@ TRIES = 300
 
 @record
 class Neighbourhood:
-    radius: Any  # R, the radius of the time disk.
-    moved: list[Any]  # R M of each variable.
-    turned: Any  # exp(R L) - 1, a matrix.
+    radius: Any  # R, the radius of the disk of complex times.
+    moved: list[Any]  # R M of each variable, a bound of its distance from the start.
+    turned: Any  # The matrix exp(R L) - 1, which bounds derivatives with respect to the start.
 
 
 def neighbourhood(flow: Flow, t: Any, y: list[Any], tried: Any) -> Neighbourhood | None:
-    """Returns the neighbourhood for the largest time radius, at most `tried`, for which one is
-    found; None if none is found."""
+    """Returns a neighbourhood that no motion leaves within a time radius; tries decreasing time
+    radii from `tried` on. Returns None if all fail."""
     library = flint()
     for _ in range(TRIES):
         moved = _moved(flow, t, y, tried)
@@ -47,7 +49,8 @@ def neighbourhood(flow: Flow, t: Any, y: list[Any], tried: Any) -> Neighbourhood
 
 
 def _moved(flow: Flow, t: Any, y: list[Any], radius: Any) -> list[Any] | None:
-    """Returns R M for radii r >= R M, which are found by inflation; None if none are found."""
+    """Returns R M for the time radius R = `radius`. The radii r of the polydisk are enlarged until
+    r >= R M; returns None if that fails."""
     library = flint()
     now = _around(t, radius)
     tried = [library.arb(0) for _ in y]

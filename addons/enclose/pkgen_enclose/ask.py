@@ -208,12 +208,14 @@ def _without_series(g: Graph, nodes: list[Node]) -> str:
     varying = (n for n in reachable(g, nodes) if not g.is_constant(n))
     calls = [g.data[n] for n in varying if g.op[n] is Op.CALL]
     found = [x for x in calls if not FUNCTIONS[x].smooth or FUNCTIONS[x].enclosed is None]
-    # Derivatives of abs have sign, those of min and max step: prefer the function written.
+    # abs has the derivative sign; min and max have the derivative step. Any other function found is
+    # one that the author wrote, and is preferred.
     return min(found, key=lambda name: name in ("sign", "step")) if found else ""
 
 
 def _place_of(compilation: Compilation, name: str) -> Span:
-    """Returns the position of a function in the source text, else that of the model statement."""
+    """Returns the position of a call of the function in the source text; if there is none, the
+    position of the model statement."""
     import re
 
     model = compilation.model

@@ -1,8 +1,10 @@
-"""Evaluates nodes of the graph in ball arithmetic: real balls, their power series, complex balls.
+"""Evaluates nodes of the expression graph in ball arithmetic: on real balls, on power series of
+real balls, and on complex balls.
 
-An undefined result is not finite, which callers check. Complex functions are holomorphic where
-their result is finite: for a ball that touches a branch cut it is not. The arithmetic is Arb's.
-Reference: F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
+If a result is undefined, the returned ball is not finite; callers check that. A complex function is
+holomorphic on each ball for which its result is finite. The result for a ball that touches a branch
+cut is not finite. The arithmetic is Arb's. Reference: F. Johansson, Arb, IEEE Trans. Comput. 66
+(2017) 1281-1292.
 """
 
 from __future__ import annotations
@@ -41,7 +43,8 @@ def ball(value: Fraction | int, upper: Fraction | None = None) -> Any:
 
 
 class Reals:
-    """Functions of real balls (arb), with the names that functions/row.py calls (`enclosed`)."""
+    """Functions of real balls (arb). The functions `enclosed` in functions/row.py call them by
+    these names."""
 
     number = staticmethod(ball)
 
@@ -71,7 +74,7 @@ class Reals:
 
 
 class Series(Reals):
-    """Functions of power series (arb_series); a constant is an arb."""
+    """Functions of power series (arb_series). A constant may be a real ball (arb)."""
 
     def atan2(self, y: Any, x: Any) -> Any:
         """Computes atan2 as the integral of its derivative (x y' - y x')/(x^2 + y^2)."""
@@ -98,8 +101,8 @@ class Complexes(Reals):
         return _complex(x).sqrt(analytic=True)
 
     def _inside(self, value: Any, what: Any) -> Any:
-        """Returns `value` if the ball `what` is off the negative real axis, else a nonfinite
-        result."""
+        """Returns `value` if the ball `what` does not touch the branch cut, the nonpositive real
+        axis; otherwise returns a nonfinite ball."""
         off = _complex(what).log(analytic=True)
         return value if off.is_finite() else off
 
@@ -113,13 +116,15 @@ class Complexes(Reals):
         return self._inside(_complex(x).atan(), 1 + x * x)
 
     def atan2(self, y: Any, x: Any) -> Any:
-        """Returns c + atan(w/u): (u, w) is (x, y) rotated so that the midpoint has angle 0."""
+        """Returns c + atan(w/u). Here c is the angle of the midpoint of (x, y), and (u, w) is
+        (x, y) rotated by -c."""
         y, x = _complex(y), _complex(x)
         if on_cut(y.real, x.real):
             return x * flint().arb.nan()
         c = flint().arb.atan2(y.real.mid(), x.real.mid()).mid()
         u, w = x * c.cos() + y * c.sin(), y * c.cos() - x * c.sin()
-        # If Re u > 0, u is not 0, and the whole ball is on one branch of atan.
+        # If the real part of u is positive, then u is not 0 and the ball w/u is on one branch of
+        # atan.
         return c + self.atan(w / u) if u.real > 0 else x * flint().arb.nan()
 
 

@@ -24,9 +24,10 @@ from .step import Step, begun, step
 SPARE = 9  # digits computed in addition to those requested
 ATTEMPTS = 5
 BITS_A_DIGIT = log(10) / log(2)
-GUARD = 40  # Additional bits of precision.
-SHORTEST = 1e-9  # Shortest step, relative to the duration.
-GROWTH = 1.2  # Factor from a step's time radius to the next one tried.
+GUARD = 40  # Bits of precision in addition to those of the digits.
+SHORTEST = 1e-9  # Shortest step, relative to the duration of the run.
+# The first time radius that is tried for a step is that of the last step times this factor.
+GROWTH = 1.2
 
 
 @record
@@ -42,8 +43,9 @@ class Enclosure:
     until: Fraction  # Requested end time.
     reached: Fraction  # Time of the last row.
     wanted: int  # Requested digits.
-    digits: int  # Certified digits of the worst number, relative to its column's largest.
-    worst: str  # Column of the worst number.
+    # Certified digits of the value with the fewest, relative to the largest value of its column.
+    digits: int
+    worst: str  # Column of the value with the fewest certified digits.
     width: float  # Largest width of bounds.
     widest: str
     steps: int
@@ -51,7 +53,8 @@ class Enclosure:
     bits: int
     seconds: float  # CPU seconds of all attempts
     attempts: int
-    several: bool  # whether bounds hold for many motions: intervals were given
+    # Whether the bounds hold for many motions, since a parameter or start is an interval.
+    several: bool
     interrupted: bool = False
 
     @property
@@ -65,8 +68,9 @@ def enclose(
     told: Callable[[float], None] = lambda _: None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Enclosure:
-    """Returns rows from t = 0 to the end, to a step without finite bounds, or to an interruption.
-    Raises UsageError if the start violates the constraints."""
+    """Returns rows from t = 0 to the end of the run. Rows end earlier if a step has no finite
+    bounds, or if the run is interrupted. Raises UsageError if the start violates the
+    constraints."""
     begin = time.process_time()
     spare, best = SPARE, None
     attempt = 0
@@ -77,7 +81,8 @@ def enclose(
             best = found
         if (found.whole and found.digits >= digits) or given.several or stopped():
             break
-        if best is not found:  # no improvement by more digits
+        # The last attempt, with more digits, was no better than the one before.
+        if best is not found:
             break
         spare += max(digits - found.digits, 0) + SPARE if found.whole else 2 * digits
     seconds = time.process_time() - begin
@@ -153,7 +158,8 @@ def _refuse_off(given: Given, flow: Flow) -> None:
 
 
 def _narrow(made: Step) -> bool:
-    """Whether all bounds are finite, and some are narrower than the motion in a step."""
+    """Whether all bounds are finite, and the bounds of some variable are narrower than its change
+    in the step."""
     hull = made.first.hull()
     pairs = zip(hull, made.around.moved, strict=True)
     return all(x.is_finite() for x in hull) and any(x.rad() < m or x.rad() == 0 for x, m in pairs)
@@ -176,7 +182,8 @@ def _between(given: Given, flow: Flow, made: Step, last: Fraction) -> list[Row] 
 
 
 def _size(column: tuple[Any, ...]) -> float:
-    """Returns the largest magnitude in a column; 1 if all may be 0: then digits are absolute."""
+    """Returns the largest magnitude in a column, relative to which its digits count. If all values
+    of the column may be 0, returns 1: then digits count from the decimal point."""
     if all(x.contains(0) for x in column):
         return 1.0
     return max(float(x.abs_upper()) for x in column)

@@ -1,4 +1,5 @@
-"""The equations y' = F(t, y) in balls; y has coordinates, rates and first-order variables."""
+"""The equations y' = F(t, y) in ball arithmetic; y has coordinates, rates and first-order
+variables."""
 
 from __future__ import annotations
 
@@ -18,13 +19,14 @@ from .domains import Complexes, Reals, Series, ball, flint, written
 TIME = Symbol(Kind.TIME)
 
 
-Ends = tuple[Fraction, Fraction]  # an interval; a number if both ends are equal
+Ends = tuple[Fraction, Fraction]  # The ends of an interval, which are equal for a number.
 
 
 @record
 class Given:
-    """The requested motion, in exact numbers in SI: parameters, coordinates and rates by index
-    (first-order variables follow the rates), and the nodes of the columns."""
+    """The requested motion, in exact numbers in SI. Parameters, coordinates and rates are given by
+    index (first-order variables follow the rates); `columns` are the graph nodes of the columns of
+    the rows."""
 
     equations: Equations
     parameters: Mapping[int, Ends]
@@ -48,8 +50,9 @@ class Given:
 
 
 class Flow:
-    """F, its Jacobian and the columns, in the current precision. An interval parameter becomes a
-    variable with rate 0: all its occurrences then have the same value."""
+    """The function F of y' = F(t, y), its Jacobian, and the columns of the rows, in the current
+    precision. An interval parameter becomes a variable whose rate is 0, so that its value is the
+    same wherever it occurs."""
 
     def __init__(self, given: Given):
         e = given.equations
@@ -79,7 +82,8 @@ class Flow:
         return {TIME: t, **dict(zip(self.variables, y, strict=True))}
 
     def series(self, t: Any, y: list[Any], order: int) -> list[Any]:
-        """Returns the solution that starts at y, as power series in time up to an order."""
+        """Returns the solution that starts at y at time t: a power series in time, up to `order`,
+        for each variable."""
         library = flint()
         found = [[x] for x in y]
         for k in range(order):
@@ -140,7 +144,8 @@ def _partial(g: Graph, node: Node, symbol: Symbol) -> Node:
 def _swapped(
     g: Graph, e: Equations, resting: Mapping[int, Symbol], given: Given
 ) -> dict[Node, Node]:
-    """Returns replacements of interval parameters, and of defaults that depend on them."""
+    """Returns replacements of parameter nodes: of interval parameters by variables, and of
+    parameters by their defaults if these depend on interval parameters."""
     swap: dict[Node, Node] = {}
     for k, slot in enumerate(e.parameters if resting else ()):
         symbol = g.symbol(Symbol(Kind.PARAMETER, k))

@@ -1,12 +1,12 @@
-"""Makes one step: the Taylor polynomial of the midpoint, its remainder, and Lohner's set around it.
+"""Makes one step of Lohner's method, which encloses a motion by a moving set.
 
 The set is u + A r: u is a point, A a nearly orthogonal matrix, r a box around 0. A step moves u
-along its Taylor series, and A r by the derivative of the flow over the whole set (mean value
-theorem). The next A is the Q factor of J A (J is that derivative), with columns ordered by length,
-which reduces the wrapping effect. References: R. Lohner, Enclosing the solutions of ordinary
-initial and boundary value problems, in Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson,
-G. Corliss, Validated solutions of initial value problems for ordinary differential equations, Appl.
-Math. Comput. 105 (1999) 21-68.
+along its Taylor series, with a bound of the remainder, and moves A r by J, the derivative of the
+flow over the whole set (mean value theorem). The next A is the Q factor of the product J A, with
+columns ordered by length, which reduces the wrapping effect. References: R. Lohner, Enclosing the
+solutions of ordinary initial and boundary value problems, in Computerarithmetic, Teubner 1987; N.
+Nedialkov, K. Jackson, G. Corliss, Validated solutions of initial value problems for ordinary
+differential equations, Appl. Math. Comput. 105 (1999) 21-68.
 """
 
 from __future__ import annotations
@@ -39,12 +39,14 @@ class Step:
 
     first: Set
     length: Any
-    series: list[Any]  # Power series of the midpoint.
-    matrices: list[Any]  # Taylor coefficients of the Jacobian of the flow.
+    series: list[Any]  # Power series in time of the midpoint of the set, for each variable.
+    # Taylor coefficients of the derivative of the flow with respect to the start.
+    matrices: list[Any]
     around: Neighbourhood
 
     def parts(self, after: Any) -> tuple[list[Any], Any]:
-        """Returns the midpoint and the Jacobian of the flow at time `after` in the step."""
+        """Returns the midpoint at time `after` since the start of the step, and the derivative of
+        the flow up to that time."""
         part = after / self.around.radius
         rest = _tail(part, self.series[0].prec)
         middle = [
@@ -63,7 +65,8 @@ class Step:
         return _plus(middle, _times(flow * self.first.frame, self.first.box))
 
     def last(self) -> Set:
-        """Returns the set at the step's end. Raises ZeroDivisionError if its A has no inverse."""
+        """Returns the set at the step's end. Raises ZeroDivisionError if the set's matrix A has no
+        inverse."""
         library = flint()
         middle, flow = self.parts(self.length)
         points = [x.mid() for x in middle]
@@ -85,7 +88,8 @@ def begun(t: Any, y: list[Any]) -> Set:
 
 
 def step(flow: Flow, now: Set, order: int, ratio: Any, tried: Any) -> Step | None:
-    """Makes a step of `ratio` times the time disk's radius; None if there is no neighbourhood."""
+    """Makes a step whose length is `ratio` times the largest time radius of a neighbourhood that no
+    motion leaves. Returns None if no such neighbourhood is found."""
     hull = now.hull()
     around = neighbourhood(flow, now.t, hull, tried)
     if around is None:
@@ -100,7 +104,7 @@ def step(flow: Flow, now: Set, order: int, ratio: Any, tried: Any) -> Step | Non
 
 
 def _tail(part: Any, first: int) -> Any:
-    """Returns the sum of part^k over k >= first."""
+    """Returns the sum of part^k over all k >= first: the tail of a geometric series."""
     return part**first / (1 - part)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from .enclose import Enclosure
 
-SPARE = 10  # most digits of a midpoint beyond the requested digits
+SPARE = 10  # A midpoint has at most this many digits more than requested.
 
 
 def of_time(value: Fraction) -> str:
@@ -19,8 +19,9 @@ def of_time(value: Fraction) -> str:
 
 
 def ball(value: Any, digits: int) -> tuple[str, str]:
-    """Returns decimals of a midpoint and a radius that contain the ball. The midpoint has one digit
-    more than the radius, but at most SPARE digits more than `digits`."""
+    """Returns a midpoint and a radius, as decimals, of an interval that contains the ball. The
+    midpoint has one digit more than the radius, but at most SPARE digits more than the requested
+    number `digits`."""
     middle, radius = exact(value.mid()), exact(value.rad())
     place = (_exponent(middle) if middle else 0) - digits - SPARE
     place = max(place, _exponent(radius) - 2) if radius else place
@@ -42,7 +43,7 @@ def exact(value: Any) -> Fraction:
 
 
 def _exponent(value: Fraction) -> int:
-    """Returns the decimal exponent of the first digit, or one less."""
+    """Returns the decimal exponent of the first digit of `value`, or that exponent minus one."""
     return len(str(value.numerator)) - len(str(value.denominator)) - 1
 
 

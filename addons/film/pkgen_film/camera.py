@@ -14,8 +14,9 @@ ROOM = 0.88  # fraction of the picture that the motion fills
 
 @record(eq=False)
 class Camera:
-    """A camera. The rows of `turn` are its axes: right, up, and towards the viewer. `centre` is in
-    these axes, `scale` in pixels per unit; `size` is (width, height) in pixels."""
+    """A camera. The rows of `turn` are the axes of the camera: right, up, and towards the viewer.
+    `centre` is the centre of the picture in coordinates along these axes. `scale` is in pixels per
+    unit; `size` is (width, height) in pixels."""
 
     turn: numpy.ndarray
     size: tuple[int, int]
@@ -23,8 +24,8 @@ class Camera:
     scale: float
 
     def seen(self, points: numpy.ndarray) -> numpy.ndarray:
-        """Projects points (..., 3) to pixels from the lower left corner, and depths (larger is
-        nearer)."""
+        """Projects points (..., 3). Returns for each point its x and y in pixels from the lower
+        left corner, and its depth, which is larger for nearer points."""
         found = points @ self.turn.T - self.centre
         found = found * self.scale
         found[..., 0] += self.size[0] / 2

@@ -22,7 +22,8 @@ from pkgen.system.progress import progress, unseen
 KINDS = (".mp4", ".webm", ".gif", ".svg")
 SIZES = {".gif": (480, 270), ".svg": (960, 540)}
 FPS = {".gif": 20.0, ".svg": 20.0}
-SHORTEST, LONGEST = 2.0, 20.0  # seconds: motions in this range are filmed in real time
+# A film of a motion that lasts between these numbers of seconds has the speed of the motion.
+SHORTEST, LONGEST = 2.0, 20.0
 USUAL = 10.0
 MOST = 100_000  # most frames
 

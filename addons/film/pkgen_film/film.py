@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 KINDS = (".mp4", ".webm", ".gif", ".svg")
 TICKS = 50  # Approximate number of times that the clock of an SVG shows.
-SAMPLES = 6  # Frames from which the colours of a GIF are computed.
-INTEGRATED = 0.3  # Fraction of the progress bar for the integration.
+SAMPLES = 6  # Number of frames from which the colours of a GIF are computed.
+INTEGRATED = 0.3  # Part of the progress bar that is filled when the integration ends.
 HELD = 0.5  # Seconds that the last frame is shown if the motion ended early.
 
 
@@ -43,7 +43,8 @@ class Asked:
     size: tuple[int, int]
     seconds: float
     labels: bool = True  # Whether title, time and names of bobs are shown.
-    beside: str = ""  # Column drawn as a growing graph next to the motion.
+    # Name of a column that is drawn as a growing graph next to the motion; "" for none.
+    beside: str = ""
 
     @property
     def frames(self) -> int:
@@ -90,7 +91,7 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
 
 
 def of_swarm(prepared: Prepared, asked: Asked, path: Path, show: Show) -> Film:
-    """Makes a film of a swarm; each member is a point of a cloud."""
+    """Makes a film of a swarm (many motions of one model); each motion is a point of a cloud."""
     from . import swarm
 
     assert prepared.ensemble is not None and prepared.library is not None
@@ -118,7 +119,8 @@ def _title(model: str, scene: str) -> str:
 
 
 def _clock(times: numpy.ndarray, of: str) -> list[tuple[str, float]]:
-    """Returns about TICKS round times as text, each with its position in the film (0 to 1)."""
+    """Returns about TICKS round times of the motion as text, each with the relative time of the
+    film (0 to 1) at which it appears."""
     span = float(times[-1] - times[0])
     if not span > 0:
         return []

@@ -17,8 +17,8 @@ PALE = "#CCCCCC"
 def graph(
     motion: Motion, quantity: Quantity, size: tuple[int, int]
 ) -> tuple[list[Track], list[tuple[str, float, float]]]:
-    """Returns tracks (limits, a line at 0 if it is in range, the curve), and texts (name, both
-    limits)."""
+    """Returns the graph as tracks (lines at both limits, a line at 0 if 0 is between them, the
+    curve), and its texts (the name of the quantity, and both limits)."""
     width, height = size
     unit = min(size) / 720
     left, right = (SCENE + 0.08) * width, width - 24 * unit
@@ -27,7 +27,8 @@ def graph(
     least, most = float(values.min()), float(values.max())
     middle, span = (least + most) / 2, (most - least) or 1.0
     frames = len(motion.t[:: motion.fine])
-    depth = numpy.full(frames, numpy.inf)  # an infinite depth is drawn last, above the motion
+    # Shapes are drawn in order of depth; this depth draws the graph last, above the motion.
+    depth = numpy.full(frames, numpy.inf)
 
     def at(value: numpy.ndarray | float) -> numpy.ndarray:
         return (low + high) / 2 + (numpy.asarray(value) - middle) / span * (high - low)

@@ -1,4 +1,5 @@
-"""Contours of an output over two coordinates; other coordinates and rates are at their start."""
+"""Contours of one of the model's outputs over two coordinates. All other coordinates and rates have
+their initial values."""
 
 from __future__ import annotations
 

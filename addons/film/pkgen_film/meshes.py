@@ -6,7 +6,7 @@ import numpy
 
 from pkgen.record import record
 
-ROUND = 20  # Faces around an axis.
+ROUND = 20  # Number of faces around the axis of a round body.
 BANDS = 8  # Bands of an ellipsoid, from pole to pole.
 
 

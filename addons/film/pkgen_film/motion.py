@@ -23,15 +23,15 @@ FINE = 120.0  # fewest samples per second of the film, for smooth trails
 
 @record(eq=False)
 class Motion:
-    """A motion. `q`, `v` and `outputs` have a row per sample; the drawing is evaluated from them.
-    Each `fine`-th sample is a frame."""
+    """A motion. `q`, `v` and `outputs` have a row per sample; the drawing is evaluated from
+    `outputs`. Every `fine`-th sample is a frame of the film."""
 
     t: numpy.ndarray
     q: numpy.ndarray
     v: numpy.ndarray
     outputs: numpy.ndarray
     fine: int
-    idle: Run  # a run that does not integrate, to evaluate contours
+    idle: Run  # a run that evaluates outputs for contours and does not integrate
     outcome: Outcome
     beside: numpy.ndarray | None = None  # shape (samples,): the column that a graph shows
 

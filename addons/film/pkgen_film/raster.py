@@ -18,7 +18,7 @@ from .tracks import BESIDE, Track
 
 Label = tuple[str, float, float]  # a text and its position, in pixels from the lower left
 
-FADES = 6  # pieces of a trail; older pieces are paler
+FADES = 6  # A trail is drawn in this number of pieces; older pieces are paler.
 CIRCLE = Path.unit_circle()
 
 

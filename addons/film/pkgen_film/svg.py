@@ -29,7 +29,8 @@ def film(
     width, height = size
     body = []
     depth = [float(track.depth.mean()) for track in tracks]
-    # A face that turns away vanishes from one frame to the next: positions are not interpolated.
+    # A face of a solid vanishes when it turns away from the viewer. It must vanish from one frame
+    # to the next, so positions are not interpolated between frames.
     solid = any(track.closed and track.fill and _moves(track.points) for track in tracks)
     beat = f'dur="{seconds:.6g}s" repeatCount="indefinite"{_DISCRETE if solid else ""}'
     for index in sorted(range(len(tracks)), key=lambda k: depth[k]):
@@ -70,7 +71,8 @@ def _names(tracks: list[Track], height: int, beat: str, unit: float) -> str:
 
 
 def _clock(times: list[tuple[str, float]], seconds: float, height: int, unit: float) -> str:
-    """Returns one text per time, and shows each in its interval: SMIL cannot change texts."""
+    """Returns one text element per time, which is visible until the next time: SMIL can hide a text
+    but not change its words."""
     if not times:
         return ""
     found = []

@@ -23,15 +23,17 @@ from pkgen.system.exits import UsageError
 from .raster import Label
 from .tracks import Track
 
-MOST, MOST_OF_VECTORS = 4000, 150  # Most drawn members, in raster and in vector formats.
-EDGE = (0.09, 0.12, 0.97, 0.87)  # Axes, as fractions of the picture: left, low, right, high.
+# Most members of a swarm that are drawn, in raster and in vector formats.
+MOST, MOST_OF_VECTORS = 4000, 150
+# Left, lower, right and upper end of the axes, as fractions of the picture.
+EDGE = (0.09, 0.12, 0.97, 0.87)
 TICKS = 6
 
 
 @record(eq=False)
 class Cloud:
-    """The drawn members: `t` has a time per frame; `places` is (frames, members, 2), coordinate and
-    rate."""
+    """The drawn members of a swarm. `t` has a time per frame; `places`, of shape (frames, members,
+    2), has the coordinate and the rate of each member."""
 
     t: numpy.ndarray
     places: numpy.ndarray
@@ -70,7 +72,8 @@ def moved(
     rows = done.rows()
     made = numpy.full((frames, len(few.lines), 2), numpy.nan)
     at = numpy.rint(rows[:, 1] / every).astype(int)
-    member = (rows[:, 0] - few.lines[0]).astype(int)  # index relative to the first member
+    # Index of the member, counted from the first drawn one.
+    member = (rows[:, 0] - few.lines[0]).astype(int)
     good = (at < frames) & (member < len(few.lines))
     made[at[good], member[good]] = rows[good, 2:4]
     names = label(q.name, q.unit), label(v.name, v.unit)

@@ -21,9 +21,9 @@ from .motion import Motion
 COLOURS = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY)
 BOB = 0.018  # Default radius of a bob, relative to the picture's shorter side.
 ARROW = 9.0  # Length of an arrow's head in pixels, in a picture 720 pixels high.
-NAMED = 6  # If there are more bobs, their names are not shown.
+NAMED = 6  # If a drawing has more bobs than this, the names of bobs are not shown.
 BESIDE = 6.0  # Pixels from a bob to its name, in a picture 720 pixels high.
-TURNS = 40  # Points of a circle.
+TURNS = 40  # Number of points by which a circle is drawn.
 TONES = ((0.36, 0.60, 0.80), (0.93, 0.88, 0.76))
 LIGHT = numpy.array([-0.4, 0.75, 0.55]) / numpy.linalg.norm([-0.4, 0.75, 0.55])
 REST = 1e-9
@@ -31,9 +31,9 @@ REST = 1e-9
 
 @record(eq=False)
 class Track:
-    """A shape in all frames. `points` is (frames, n, 2), pixels from the lower left; `depth` is
-    (frames,). A disc has one point and a radius. A trail has the points of all samples, and `span`
-    has the indices of the first and last point per frame."""
+    """A shape in all frames. `points`, of shape (frames, n, 2), is in pixels from the lower left
+    corner; `depth` has a number per frame. A disc has one point and a radius. A trail has the
+    points of all samples, and `span` has the indices of its first and last point in each frame."""
 
     kind: str  # path, disc, trail, cloud, or graph (a trail that does not fade)
     points: numpy.ndarray
@@ -108,8 +108,8 @@ class _Maker:
             yield from make(shape)
 
     def _colour(self, shape: dict) -> str:
-        """Returns the colour of a shape. Bobs and trails at the same point have one colour; bobs
-        have one colour if they are many."""
+        """Returns the colour of a shape. A bob and a trail of the same point have the same colour.
+        If the drawing has many bobs, all bobs have one colour."""
         key = repr((shape.get("at"), shape.get("vector")))
         if self.many and shape["kind"] == "bob":
             return BLUE
@@ -150,7 +150,7 @@ class _Maker:
         yield from self._pivots(shape)
 
     def _pivots(self, shape: dict) -> Iterator[Track]:
-        """Yields a dot at each end that does not move."""
+        """Yields a dot at each end of the rod or spring `shape` that does not move."""
         for end in ("from", "to"):
             points = self.motion.point(shape[end])
             if numpy.ptp(points, axis=0).max() <= REST:
@@ -201,7 +201,8 @@ class _Maker:
         yield self._path(points, BLUE if moves else GREY, 2.2 if moves else 1.0)
 
     def _trail(self, shape: dict) -> Iterator[Track]:
-        """Yields the path of a point during the last seconds, from all samples."""
+        """Yields the trail of a point: its path during the last `lasting` seconds of the motion,
+        through all samples."""
         seen = self.camera.seen(self.motion.point(shape["at"]))
         count = len(self.motion.t)
         step = self.motion.t[1] - self.motion.t[0] if count > 1 else 1.0
@@ -238,7 +239,7 @@ class _Maker:
         yield replace(line, depth=line.depth - 1e9 + 1)
 
     def _floor(self, axis: int, at: float, centre: numpy.ndarray) -> Iterator[Track]:
-        """Yields the grid of the ground, as wide as the motion."""
+        """Yields the grid of the ground, somewhat wider than the motion."""
         others = [k for k in range(3) if k != axis]
         extent = self._extent()
         for across, along in (others, others[::-1]):
@@ -287,7 +288,8 @@ class _Maker:
         if shape.get("turn") is None:
             return at[:, None] + solid.corners[None]
         columns = numpy.stack([self.motion.number(x)[self.frames] for x in shape["turn"]], 1)
-        turn = columns.reshape(len(at), 3, 3)  # rows here are the columns of the rotation matrix
+        # The rows of this array are the columns of the rotation matrix.
+        turn = columns.reshape(len(at), 3, 3)
         return at[:, None] + numpy.einsum("fji,nj->fni", turn, solid.corners)
 
     def _graph(self, shape: dict) -> Iterator[Track]:
@@ -324,7 +326,8 @@ def _offsets(reach: float) -> numpy.ndarray:
 def _normals(points: numpy.ndarray) -> numpy.ndarray:
     """Returns the outward unit normals of a face in each frame, in the axes of the camera."""
     found = numpy.zeros((len(points), 3))
-    for k in range(1, points.shape[1] - 1):  # a sum over triangles, since two corners may coincide
+    # The normal is a sum over triangles of the face: a single triangle may have two equal corners.
+    for k in range(1, points.shape[1] - 1):
         found += numpy.cross(points[:, k] - points[:, 0], points[:, k + 1] - points[:, 0])
     return found / numpy.maximum(numpy.linalg.norm(found, axis=1, keepdims=True), REST)
 

@@ -22,9 +22,9 @@ CODECS = {
         *("-row-mt", "1", "-pix_fmt", "yuv420p"),
     ),
 }
-COLOURS = 128  # Colours of a GIF.
-INK = 225  # Greatest brightness of pixels that count as ink.
-SAID = 3  # Reported lines of ffmpeg's messages.
+COLOURS = 128  # Number of colours of a GIF.
+INK = 225  # A pixel is ink, not background, if its darkest channel is below this.
+SAID = 3  # Number of lines of ffmpeg's messages that an error quotes.
 
 
 def refuse(kind: str) -> None:
@@ -66,13 +66,13 @@ def video(frames: Iterable[numpy.ndarray], size: tuple[int, int], fps: float, pa
 
 
 def gif(frames: Iterable[numpy.ndarray], some: list[numpy.ndarray], fps: float, path: Path) -> None:
-    """Writes a GIF with one palette for all frames, computed from the frames `some`: so static
-    parts compress well."""
+    """Writes a GIF. All frames have one palette, computed from the frames `some`, so that static
+    parts of the picture compress well."""
     from PIL import Image
 
     pictures = (Image.fromarray(frame[..., :3]) for frame in frames)
-    # The palette is computed from ink only, plus white: Pillow merges near colours, and no other
-    # colour may be near white.
+    # The palette is computed from pixels that are ink, and white is added to it. Pillow merges near
+    # colours, so no other colour of the palette may be near white.
     ink = numpy.concatenate([frame[frame[..., :3].min(axis=2) < INK] for frame in some])[:, :3]
     sample = Image.fromarray(numpy.ascontiguousarray(ink.reshape(-1, 1, 3)))
     found = sample.quantize(COLOURS - 1, method=Image.Quantize.MEDIANCUT).getpalette() or []

@@ -132,7 +132,8 @@ def fmi3(exported: Exported, variables: Sequence[Variable], token: str) -> str:
 
 
 def _structure(variables: Sequence[Variable]) -> dict[str, list[tuple[int, Variable]]]:
-    """Returns the variables by XML tag of ModelStructure, as (position from 1, variable)."""
+    """Returns, for each XML tag in ModelStructure, its variables as (position counted from 1,
+    variable)."""
     each = list(enumerate(variables, 1))
     return {
         "Output": [(k, v) for k, v in each if v.causality == "output"],

@@ -46,8 +46,8 @@ def make(model: Exported) -> dict[str, bytes]:
 
 
 def _token(model: Exported, version: str) -> str:
-    """Returns a hash of the model's description and C. A binary refuses to be instantiated with
-    the token of another unit."""
+    """Returns the FMU's instantiation token (GUID): a hash of the model's description and C. An FMU
+    binary refuses a token other than its own."""
     digest = hashlib.sha256(repr((model.json(), version, sorted(model.files.items()))).encode())
     return f"{{{uuid.UUID(bytes=digest.digest()[:16], version=5)}}}"
 

@@ -18,8 +18,9 @@ METHOD, STEP, RTOL = range(3)
 
 @record
 class Variable:
-    """An FMI variable. `start` is None for a computed variable. `derivative`, of a time
-    derivative, is the reference of the variable that is differentiated."""
+    """An FMI variable. `start` is None if the variable is computed. If the variable is a time
+    derivative, `derivative` is the value reference of the variable of which it is the
+    derivative."""
 
     name: str
     reference: int

@@ -21,7 +21,7 @@ from pkgen.version import __version__
 from . import page
 
 Rows = list[tuple[str, ...]]
-TIMES = 6  # Most listed times of an event.
+TIMES = 6  # If an event has more times, only the first ones are listed.
 DPI = 110  # Resolution of rasterized parts; low, since the page has many pictures.
 MANY = 40  # A table with more rows is collapsed.
 # The pictures of the page; a kind that does not apply to the rows is left out.
@@ -59,8 +59,9 @@ def html(
     view: View,
     given: dict[str, list[float]],
 ) -> str:
-    """Returns the page. `told` is the metadata of the run (the content of FILE.csv.json); `table`
-    has its rows, or is None; `given` has the parameters and the start, from Run.given()."""
+    """Returns the page. `told` is the metadata of the run (the content of FILE.csv.json). `table`
+    has the rows of the run; it is None if there are no rows. `given` has the parameters and the
+    start, from Run.given()."""
     time = "" if compilation.model.dimensionless else "s"
     model = compilation.declared
     found: dict = told["report"]  # type: ignore[assignment]

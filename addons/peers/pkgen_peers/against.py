@@ -1,7 +1,9 @@
-"""Measures other packages' integrators: same motion, same reference, same error as pkgen's methods.
+"""Measures integrators of other packages for the same motion, with the same reference solution and
+the same error norm as pkgen's methods.
 
-As for pkgen, the cheapest method of each package at an accuracy is sought, by time only. Then the
-best points of pkgen and of the packages are timed once more in turns.
+For each package, as for pkgen, the cheapest method that reaches a given accuracy is sought; the
+cost is the CPU time only. The best results of pkgen and of the packages are then timed once more,
+in turns.
 """
 
 from __future__ import annotations
@@ -31,9 +33,11 @@ from pkgen.system.progress import Show
 
 from .peers import Integrate, Motion, Peer, Refused, Slow, gsl_methods
 
-SHARE = 0.5  # Time of all packages, relative to the time of the chart.
+# Seconds for measuring all packages, relative to the seconds planned for the whole chart.
+SHARE = 0.5
 LAP = 1e-3  # Shortest timed repetition in seconds.
-# Rounds of timing; most seconds of a run that is timed again; its time limit, relative to that.
+# Runs are timed again in ROUNDS rounds, if they take less than LONGEST seconds. MOST is the time
+# limit of such a run, relative to LONGEST.
 ROUNDS, LONGEST, MOST = 3, 0.3, 30
 
 
@@ -121,7 +125,8 @@ def _quiet() -> Iterator[None]:
 def attach_peers(
     peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
 ) -> dict[str, str]:
-    """Adds the packages' methods to the programs. Returns, by package, why it refuses the model."""
+    """Adds the packages' methods to the programs. Returns the reason for each package that cannot
+    integrate this model."""
     refused: dict[str, str] = {}
     e = compilation.equations
     jolts = [] if compilation.looped else [x.quantity.name for x in e.impulsive]
@@ -162,8 +167,8 @@ class Against:
         tracks: list[Track],
         on_progress: Show,
     ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-        """Returns the cheapest methods of the packages, and those of pkgen, both timed in turns;
-        and the points of all methods."""
+        """Returns the cheapest methods of the packages; those of pkgen, timed again in turns with
+        them; and the points of all methods in the chart."""
         return _measured(bench, self.peers, compilation, spectrum, own, tracks, on_progress)
 
 

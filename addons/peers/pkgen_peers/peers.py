@@ -41,8 +41,9 @@ class Slow(Exception):
 
 
 class Motion:
-    """The initial value problem: y' = f(t, y) from `start`, y = (coordinates, rates, first-order
-    variables). `count` counts the calls of f, which raises Slow if the CPU time exceeds `late`."""
+    """The initial value problem y' = f(t, y), which begins at `start`; y has the coordinates, rates
+    and first-order variables. `count` is the number of calls of f. f raises Slow if the CPU time
+    exceeds `late`."""
 
     def __init__(self, compilation: Compilation, program: Program, scales: Sequence[float]):
         import numpy
@@ -83,7 +84,8 @@ class Motion:
         return Written(g, nodes, constants)(domain, values)
 
 
-# A function (tolerance, times) -> states at the times; the last state if `times` is empty.
+# A function of a tolerance and a list of times. It returns the states at these times; if the list
+# is empty, it returns the state at the end.
 Integrate = Callable[[float, Sequence[float]], Any]
 
 
@@ -96,7 +98,7 @@ def gsl_methods() -> list[str]:
 class Peer:
     """A package. `open(motion, method)` makes an integrator; `takes` describes its input."""
 
-    name: str  # Name in --against, and prefix of its methods' names.
+    name: str  # The name in --against, with which the names of the package's methods begin.
     module: str = ""  # Module to import; "" if the runtime contains the methods.
     package: str = ""  # Name for pip.
     takes: str = ""
@@ -148,7 +150,8 @@ def _scipy(motion: Motion, method: str) -> Integrate:
 
 
 def _heyoka(motion: Motion, method: str) -> Integrate:
-    """Returns an integrator that is compiled for each tolerance, which determines its order."""
+    """Returns an integrator that heyoka compiles anew for each tolerance, since the tolerance
+    determines the order of its Taylor method."""
     import heyoka
 
     names = [f"y{i}" for i in range(len(motion.start))]

@@ -28,8 +28,8 @@ class _Reader:
         self.given, self.names = _names(root), set()
 
     def name(self, element: Element | None, kind: str, other: str) -> str:
-        """Returns the unique name of a body or a joint; if it has none, `other`, followed by
-        underscores until it is unique."""
+        """Returns the unique name of a body or a joint. An unnamed element is called `other`,
+        followed by as many underscores as make the name unique."""
         name = element.attributes.get("name", "") if element is not None else ""
         if not name:
             name = other
@@ -43,9 +43,10 @@ class _Reader:
     def body(
         self, element: Element, parent: str, before: Vector, around: str
     ) -> tuple[str, Vector, str]:
-        """Adds a body; returns its name, the position of its frame in MJCF's frame and the class of
-        its children. Frames in the model are at the body's last joint; `before` is the position of
-        the parent's frame in MJCF's frame."""
+        """Adds a body. Returns the name of the body, the position of its frame as MJCF defines it,
+        and the default class of its children. In the model, the frame of a body is at its last
+        joint; `before` is the position of the parent's frame in the parent's frame as MJCF defines
+        it."""
         self.check_body(element)
         around = element.attributes.get("childclass", around)
         name = self.name(element, "body", f"body{len(self.robot.links) + 1}")
@@ -108,7 +109,8 @@ class _Reader:
         return joint
 
     def passive(self, element: Element, joint: Joint, scale: float) -> None:
-        """Sets armature, damping and spring of a joint; an angle is in units of `scale`."""
+        """Sets armature, damping and spring of a joint. `scale` is the file's unit of angles in
+        radians, for the rest position of the spring."""
         joint.armature = _positive(element, "armature")
         if self.settings.on("passive", "damper"):
             joint.damping = _positive(element, "damping")
@@ -155,8 +157,8 @@ class _Reader:
                 lumps += [part] if part else []
         with self.errors.collecting():
             least = settings.least_mass or settings.least_moment
-            # If a body's mass comes from `boundmass` only, MuJoCo puts it at `pos`, in the body's
-            # frame.
+            # If a body has no mass but that of `boundmass`, MuJoCo takes the attribute `pos` as the
+            # position of the mass in the body's frame.
             at = element.numbers("pos", 3, ZERO) if least else ZERO
             whole = Lump(0.0, at, (ZERO,) * 3)
             if lumps:
@@ -170,7 +172,8 @@ class _Reader:
             self.robot.inertia(link, whole.inertia, (), element)
 
     def geom(self, geom: Element, around: str, link: Link | None, by_geoms: bool) -> Lump | None:
-        """Returns the mass of a geom if masses come from geoms; notes its contacts and its mesh."""
+        """Returns the mass of a geom, or None if the body's mass is not computed from geoms. Notes
+        that contacts and meshes are left out."""
         own = self.defaults.of(geom, around)
         check_known(own)
         if self.settings.on("contact", "constraint") and any(
@@ -234,8 +237,9 @@ def _names(root: Element) -> set[tuple[str, str]]:
 
 
 def _placed(joint: Joint, at: Vector, turn: Turns) -> Joint:
-    """Places a joint so that its coordinates equal MuJoCo's: those of a free joint are its position
-    in space, and `ref` is the value of a coordinate in the posture of the file."""
+    """Places a joint so that its coordinates equal those in MuJoCo. The coordinates of a free joint
+    are its position in space. The attribute `ref` of another joint is the value of its coordinate
+    in the posture of the file."""
     if joint.kind == "free":
         return replace(joint, pose=(at, turn))
     if joint.zero and joint.kind == "revolute":

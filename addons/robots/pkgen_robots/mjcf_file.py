@@ -13,7 +13,8 @@ from .xml import ANGLE, Element, Errors
 ZERO = (0.0, 0.0, 0.0)
 TURNS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 READ = ("worldbody", "compiler", "option", "default")
-# Sections whose elements are noted by tag; of other sections, notes give the number of elements.
+# For these sections, notes list the tags of the elements left out; for other sections they give
+# only the number of elements.
 BY_KIND = ("actuator", "tendon", "contact", "equality", "deformable")
 # Known attributes: first those that are read, then those that have no effect without contacts,
 # actuators, friction in joints and pictures. Other attributes may change the motion and are errors.
@@ -56,7 +57,8 @@ class Settings:
     """The settings of <compiler> and <option>; a later element overrides an earlier one."""
 
     angle, sequence, auto_limits = math.pi / 180, "xyz", True
-    from_geoms, groups = "auto", (0.0, 5.0)  # masses come from geoms of these groups
+    # the body's mass comes from the geoms whose group number is in this range
+    from_geoms, groups = "auto", (0.0, 5.0)
     balance, least_mass, least_moment, total = False, 0.0, 0.0, -1.0
     gravity = (0.0, 0.0, -9.81)
 
@@ -163,7 +165,8 @@ class Defaults:
             waiting += [(child, name) for child in element.all("default")][::-1]
 
     def of(self, element: Element, around: str) -> Element:
-        """Returns an element with the defaults of its class or of `around`. Raises ModelError."""
+        """Returns an element with the default attributes of its class; if it names no class, of the
+        class `around` of the body that contains it. Raises ModelError."""
         name = element.attributes.get("class", around)
         if name not in self.classes:
             raise element.wrong(f"there is no default class '{name}'")
@@ -172,8 +175,9 @@ class Defaults:
 
 
 def _over(values: dict[str, str], own: dict[str, str]) -> dict[str, str]:
-    """Returns default attributes, overridden by an element's own. An own rotation replaces the
-    default rotation in any form; a short `size` replaces only the first numbers."""
+    """Returns the default attributes `values`, overridden by an element's own. A rotation in `own`
+    replaces the default rotation, even if both are given in different forms. If `size` in `own` has
+    fewer numbers than the default, the default's other numbers are kept."""
     turned = any(way in own for way in TURNS)
     both = {k: v for k, v in values.items() if not (turned and k in TURNS)} | own
     if "size" in own and "size" in values:

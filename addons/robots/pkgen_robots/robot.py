@@ -14,7 +14,7 @@ from .turns import Matrix, Turns, Vector, crossed, inner, right_angles, seen_fro
 from .xml import Element
 
 TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
-# For each kind of joint: suffixes of additional names that its coordinates have.
+# Kinds of joints with additional coordinates, whose names are the joint's name and these suffixes.
 SUFFIXES = {"free": ("_x", "_y", "_z"), "planar": ("_1", "_2")}
 
 
@@ -29,7 +29,8 @@ class Link:
 
 @dataclass
 class Mimic:
-    """The rule of a coordinate that equals `factor` times that of the joint `of`, plus `offset`."""
+    """The rule that the coordinate of a joint equals `factor` times the coordinate of the joint
+    `of`, plus `offset`."""
 
     element: Element
     of: str
@@ -40,7 +41,7 @@ class Mimic:
 @dataclass
 class Joint:
     name: str
-    kind: str  # joint kind, a key of front/joints.py KINDS
+    kind: str  # One of the KINDS of front/joints.py.
     parent: str  # name of the parent link; "" is the ground
     child: str
     at: Vector
@@ -48,17 +49,20 @@ class Joint:
     axis: Vector | None
     says: str = ""
     damping: float = 0.0
-    armature: float = 0.0  # inertia of a rotor: armature/2 rate^2 is a term of the kinetic energy
+    # Inertia of the joint's rotor; it adds armature/2 rate^2 to the kinetic energy.
+    armature: float = 0.0
     stiffness: float = 0.0
-    rest: float = 0.0  # coordinate at which the spring is relaxed
-    limits: tuple[float, float] | None = None  # limits of the coordinate, [rad] or [m]
+    rest: float = 0.0  # coordinate at which the joint's spring is relaxed
+    # Least and greatest value of the coordinate, in rad or m.
+    limits: tuple[float, float] | None = None
     mimic: Mimic | None = None
-    zero: float = 0.0  # value of the coordinate in the posture of the file
-    pose: tuple[Vector, Turns] = ((), ())  # initial position and rotation of a free joint
+    zero: float = 0.0  # coordinate of the joint in the posture that the robot file describes
+    pose: tuple[Vector, Turns] = ((), ())  # For a free joint: initial position, initial rotation.
 
     @property
     def start(self) -> float:
-        """Returns the initial value: `zero`, or the middle of the limits if they exclude it."""
+        """Returns the initial value of the coordinate: `zero` if it is within the limits, otherwise
+        the middle of the limits."""
         low, high = self.limits or (self.zero, self.zero)
         return self.zero if low <= self.zero <= high else (low + high) / 2
 
@@ -73,13 +77,15 @@ class Robot:
     doubts: list[str] = field(default_factory=list)
 
     def inertia(self, link: Link, own: Matrix, turn: Turns, at: Element) -> None:
-        """Sets the inertia of a link from a tensor `own` in axes rotated by `turn`. Keeps an
-        unphysical tensor and adds a note."""
+        """Sets the inertia of a link from the tensor `own`, whose axes are those of the link
+        rotated by `turn`. Raises an error if a moment is negative; if only a principal moment is
+        negative, adds a note."""
         if any(own[k][k] < 0 for k in range(3)):
             raise at.wrong(f"the inertia of '{link.name}' has a negative moment")
         if not _is_inertia(own):
             self.doubts.append(f"the inertia of '{link.name}' has a negative principal moment")
-        tiny = 1e-16 * max(own[k][k] for k in range(3))  # round-off of products of inertia
+        # Smaller products of inertia are round-off.
+        tiny = 1e-16 * max(own[k][k] for k in range(3))
         tensor = seen_from(turn, own)
         link.inertia = tuple(tuple(x if abs(x) > tiny else 0.0 for x in row) for row in tensor)
 
@@ -148,7 +154,8 @@ Called = dict[str, tuple[str, Joint]]
 
 
 def _mimicked(joint: Joint, called: Called) -> float:
-    """Returns the initial value of a mimicking joint, from those it mimics. Raises ModelError."""
+    """Returns the initial value of a joint that mimics another joint, computed from the other
+    joint's initial value. Raises ModelError."""
     factor, offset, seen = 1.0, 0.0, {joint.name}
     while joint.mimic and joint.kind != "fixed":
         mimic = joint.mimic
@@ -166,7 +173,8 @@ def _mimicked(joint: Joint, called: Called) -> float:
 
 
 def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
-    """Returns the constraint statement of a mimic; the coordinate of a fixed joint is 0."""
+    """Returns the constraint statement by which the coordinate `name` of a joint mimics another
+    joint. A fixed joint counts as one whose coordinate is 0."""
     other, leader = called[joint.mimic.of]
     slides = joint.kind == "prismatic"
     unit = {(True, "revolute"): " [m]", (False, "prismatic"): " [1/m]"}.get((slides, leader.kind))

@@ -27,7 +27,8 @@ class Lump:
 
 
 def lump(geom: Element, at: Vector, turn: Turns) -> Lump | None:
-    """Returns mass and inertia of a geom at a position; None without mass. Raises ModelError."""
+    """Returns mass and inertia of a geom at the position `at`, rotated by `turn`; None if the geom
+    has no mass. Raises ModelError."""
     kind = geom.attributes.get("type", "sphere")
     own = geom.number("mass") if "mass" in geom.attributes else None
     density = geom.number("density", WATER)
@@ -105,7 +106,8 @@ def bounded(body: Lump, mass: float, moment: float) -> Lump:
 
 
 def balanced(body: Lump) -> Lump:
-    """Returns a body in which all moments are their mean if one exceeds the sum of two others."""
+    """Returns the body unchanged if no principal moment of inertia exceeds the sum of the other
+    two; otherwise, all three moments are replaced by their mean."""
     values = np.linalg.eigvalsh(np.array(body.inertia))
     if values[0] + values[1] >= values[2]:
         return body

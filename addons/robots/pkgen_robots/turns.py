@@ -1,4 +1,5 @@
-"""Rotations, as matrices and as products of rot(AXIS, ANGLE), whose rightmost is applied first."""
+"""Rotations: as matrices, or as products of rot(AXIS, ANGLE), where the rightmost factor is applied
+first."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ Matrix = tuple[Vector, Vector, Vector]
 Turns = tuple[tuple[Vector, float], ...]  # pairs (axis of any length, angle)
 
 UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-# An angle this near a multiple of pi/2 counts as the multiple, which no double equals.
+# An angle that differs less than this from a multiple of pi/2 counts as that multiple. The doubles
+# nearest to the multiples are not equal to them.
 NEAR = 1e-15
 
 
@@ -42,7 +44,8 @@ def product(a: Matrix, b: Matrix) -> Matrix:
 
 
 def seen_from(turns: Turns, tensor: Matrix) -> Matrix:
-    """Returns R tensor R^T, with R the matrix of `turns`, made exactly symmetric."""
+    """Returns the tensor R tensor R^T, made exactly symmetric; R is the matrix of the rotations
+    `turns`."""
     if not turns:
         return tensor
     turn = matrix(turns)
@@ -102,5 +105,6 @@ def of_axes(x: Sequence[float], y: Sequence[float]) -> Turns | None:
     if not any(z):
         return None
     first = of_direction(z)
-    near = [inner(column, x) for column in zip(*matrix(first), strict=True)]  # `x` in the new axes
+    # the vector `x` along the axes after the first rotation
+    near = [inner(column, x) for column in zip(*matrix(first), strict=True)]
     return first + of_angles([UNIT[2]], [math.atan2(near[1], near[0])])

@@ -12,7 +12,8 @@ from xml.parsers import expat
 from pkgen import limits
 from pkgen.source import Diagnostic, ModelError, Source, Span
 
-LARGEST, SMALLEST = 1e100, 1e-100  # bounds of numbers, whose squares are finite, normal doubles
+# Bounds of the magnitudes of numbers; within them, the squares are finite, normal doubles.
+LARGEST, SMALLEST = 1e100, 1e-100
 ANGLE = 1e6  # largest angle, in radians or degrees; a larger one would lose digits
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
@@ -24,7 +25,8 @@ class Element:
     attributes: dict[str, str]
     span: Span
     children: list[Element] = field(default_factory=list)
-    where: str = ""  # position in an included file, if `span` is that of the <include>
+    # For an element of an included file: its position there; `span` is that of the <include>.
+    where: str = ""
 
     def all(self, tag: str) -> Iterator[Element]:
         return (child for child in self.children if child.tag == tag)
@@ -110,7 +112,8 @@ class Errors:
 
 
 def _spelt(word: str) -> bool:
-    """Whether a number has a nonzero digit, though its value may underflow to 0."""
+    """Whether a number as written has a digit other than 0. The value of such a number may still
+    underflow to 0."""
     return any(digit in "123456789" for digit in word.lower().partition("e")[0])
 
 

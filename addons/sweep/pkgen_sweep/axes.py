@@ -63,8 +63,8 @@ def _members(plan: Plan, axes: list[Axis]) -> int:
 
 
 def _even(plan: Plan, axes: list[Axis], members: int) -> list[Axis]:
-    """Returns the axes of a grid of `members` points; axes without a number of points get equal
-    numbers."""
+    """Returns the axes of a grid that has `members` points in all. Axes whose number of points is
+    not given all get the same number."""
     free = [x for x in axes if not (x.values or x.points)]
     known = on_grid(tuple(x for x in axes if x not in free))
     points = round((members / known) ** (1 / len(free)))
@@ -137,7 +137,7 @@ class _Reader:
         ends = text.split("..")
         if len(ends) != 2 or not all(end.strip() for end in ends):
             raise self.wrong(key, f'{key} is a range: "LOW .. HIGH", with its unit behind it')
-        unit = _UNIT.search(ends[1])  # the unit holds for both ends
+        unit = _UNIT.search(ends[1])  # The unit after the upper end also holds for the lower end.
         more = f" {unit[0]}" if unit and not _UNIT.search(ends[0]) else ""
         lo = self.value(key, ends[0].strip(), column, more)
         hi = self.value(key, ends[1].strip(), column)

@@ -19,9 +19,9 @@ from .job import Job
 from .remaining import Left, Task
 from .shards import Folder
 
-LOOK = 0.1  # Seconds between queries of the tasks.
+LOOK = 0.1  # Seconds between two queries whether tasks have ended.
 PATIENCE = 60.0  # Seconds without any worker after which the sweep fails.
-AHEAD = 3  # Tasks submitted per worker at a time.
+AHEAD = 3  # Tasks per worker that are submitted and have not ended.
 
 
 @lru_cache(1)
@@ -60,7 +60,7 @@ class Cluster(ABC):
 
     @abstractmethod
     def said(self, one: Any) -> dict:
-        """Returns the result of a task, or {"wrong": reason} if its worker died."""
+        """Returns the result of a finished task; {"wrong": reason} if the task's worker died."""
 
     @abstractmethod
     def workers(self) -> int: ...
@@ -69,7 +69,8 @@ class Cluster(ABC):
     def close(self) -> None: ...
 
     def _refuse_none(self) -> None:
-        """Raises NumericsFailed if there was no worker for PATIENCE: tasks would wait forever."""
+        """Raises NumericsFailed if the cluster has had no worker for PATIENCE seconds, since the
+        tasks would wait forever."""
         now = time.monotonic()
         if now - self.asked < PATIENCE / 10:
             return

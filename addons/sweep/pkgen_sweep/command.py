@@ -84,7 +84,7 @@ def _go(begun, options: argparse.Namespace, on_progress) -> None:
             made = module.engine(level.job, level.folder, options)
             made.run(left.Left(*of, on_progress))
     except sweep.Unfinished:
-        pass  # the status, printed at the end, reports it
+        pass  # The status of the sweep, printed below, says which members are missing.
     except KeyboardInterrupt:
         print(
             f"pkgen: what is done stays: pkgen sweep --resume {begun.folder.path}", file=sys.stderr

@@ -1,4 +1,5 @@
-"""Lets commands take a sweep's folder as a model: its plan's options, its map, its members."""
+"""Lets commands take the folder of a sweep in place of a model. The commands use the options of the
+sweep's plan, the sweep's map, and its members."""
 
 from __future__ import annotations
 
@@ -52,7 +53,8 @@ def taken(options: argparse.Namespace) -> Map:
 
 
 def described(found: Map, compilation: Compilation) -> dict[str, object]:
-    """Returns the map for a live page, in whose address starts and parameters are named by kind."""
+    """Returns the sweep's map for a live page. In the address of the page, sampled starts and
+    parameters are named by their kind and name, such as p.NAME."""
     settable = Settable(compilation)
     keys = {}
     for name in found.drawn:

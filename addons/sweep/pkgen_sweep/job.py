@@ -1,4 +1,5 @@
-"""The data that workers need to integrate members: library, settings, starts, kept quantities.
+"""The data that workers need to integrate members: the model's library, the settings of the run,
+the starts of the members, and the quantities to keep.
 
 A Job is made once, on the machine that starts the sweep, and is sent to the workers.
 """
@@ -42,12 +43,12 @@ BATCH = 1 << 16  # Most members of a batch.
 BATCH_BYTES = 1 << 25  # Most bytes of the rows of a batch.
 PART = 1 << 20  # Approximate rows per file of the data set.
 AT_START = "(0)"  # Suffix of the columns of sampled coordinates and rates.
-SAMPLE = 64  # Members from which the method is chosen.
+SAMPLE = 64  # The method is chosen from the motions of this many members.
 
 
 class Batch(NamedTuple):
-    """Results of a batch: status, last valid time and kept numbers of each member; and their
-    rows."""
+    """Results of a batch of members: for each member, the status, the last valid time and the kept
+    numbers; and the kept rows over time."""
 
     members: numpy.ndarray
     rows: numpy.ndarray | None  # columns: member, t, ...
@@ -59,7 +60,7 @@ class Refine:
     """Settings of a refinement: finer grids near the boundary between classes of members."""
 
     levels: int
-    column: str  # column of the data set that has the classes
+    column: str  # the column of the data set whose values are the classes of members
 
 
 @record
@@ -67,15 +68,17 @@ class Job:
     name: str
     digest: str  # hash of plan, model and version of pkgen
     files: dict[str, str]
-    methods: tuple[str, ...]  # Methods whose steps are inlined.
-    build: dict[str, object]  # Options of compilation, for the library and for a program.
+    # Integration methods that are compiled with the model, their steps inlined.
+    methods: tuple[str, ...]
+    # Compiler options, for the shared library and for the program without Python.
+    build: dict[str, object]
     settings: Settings
     starts: Starts
     kept: Kept
     time_unit: str
     counts: Quantity  # column with the numbers of the members
     refine: Refine | None
-    before: int = 0  # number of members of all previous levels
+    before: int = 0  # in a refined grid: number of members of all coarser levels
 
     @cached_property
     def library(self) -> Library:
@@ -100,7 +103,8 @@ class Job:
 
     @property
     def part(self) -> int:
-        """The number of members per file of the data set; it depends on the plan alone."""
+        """The number of members per file of the data set. The number depends on the plan only, not
+        on the engine."""
         return max(1, PART // (self.rows_each if self.kept.rows else 1))
 
     @property
@@ -112,7 +116,8 @@ class Job:
     def batch(self) -> int:
         wide = self.rows_each * (len(self.settings.show) + 2) if self.kept.rows else 16
         most = max(1, min(BATCH, BATCH_BYTES // (8 * wide)))
-        return most - most % 64 if most > 64 else most  # a multiple of 64 fills the SIMD lanes
+        # Members are integrated together in SIMD lanes; a multiple of 64 fills all lanes.
+        return most - most % 64 if most > 64 else most
 
     def run(
         self, first: int, count: int, poll: Callable[[float], bool] | None = None
@@ -150,8 +155,9 @@ def make(
     compiled: Callable[..., Compilation],
     chosen: dict[str, object] | None = None,
 ) -> tuple[Job, Prepared]:
-    """Makes the job. `chosen` is the method chosen for a scene's accuracy when the sweep began; it
-    is not chosen anew. Raises UsageError, ModelError, BuildError or NumericsFailed."""
+    """Makes the job. When a sweep is resumed, `chosen` is the method that was chosen for the
+    scene's accuracy when the sweep began; no other method is then chosen. Raises UsageError,
+    ModelError, BuildError or NumericsFailed."""
     options = plan.of_a_run(options)
     try:
         return _make(plan, options, compiled, chosen)
@@ -179,7 +185,8 @@ def _make(
         return Ensemble(options.ensemble, made.columns, range(1, count + 1), values)
 
     def of_keep(options: argparse.Namespace, **how: object) -> Compilation:
-        """Compiles the model, with kernels for Lyapunov exponents if the plan keeps them."""
+        """Compiles the model. If the plan keeps Lyapunov exponents, the model gets the kernels that
+        compute them."""
         if "lyapunov" in plan.keep:
             how["kernels"] = diagnostics.kernels(("lyapunov",))
             single = argparse.Namespace(**{**vars(options), "diagnose": "lyapunov"})

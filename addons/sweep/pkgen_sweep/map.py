@@ -1,7 +1,9 @@
-"""The map of a sweep: an image of a kept quantity over two of the sampled quantities.
+"""The map of a sweep: an image of a quantity that the plan keeps (the colour) over two of the
+sampled quantities (the axes).
 
-A pixel is the mean of its members. If a sampled quantity has few values, as on a grid, each value
-is a pixel. The data set is read by row groups, so that the memory does not depend on its size.
+A pixel has the mean of its members. If a sampled quantity has few values, as on a grid, each value
+is a pixel. The data set is read by row groups, so that the memory used does not depend on the size
+of the data set.
 """
 
 from __future__ import annotations
@@ -29,15 +31,17 @@ if TYPE_CHECKING:
     import pyarrow
 
 MOST = 800  # Most pixels along an axis.
-PER_PIXEL = 8  # Approximate members per pixel, if members are drawn at random.
+# If members are drawn at random, pixels are so large that about this many members are in each.
+PER_PIXEL = 8
 FAILED = "failed"
 GOOD = STATUSES[:2]  # the two successful statuses; failures have negative codes
 
 
 @record(eq=False)
 class Map:
-    """An image. `values` has a row per y, with NaN for pixels without a member; `first` has the
-    number of one member per pixel, or 0; `averaged` are the sampled quantities that are no axes."""
+    """An image. `values` has a row per value of y; it is NaN for a pixel without a member. `first`
+    has the number of one member of each pixel, or 0 if there is none. `averaged` are the sampled
+    quantities that are not axes of the image."""
 
     title: str
     x: Axis
@@ -48,7 +52,8 @@ class Map:
     at_y: numpy.ndarray
     values: numpy.ndarray
     first: numpy.ndarray
-    drawn: dict[str, numpy.ndarray]  # sampled quantities of the member in `first`, per pixel
+    # for each pixel, the sampled quantities of the member in `first`
+    drawn: dict[str, numpy.ndarray]
     members: int
     without: int
     averaged: tuple[str, ...]
@@ -73,7 +78,8 @@ def read(path: Path, axes: Sequence[str] = (), value: str = "", most: int = MOST
 
 
 def member(path: Path, number: int) -> dict[str, float]:
-    """Returns the sampled quantities of a member, by column name. Raises UsageError."""
+    """Returns the values of the sampled quantities of member `number`, by column name. Raises
+    UsageError."""
     with _opened(path) as reader:
         for first, *columns in reader.columns(["member", *reader.drawn]):
             if first[0] <= number <= first[-1]:
@@ -177,7 +183,8 @@ class _Reader:
         return [pixels.done(members) for pixels in found]
 
     def columns(self, names: list[str], value: str = "") -> Iterator[list[numpy.ndarray]]:
-        """Yields the named columns of each row group, then `value`, with NaN for null."""
+        """Yields, for each row group of the data set, the columns `names` and the column `value`. A
+        missing (null) number is NaN."""
         of = STATUS if value == FAILED else value
         for table in self._groups([*names, *([of] if of else [])]):
             columns = [table.column(name).to_numpy() for name in names]
@@ -198,7 +205,8 @@ class _Reader:
 
 
 class _Pixels:
-    """The pixels along an axis: one per value if values are few, else bins of equal width."""
+    """The pixels along an axis. If the sampled quantity has few values, each value is a pixel;
+    otherwise pixels are intervals of equal width."""
 
     def __init__(self, most: int) -> None:
         self.most = most

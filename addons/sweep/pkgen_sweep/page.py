@@ -17,7 +17,8 @@ PIXELS = 300  # pixels along an axis; the page then has about 3 MB
 
 
 def described(found: Map, keys: dict[str, str]) -> dict[str, object]:
-    """Returns the page's data; `keys` maps sampled columns to names in the page's address."""
+    """Returns the page's data. `keys` maps each column of a sampled quantity to its name in the
+    page's address."""
     name, low, high = coloured(found.values)
     colours = colormaps[name]
     rows, columns = found.values.shape

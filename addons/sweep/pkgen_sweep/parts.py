@@ -65,7 +65,8 @@ def schema(job: Job, columns: list[Quantity]) -> pyarrow.Schema:
 
 
 class _Writer:
-    """Writes row groups of GROUP rows, for any division of the rows into add() calls."""
+    """Writes a Parquet file in row groups of GROUP rows, however the rows are divided into calls of
+    add()."""
 
     def __init__(self, file, job: Job, columns: list[Quantity]):
         pa = arrow()
@@ -159,7 +160,8 @@ def _failed(members: np.ndarray, begin: int, failures: dict[str, dict]) -> None:
 
 
 def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yields blocks (first index, members, rows) of a file, cut at its first and last member."""
+    """Yields blocks (index of the first member, members, rows) of a file of the data set, from
+    shards. A block has no members of other files."""
     first, count = folder.of_part(part)
     for k in folder.shards_of(part):
         at = folder.of_shard(k)[0]
@@ -176,7 +178,8 @@ def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndar
 
 
 def classes(job: Job, folder: Folder) -> np.ndarray:
-    """Returns the class of each member of a level; refinement compares them."""
+    """Returns the class of each member of a level of the grid. The grid is refined between members
+    of different classes."""
     pa, found = arrow(), []
     for k in folder.parts:
         with folder.data_files(k)[0].open("rb") as file:

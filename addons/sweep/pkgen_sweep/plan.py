@@ -43,7 +43,8 @@ class Plan:
     members: int | None
     seed: int
     keep: tuple[str, ...]
-    refine: dict[str, Any]  # "where" and "levels" of [refine]; or empty.
+    # The keys "where" and "levels" of the section [refine]; empty if there is no such section.
+    refine: dict[str, Any]
     # Positions of values, by section and key.
     places: dict[tuple[str, str], Span] = field(repr=False)
 
@@ -64,8 +65,8 @@ class Plan:
         return UsageError(Diagnostic(message, Span(start, end), found.help).text(self.source))
 
     def of_a_run(self, options: argparse.Namespace) -> argparse.Namespace:
-        """Returns the options of a run: those of the plan replace the defaults. Error messages do
-        not quote tableau files, since plans are untrusted."""
+        """Returns the options of a run: `options`, replaced by the plan's options. Plans are
+        untrusted, so error messages do not quote the tableau files that a plan names."""
         more = {"unquoted": self.options.get("tableau", ())}
         return argparse.Namespace(**{**vars(options), **self.options, **more})
 

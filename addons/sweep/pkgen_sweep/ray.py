@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 class Ray(Cluster):
-    """A Ray cluster: a given one, or one started on this machine. Lost tasks are queued again by
-    Left, not retried by Ray."""
+    """A Ray cluster: a given one, or one started on this machine. Ray itself does not retry a lost
+    task; the queue of the sweep (remaining.Left) does."""
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")  # suppresses a warning

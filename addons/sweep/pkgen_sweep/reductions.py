@@ -1,4 +1,5 @@
-"""The kept numbers of a member: final state, reductions over rows, event counts and times."""
+"""The numbers of each member that a plan keeps: final state, reductions over rows, and counts and
+times of events."""
 
 from __future__ import annotations
 
@@ -28,16 +29,20 @@ _CALL = re.compile(r"\s*(\w+)\s*\(\s*(.+?)\s*\)\s*")
 
 
 class NotThere(UsageError):
-    """A kept quantity was not compiled: a scene leaves out parts that it does not need."""
+    """A quantity to keep is not in the compiled model: the compiler leaves out parts that a scene
+    does not need."""
 
 
 @record
 class Kept:
-    """The kept numbers of a member, with their reductions in the runtime; and the kept rows."""
+    """The numbers of each member that the plan keeps, with the reductions by which the runtime
+    computes them; and the columns of rows that the plan keeps."""
 
-    reduced: tuple[tuple[bytes, int], ...]  # kind and index, as in struct pk_run_reduced
+    # the kind and the index of each reduction, as in struct pk_run_reduced
+    reduced: tuple[tuple[bytes, int], ...]
     numbers: tuple[Quantity, ...]
-    rows: tuple[Quantity, ...]  # columns of kept rows, or empty
+    # columns of the rows over time that are kept; empty if no rows are kept
+    rows: tuple[Quantity, ...]
 
 
 def by_row(plan: Plan) -> bool:
@@ -131,8 +136,8 @@ class _Keeper:
         return named.kinds(self.compilation)[kind][name][1]
 
     def column(self, name: str) -> tuple[int, Quantity]:
-        """Returns the index and quantity of a column of the rows, which is added if it is
-        missing."""
+        """Returns the index and the quantity of the column `name` of the rows. If the rows have no
+        such column, it is added."""
         try:
             shown = self.values.shown(self.values.flat_name("keep", name), "keep")
         except UsageError as error:
@@ -171,7 +176,8 @@ class _Keeper:
 
     @staticmethod
     def whole(item: Expect) -> list[str]:
-        """Returns `keep` entries that suffice to judge a whole-run expectation."""
+        """Returns entries of the plan's `keep` from which a user can judge an expectation about the
+        whole run."""
         drifts = [column(call.arguments[0]) or "…" for call in calls(item, "drift")]
         times = [call.arguments[0].id for call in calls(item, "time")]
         return [*(f'"drift({name})"' for name in drifts), *(f'"time({name})"' for name in times)]

@@ -16,8 +16,9 @@ from pkgen.record import record
 
 @record(eq=False)
 class Level:
-    """A level: a grid of `shape`, the sorted flat indices of its known points with their `classes`,
-    and the cells that may be refined (flat indices of their lowest corners)."""
+    """A level of refinement: a grid with `shape` points along its axes. `points` has the sorted
+    flat indices of the members, which are points of the grid; `classes` has their classes. `cells`
+    has the grid cells that may be refined, as flat indices of their lowest corners."""
 
     shape: tuple[int, ...]
     points: np.ndarray
@@ -25,8 +26,8 @@ class Level:
     cells: np.ndarray
 
     def next(self) -> tuple[Level, np.ndarray]:
-        """Returns the level of the finer grid and its new points; their classes are UNKNOWN until
-        known() sets them."""
+        """Returns the next level, whose grid is twice as fine, and the flat indices of its new
+        points. Their classes are UNKNOWN until known() sets them."""
         mixed = self._mixed()
         fine = tuple(2 * n - 1 for n in self.shape)
         corners = np.array(list(product((0, 1), repeat=len(self.shape))))

@@ -1,7 +1,8 @@
 """The queue of a sweep's remaining tasks, and the report of its progress.
 
-An engine has a method run(left), where `left` is a Left: it takes tasks by left.next() until there
-are none, reports each result by said() or lost(), and calls tick() several times per second.
+An engine, which runs the tasks, has a method run(left), where `left` is a Left. The engine takes
+tasks by left.next() until there are none, reports each result by left.said() or left.lost(), and
+calls left.tick() several times per second.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from .job import Job
 from .shards import Folder, failed_shard
 from .store import NOW, is_folder, listed, write_json
 
-TRIES = 3  # Attempts after which a shard counts as failed.
-LOST = 30  # Consecutive lost tasks after which the sweep is stopped.
+TRIES = 3  # A shard counts as failed after this many attempts.
+LOST = 30  # The sweep is stopped after this many lost tasks in a row.
 Task = tuple[str, int]  # "shard" or "part", and its number.
 
 

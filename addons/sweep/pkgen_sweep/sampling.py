@@ -1,8 +1,9 @@
 """The starts of members. Each start is a function of the plan and the member's number only.
 
-Random numbers are from Philox, with own counter blocks per member, so that they do not depend on
-the division into shards. Sobol' points are from SciPy. The strata of a Latin hypercube are permuted
-by a Feistel network, which computes each image independently.
+Random numbers are from the generator Philox. Each member has its own range of the generator's
+counter, so that its numbers do not depend on the division into shards. Sobol' points are from
+SciPy. The strata of a Latin hypercube are permuted by a Feistel network, which computes the image
+of a number without those of other numbers.
 """
 
 from __future__ import annotations
@@ -92,7 +93,7 @@ def permuted(numbers: np.ndarray, n: int, seed: int, axis: int) -> np.ndarray:
 
 
 def _feistel(x: np.ndarray, half: int, keys: np.ndarray) -> np.ndarray:
-    """Applies a Feistel network: a permutation of the integers of 2 `half` bits."""
+    """Applies a Feistel network: a permutation of the integers that have 2 * `half` bits."""
     mask, bits = np.uint64((1 << half) - 1), np.uint64(half)
     left, right = x >> bits, x & mask
     for key in keys:
@@ -107,7 +108,7 @@ def _sobol(starts: Starts, first: int, count: int) -> list[np.ndarray]:
     from scipy.stats import qmc
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # a warning if `count` is no power of 2
+        warnings.simplefilter("ignore", UserWarning)  # SciPy warns if `count` is not a power of 2.
         made = qmc.Sobol(len(starts.axes), scramble=True, bits=SOBOL_BITS, seed=starts.seed)
         if first:
             made.fast_forward(first)

@@ -2,17 +2,17 @@
 
     plan.json    description of the sweep; written once
     model.lag, plan.toml
-    shards/K     the members from K S on, S per shard; removed when all are in the data set
-    data/        a row per member, in Parquet: part-K.parquet has the members from K P on, P per
-                 part; level-L-part-K.parquet has those of level L of a refined grid
-    rows/        rows over time of the members, in files of the same names, if rows are kept
+    shards/K     S members from number K*S on; removed when all of them are in the data set
+    data/        the data set, a row per member, in Parquet: part-K.parquet has P members from
+                 number K*P on; level-L-part-K.parquet has members of level L of a refined grid
+    rows/        if the plan keeps rows over time: these rows, in files with the names of data/
     parts/K      hashes of the files of part K, and the failures of its members
     failed/K     number of attempts at shard K, and why it failed
     levels.json  number of members of each level that has been begun
     now.json     the running engine and its progress
 
-A file appears when it is complete (`store.py`). A shard has blocks of numbers (little-endian
-doubles), a line of JSON that describes them, and the SHA-256 of both.
+A file appears under its name only when it is complete (`store.py`). A shard has blocks of numbers
+(little-endian doubles), a line of JSON that describes them, and the SHA-256 of both.
 """
 
 from __future__ import annotations
@@ -35,8 +35,9 @@ from .store import of_kinds, read_json, write_json, written
 if TYPE_CHECKING:
     import numpy
 
-TAIL = 1 << 16  # Bytes read for the description of a shard; usually enough.
-DIGEST = 65  # Bytes of the last line, a SHA-256 in hexadecimal.
+# Bytes read from the end of a shard for its description; usually the description is shorter.
+TAIL = 1 << 16
+DIGEST = 65  # Bytes of a shard's last line: its SHA-256 in hexadecimal.
 PLAN, DATA = "plan.json", "data"
 _FOLDERS = ("shards", "parts", "failed", DATA)
 
@@ -74,7 +75,7 @@ class Folder:
     shard: int  # members per shard
     part: int
     rows: bool
-    level: int = 0  # level of refinement, which is in the names of its files
+    level: int = 0  # level of the refined grid; names of files contain it
 
     def _name(self, k: int, digits: int) -> str:
         return f"{f'level-{self.level}-' if self.level else ''}{k:0{digits}d}"
@@ -136,8 +137,8 @@ def shard_head(folder: Folder, k: int) -> dict:
 def write_shard(
     folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, dict]]
 ) -> dict:
-    """Writes a shard from blocks (members, rows, report of the run). Returns its description.
-    runtime/program/shard.c writes the same format without Python."""
+    """Writes shard k from blocks (members, rows, report of the run), and returns its description.
+    The C program runtime/program/shard.c writes the same format."""
     digest = hashlib.sha256()
     said = {**shard_head(folder, k), "blocks": [], "reports": []}
     with written(folder.shard_file(k)) as file:
@@ -261,7 +262,7 @@ def failed_shard(folder: Folder, k: int, why: str) -> int:
 
 def foreign(path: Path, own: str) -> UsageError | None:
     """Returns an error if the folder has files that no sweep writes; `own` is the name of the
-    model's file. A sweep killed before it wrote plan.json leaves only known names."""
+    model's file. Files of a sweep that was killed before it wrote plan.json are no error."""
     if path.exists() and not path.is_dir():
         return UsageError(f"-o {path}: it is a file; a sweep needs a folder")
     ours = {*_FOLDERS, "rows", "plan.toml", own}

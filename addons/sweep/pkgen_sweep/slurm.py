@@ -27,9 +27,9 @@ from .shards import Folder, failed_shard, head
 from .store import is_folder, read_json, write_json, written
 
 TASKS = 1000  # Most tasks of an array: Slurm's default limit is 1001.
-POLL = 2.0  # Seconds between checks of the folder.
+POLL = 2.0  # Seconds between checks of the sweep's folder for new shards.
 ASKED = 10.0  # Seconds between queries of Slurm's queue.
-STARTS = 1 << 16  # Members whose starts are written at a time.
+STARTS = 1 << 16  # Starts are written for this many members at a time.
 
 SCRIPT = r"""#!/bin/sh
 #SBATCH --job-name=pkgen-NAME
@@ -61,7 +61,8 @@ done
 
 
 class Slurm:
-    """The Slurm engine. If a previous process has queued an array, it waits for that."""
+    """The Slurm engine. If an earlier process of the same sweep has queued an array of tasks, the
+    engine waits for that array."""
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         if shutil.which("sbatch") is None:
@@ -109,7 +110,8 @@ class Slurm:
             time.sleep(POLL)
 
     def _ended(self, waiting: set[int], tried: dict[int, int]) -> None:
-        """Records shards that an ended array lacks; gives up those tried TRIES times."""
+        """Records a failed attempt at each shard that an array of tasks has not made. Removes
+        shards from `waiting` that were tried TRIES times."""
         for k in [k for k in waiting if head(self.folder, k) is None]:
             known = read_json(self.folder.failed_file(k)) or {}
             failed_shard(self.folder, k, known.get("why") or "its task ended; see slurm/task-*.txt")

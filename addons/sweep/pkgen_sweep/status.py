@@ -114,7 +114,7 @@ def lines(found: dict) -> list[str]:
 
 
 def failed(found: dict) -> list[str]:
-    """Lists the failed members by status, with the reason of the first."""
+    """Lists the failed members by status, with the reason why the first of them failed."""
     if not found["failed"]:
         return []
     said = [f"{found['failed']:,} of {found['members']:,} members failed"]

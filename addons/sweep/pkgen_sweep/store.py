@@ -22,7 +22,8 @@ from pkgen.system.exits import UsageError
 from pkgen.system.files import PARTIAL, scratch
 
 NOW = "now.json"
-SILENT = 60.0  # seconds without a report after which an engine counts as stopped, in a store
+# An engine in an object store counts as stopped after this many seconds without a progress report.
+SILENT = 60.0
 
 
 def place(text: str) -> Path:
@@ -40,7 +41,8 @@ def place(text: str) -> Path:
             "(s3fs for s3, gcsfs for gs, adlfs for az)"
         ) from None
     try:
-        path = UPath(text, use_listings_cache=False)  # other processes write to the store
+        # Listings of the object store are not cached, since other processes write to it.
+        path = UPath(text, use_listings_cache=False)
         path.exists()
     except Exception as error:  # each kind of store has its own exceptions
         raise UsageError(f"{text}: {error or type(error).__name__}") from None
@@ -145,8 +147,8 @@ def free_bytes(path: Path) -> int | None:
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """Locks the sweep for one engine. Raises UsageError if another engine has the lock. Object
-    stores have no locks: two engines there do the work twice."""
+    """Locks the sweep for one engine. Raises UsageError if another engine has the lock. An object
+    store has no locks; if two engines run a sweep in an object store, each does all of the work."""
     if not is_folder(path):
         try:
             yield

@@ -30,8 +30,9 @@ from .sampling import Starts
 from .shards import PLAN, Folder, foreign, part_is_whole
 from .store import free_bytes, place, write_json, written
 
-SECONDS = 10.0  # Fewest seconds of work in a shard.
-TIMED = 0.3  # Fewest seconds of the timing that determines the size of shards.
+SECONDS = 10.0  # A shard takes at least this many seconds, unless the sweep is shorter.
+# Members are integrated for at least this many seconds to determine the size of shards.
+TIMED = 0.3
 LEVELS, TOML = "levels.json", "plan.toml"
 Compiled = Callable[..., Compilation]
 
@@ -40,7 +41,7 @@ Compiled = Callable[..., Compilation]
 class Sweep:
     job: Job
     folder: Folder
-    notes: tuple[str, ...] = ()  # messages to show before it runs
+    notes: tuple[str, ...] = ()  # messages for the user, shown before the sweep runs
 
 
 def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
@@ -65,8 +66,8 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
 
 
 def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
-    """Reads plan.json, the plan and the model of the sweep in a folder; sets model and size of
-    `options`. Raises UsageError."""
+    """Reads plan.json, the plan and the model from the folder of a sweep. Sets the model and the
+    sizes in `options`. Raises UsageError."""
     known = shards.known(path)
     if known is None:
         raise UsageError(f"{path}: no sweep lies there: it has no {PLAN}")
@@ -77,7 +78,8 @@ def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
         options.model, options.size = str(file), known["size"]
         plan = of_text(from_text(str(path / TOML), (path / TOML).read_text("utf-8")))
         text, name = file.read_text("utf-8"), known["model"]
-        with suppress(ModelError):  # use the original path if its text is the same
+        # Messages name the model's original path if the file there still has the same text.
+        with suppress(ModelError):
             return known, plan, from_text(name if read(name).text == text else str(file), text)
         return known, plan, from_text(str(file), text)
     except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
@@ -171,7 +173,7 @@ def _pace(job: Job) -> float:
     method refuses the system."""
     count = 1
     exponents = [2 + k for k, (what, _) in enumerate(job.kept.reduced) if what == b"l"]
-    job.library  # noqa: B018 (compiles it now, not within the timing)
+    job.library  # noqa: B018 (compiled now, so that the timing below excludes the compilation)
     while True:
         began = time.process_time()
         firsts = sorted({min(job.members - count, k * job.members // 4) for k in range(4)})
@@ -198,14 +200,16 @@ def _pace(job: Job) -> float:
 
 
 def _shard(members: int, pace: float) -> int:
-    """Returns the number of members of a shard: those that take SECONDS, or all."""
+    """Returns the number of members of a shard: as many as take SECONDS, or all members if they
+    take less."""
     size = max(1, min(int(SECONDS / max(pace, 1e-9)) + 1, members))
     return size if size < 64 else -(-size // 64) * 64
 
 
 def levels(sweep: Sweep) -> Iterator[Sweep]:
-    """Yields the sweep of the plan's grid, then those of its refinements; each is requested when
-    the previous one is done. Raises Unfinished if a level is incomplete."""
+    """Yields the sweep of the plan's grid, then the sweep of each refinement of the grid. The
+    caller takes the next sweep when the previous one is done. Raises Unfinished if a level is
+    incomplete."""
     job, folder = sweep.job, sweep.folder
     yield sweep
     if job.refine is None:

@@ -7,17 +7,19 @@
 
 #include "pk_host.h"
 
-/* Steps of fixed size lie on the grid of multiples of h, whatever times are shown: `state` is at
- * the last grid point, `shown` a shorter step further. */
+/* Fixed steps end at multiples of the step h, whatever times the page shows. `state` has the states
+ * of all members at the last such multiple. `shown` has the states at the time shown, after one
+ * shorter step from `state`. */
 struct swarm {
     struct pk_ensemble e;
     void *block;
     size_t block_size, n;
-    pk_real at, target; /* the times of `state` and of the current run's end */
+    pk_real at, target; /* time of `state`; time at which the current integration ends */
     pk_real *state, *shown, *ends, *u;
     size_t *done;
     pk_real *last;
-    float *points; /* least and greatest x, then y, over all members; then x, y of each */
+    /* minimum and maximum of x over all members, then of y; then x and y of each member */
+    float *points;
     enum pk_status *status;
     unsigned char *ended; /* flags of members that failed: they keep their last state */
 };
@@ -36,8 +38,9 @@ void EXPORT(pk_swarm_free)(struct swarm *s)
     free(s);
 }
 
-/* `params`: the structs of all members in a row, params_size bytes each. The caller writes the
- * initial states to pk_swarm_start(): q of all, then v of all. Inputs u are the same for all. */
+/* Makes a swarm. `params` has the model's params of each member, one after another, each of
+ * params_size bytes. The inputs u are the same for all members. The caller writes the initial
+ * states to pk_swarm_start(): first q of all members, then v of all members. */
 struct swarm *EXPORT(pk_swarm_new)(const void *params, const char *method, double h, double rtol,
                                    const double *u, size_t count)
 {
@@ -105,7 +108,7 @@ pk_real *EXPORT(pk_swarm_start)(struct swarm *s) { return s->state; }
 /* The states at the time of the last pk_swarm_to(): q of all, then v of all. */
 const pk_real *EXPORT(pk_swarm_states)(const struct swarm *s) { return s->shown; }
 
-/* Columns i and j of (q, v) as floats for WebGL, after the bounds of each; see `points`. */
+/* Returns columns i and j of the states (q, v) as floats for WebGL, in the layout of `points`. */
 const float *EXPORT(pk_swarm_points)(struct swarm *s, size_t i, size_t j)
 {
     const size_t n = s->n, members = s->e.members;

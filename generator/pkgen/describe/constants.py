@@ -12,13 +12,14 @@ from ..graph.differentiate import symbols_in
 from ..graph.evaluate import evaluate
 from ..run import named
 
-POINTS = 5  # Number of random states.
-CLOSE = 1e-9  # Relative tolerance.
+POINTS = 5  # Number of random states at which the energy is compared with T + V.
+CLOSE = 1e-9  # Relative tolerance of the comparison.
 
 
 def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
-    """Yields the proved constants. `index` is that of the claim or the momentum. The `label` of the
-    energy says if it is not T + V, as for a bead on a hoop that a motor turns."""
+    """Yields the proved constants of the motion. `index` numbers the claims, and the momenta. The
+    energy h = q' dL/dq' - L has a different `label` if it is not T + V, for example for a bead on a
+    hoop that a motor turns."""
     structure, model = compilation.structure, compilation.model
     energy = "" if model.dimensionless else "J"
     if structure.conservative and named.has_energy(compilation):
@@ -31,15 +32,16 @@ def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
         }
     for k, item in enumerate(model.conserved):
         yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
-    if isinstance(structure, Structure):  # not known if families are loops
+    # If families are compiled to loops, it is unknown which momenta are constant.
+    if isinstance(structure, Structure):
         for k, q in enumerate(compilation.equations.momenta_names):
             if structure.cyclic[k]:
                 yield {"name": q.name, "kind": "momentum", "index": k, "unit": q.unit}
 
 
 def _is_sum(compilation: Compilation) -> bool:
-    """Whether h = q' dL/dq' - L equals T + V, tested at random states. Also True for loops, and if
-    the model has L but not T and V: then nothing is known."""
+    """Whether the energy h = q' dL/dq' - L equals T + V at random states. Returns True untested if
+    families are compiled to loops, or if the model states L without T and V."""
     e = compilation.equations
     if compilation.looped or e.kinetic is None or e.potential is None:
         return True

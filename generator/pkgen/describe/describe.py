@@ -38,8 +38,9 @@ def described(
     scene: Scene | None = None,
     draw: bool = True,
 ) -> dict[str, object]:
-    """Returns the description of a model. If `draw`, it was compiled with the outputs that drawn()
-    adds. `given` has the parameters and the start, computed by the library."""
+    """Returns the description of a model. `draw` says that the model was compiled with the outputs
+    that drawn() adds. `given` has the parameters and the start, as the compiled library computed
+    them."""
     model = compilation.declared
     return {
         "schema": SCHEMA,
@@ -104,8 +105,9 @@ def _each(found: named.Named) -> Iterator:
 
 
 def _flat(found: named.Named) -> Iterator[tuple[int, int, int, named.Declared, object]]:
-    """Yields (flat index, number of the declaration, position in its family, declaration,
-    quantity), except for families of more than LISTED members."""
+    """Yields the members of all families, and the single names, as (flat index, number of the
+    declaration, position in the family, declaration, quantity). Members of families with more than
+    LISTED members are left out."""
     for k, item in enumerate(found.declared):
         if item.count <= LISTED:
             for position in range(item.count):
@@ -136,7 +138,8 @@ def _parameters(
 
 
 def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[str, object]:
-    """Returns a parameter's bounds (None: infinite); starts that became parameters have none."""
+    """Returns the bounds of a parameter; an infinite bound is None. `item` is None for a start that
+    became a parameter, which has no bounds."""
     found: dict[str, object] = {"lo": None, "hi": None, "lo_open": True, "hi_open": True}
     if item is None:
         return found
@@ -194,8 +197,9 @@ def _coordinates(
 
 
 def _following(model: Model) -> Callable[[str, int], bool]:
-    """Returns a function of (name, order) that says whether the start of a coordinate (order 0) or
-    rate (order 1) depends on parameters. The last start statement counts."""
+    """Returns a function of (name, order). It says whether the start of a coordinate (order 0) or
+    of its rate (order 1) depends on parameters. If several statements set a start, the last one
+    counts."""
     moving = {p.name for p in model.parameters}
     for item in sorted(model.definitions, key=lambda d: d.span.start):
         if names(item.value) & moving:
@@ -279,7 +283,8 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
         }
 
 
-# By flag of a method: kernels that it needs and loops lack; the runtime refuses it too.
+# For a flag of a method: the kernels that the method needs, and that models compiled to loops do
+# not have. The runtime refuses such a method too.
 _NOT_OF_LOOPS = {
     "holonomic": "M",
     "jacobians": "Jacobians",

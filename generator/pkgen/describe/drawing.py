@@ -35,8 +35,10 @@ from ..tree import (
     of_member,
 )
 
-Entry = float | dict[str, int]  # A number, or {"output": index}.
-PREFIX = "0_draw_"  # Names in models do not begin with a digit.
+# A constant number, or {"output": index} for a number that depends on the state.
+Entry = float | dict[str, int]
+# Names in models do not begin with a digit, so no output of a model has this prefix.
+PREFIX = "0_draw_"
 
 
 def with_drawing(model: Model) -> Model:
@@ -45,7 +47,8 @@ def with_drawing(model: Model) -> Model:
 
 
 def drawn(use: Use | None) -> Use:
-    """Returns `use`, a transformation of the model, extended by the outputs of the drawing."""
+    """Returns the transformation `use` of models, extended so that the transformed model also has
+    the outputs of its drawing. None stands for the identity."""
     if use is None:
         return Use(lambda model: (model, ()), lambda _: None, declared=with_drawing)
     before = use.declared
@@ -63,7 +66,7 @@ def drawing(compilation: Compilation) -> dict[str, object]:
         for shape in outputs.shapes(item):
             if item.shape == "level":
                 if not all(name in coordinates for name in item.axes):
-                    continue  # the scene fixes one of these coordinates
+                    continue  # Contours need two coordinates, and the scene fixes one of them.
                 x, y = (coordinates[name][0] for name in item.axes)
                 shape |= {"x": x, "y": y}
             shapes.append(_resolved(shape, entries))
@@ -184,7 +187,8 @@ class _Outputs:
         return self.definitions
 
     def shapes(self, item: Drawing) -> Iterator[dict[str, object]]:
-        """Yields the shapes of a statement: one per member of a family; one for a curve."""
+        """Yields the shapes that a `draw` statement makes. A statement about a family makes one
+        shape per member, but a curve through all members is a single shape."""
         made = [self._shape(item, parts) for parts in self._of_members(item)]
         if item.shape == "curve":
             made = [{"kind": "curve", "points": [s["at"] for s in made], **_labels(item)}]
@@ -216,8 +220,9 @@ class _Outputs:
         return range(lo, hi + 1, max(1, -(-(hi + 1 - lo) // limits.DRAWN)))
 
     def _index(self, range: Range, value: int, behind: int) -> Expr:
-        """Returns the index of a member as an expression. In the second half it is `behind` the
-        end, like N - 1, so that families can be compiled to loops."""
+        """Returns the index of a member as an expression. In the second half of a family, the
+        expression counts from the end, like N - 1, so that the family can be compiled to loops;
+        `behind` is the distance from the end."""
         if behind >= value or not names(range.hi):
             return Number(Fraction(value), range.span)
         return Add((range.hi, Number(Fraction(behind), range.span)), (1, -1), range.span)
@@ -255,7 +260,9 @@ _WORDS = ("kind", "name", "label", "form", "axis", "caption", "says", "times", "
 
 
 def _caption(model: Model, item: Drawing) -> str:
-    """Returns the comment above a statement; "" for the first, whose comment titles the drawing."""
+    """Returns the text of the comment in the line above a `draw` statement, which is the caption of
+    its shape. Returns "" for the first `draw` statement, since the comment above it is the title of
+    the whole drawing."""
     if item in model.drawings[:1] or not model.drawings:
         return ""
     above = model.source.text[: item.span.start].rpartition("\n")[0].rpartition("\n")[2].strip()
@@ -263,7 +270,8 @@ def _caption(model: Model, item: Drawing) -> str:
 
 
 def _times(model: Model, item: Drawing) -> float | None:
-    """Returns the factor that magnifies a coordinate in the drawing, or None."""
+    """Returns the factor by which the drawing magnifies a coordinate, such as 20 in `at 20*x`; None
+    if there is none."""
     coordinates = {c.name for c in model.coordinates}
     for part in dict(item.parts).get("at", ()) if item.shape in ("bob", "curve") else ():
         if isinstance(part, Multiply) and part.exponents == (1, 1):
@@ -274,7 +282,8 @@ def _times(model: Model, item: Drawing) -> float | None:
 
 
 def _said(model: Model, parts: tuple[Expr, ...]) -> str:
-    """Returns the label of an arrow without a comment: "velocity" or the text of its vector."""
+    """Returns the label of an arrow whose statement has no comment: "velocity" if its vector
+    consists of rates, otherwise the text of its vector."""
     whole = parts[0].span.to(parts[-1].span)
     text = model.source.text[whole.start : whole.end]
     return "velocity" if re.fullmatch(r"\[\w+'(, (\w+'|0))*\]|\w+'|\[0, \w+', 0\]", text) else text

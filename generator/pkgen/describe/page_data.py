@@ -21,7 +21,8 @@ from .drawing import drawn
 
 @record
 class Described:
-    """A described model; it was compiled with all its coordinates, parameters and kernels."""
+    """A compiled model and its description. No coordinates, parameters or kernels are left out of
+    the model."""
 
     compilation: Compilation
     settings: Settings
@@ -35,8 +36,8 @@ def describe(
     unroll: int = lengths.UNROLL,
     draw: bool = True,
 ) -> Described:
-    """Compiles a model, by `compiled(options, **how)`, and describes it. Without `draw`, the
-    compiled C lacks the outputs of the drawing. Raises UsageError, ModelError, BuildError, or
+    """Compiles a model, by `compiled(options, **how)`, and describes it. If `draw` is false, the
+    compiled C has no outputs for the drawing. Raises UsageError, ModelError, BuildError, or
     NumericsFailed if the runtime refuses the parameters."""
     use = scene_use.whole(options)
     compilation = compiled(options, unroll=unroll, use=drawn(use) if draw else use)

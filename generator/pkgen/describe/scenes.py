@@ -14,8 +14,8 @@ from ..scenes import scene as scenes
 from ..source import ModelError
 from ..system.exits import UsageError
 
-SHOWN = 2000  # Most members of a swarm in a description.
-LISTED = 1000  # Largest family whose members are described one by one.
+SHOWN = 2000  # A description has the starts of at most this many members of a swarm.
+LISTED = 1000  # The members of a larger family are not described one by one.
 
 
 def members_of(model: Model, item: Start) -> list[int | None]:
@@ -46,8 +46,8 @@ def described_scene(compilation: Compilation, scene: Scene) -> dict[str, object]
 
 
 def _members_of(compilation: Compilation, scene: Scene) -> dict[str, object]:
-    """Returns the columns that differ between the members of a swarm, and their values, for at most
-    SHOWN members, evenly spaced. Returns {} if a value cannot be computed."""
+    """Returns the starts and parameters that differ between the motions of a swarm, and their
+    values for at most SHOWN evenly spaced motions. Returns {} if a value cannot be computed."""
     from ..scenes.swarm import members  # NumPy
 
     model = compilation.declared
@@ -66,8 +66,8 @@ def _member(key: tuple[str, int | None]) -> str:
 
 
 def _starts(model: Model, scene: Scene) -> dict[str, float]:
-    """Returns the start values of a scene for its parameter values, except values that differ
-    between members of a swarm."""
+    """Returns the start values of a scene, computed with the scene's parameter values. Starts that
+    differ between the members of a swarm are left out."""
     values = scenes.values(model, scene, {})
     found = {}
     for item in scene.starts:

@@ -9,22 +9,27 @@ from ..graph.graph import Node
 from ..middle.loops.loops import LoopEquations
 from ..record import record
 
-Shown = tuple[str, str, Node, str]  # An output: name, unit, node, range of its index.
-Section = tuple[str, Iterable[str]]  # A section: title, lines.
+# An output: its name, its unit, its graph node, and the range of its index as text.
+Shown = tuple[str, str, Node, str]
+Section = tuple[str, Iterable[str]]  # A section of the report: title, lines.
 
 
 @record(kw_only=True)
 class Contents:
     e: Equations | LoopEquations
     text: Callable[[Node], str]
-    freedom: str  # Numbers of degrees of freedom, rotations and first-order variables.
-    declared: list[tuple[str, Sequence[Quantity]]]  # Coordinates, angular velocities, states.
+    # Text with the numbers of degrees of freedom, rotations and first-order variables.
+    freedom: str
+    # Pairs of a heading and quantities: coordinates, angular velocities, states.
+    declared: list[tuple[str, Sequence[Quantity]]]
     parameters: Sequence[ParameterSlot]
     equations: list[Section]
     outputs: list[Shown]  # Outputs, and quantities claimed to be constant.
-    families: list[tuple[str, str]]  # Statement whether families are loops or unrolled.
+    # Pairs of a heading and a text: how families are compiled (to loops, or unrolled).
+    families: list[tuple[str, str]]
     costs: Section
-    record: dict[str, object]  # entries of `--json` that only loops.py or only flat.py makes
+    # entries of the `--json` output that differ between loops.py and flat.py
+    record: dict[str, object]
 
 
 def section(title: str, lines: Iterable[str]) -> str:

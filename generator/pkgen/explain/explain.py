@@ -16,7 +16,8 @@ from . import flat, loops
 from .contents import Contents, section
 
 NOTHING = "no symmetries, for the model is too large"
-WIDE = 40  # most characters of an invariant's formula in its column
+# In a list of invariants and proofs, the column of invariants is at most this many characters wide.
+WIDE = 40
 
 
 def contents(compilation: Compilation) -> Contents:

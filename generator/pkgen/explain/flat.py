@@ -17,7 +17,7 @@ from ..middle.analyze import sympy_bridge
 from .contents import Contents
 
 Rows = list[tuple[str, Node]]
-SHOWN_OPERATIONS = 300  # most operations of a shown expression
+SHOWN_OPERATIONS = 300  # An expression with more operations is not shown.
 
 
 def contents(compilation: Compilation) -> Contents:
@@ -119,7 +119,8 @@ def free_force(e: Equations) -> tuple[Node, ...]:
 
 
 def motion_rows(e: Equations) -> Rows:
-    """Returns the nonzero entries in the lower triangle of M, then the entries of f."""
+    """Returns rows for the equations M q'' = f: the nonzero entries in the lower triangle of the
+    mass matrix M, then the entries of f."""
     names = e.moving
     rows = [
         (f"M[{names[i]}, {names[j]}]", row[j])
@@ -144,7 +145,8 @@ def canonical_rows(e: Equations) -> Rows:
 
 
 def rates_title(e: Equations) -> str:
-    """Returns the heading of the equations x' = g, such as "Rates of the attitudes and states"."""
+    """Returns the heading of the first-order equations, such as "Rates of the attitudes and
+    states"."""
     what = ["attitudes"] if e.quaternions else []
     what += ["states"] if len(e.states) > e.quaternions or not what else []
     return f"Rates of the {' and '.join(what)}"

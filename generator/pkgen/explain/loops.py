@@ -141,7 +141,8 @@ def _equations(write: Writer) -> Iterator[str]:
 
 
 def along_lines(write: Writer) -> list[EquationLine]:
-    """Returns recurrences along families that only outputs use, without time derivatives."""
+    """Returns those recurrences along families whose values only outputs use. Time derivatives of
+    the recurrences are left out."""
     found = []
     for item in (item for together in write.e.along for item in together):
         for part in item.parts if "'" not in item.name else ():
@@ -152,13 +153,14 @@ def along_lines(write: Writer) -> list[EquationLine]:
 
 
 def carried_says(write: Writer) -> str:
-    """Says how forces on values of a recurrence are passed back to the variables defining them."""
+    """Returns a sentence about carried values, which are defined by a recurrence along a family:
+    how forces on them are passed back to the variables that define them."""
     names = ", ".join(g.name for g in write.e.carried_groups)
     return f"the rows of {names} go over to what each is made of, from the last member to the first"
 
 
 def carried_lines(write: Writer) -> list[EquationLine]:
-    """Returns the definitions of carried values, which are given by recurrences along a family."""
+    """Returns the recurrences that define carried values along a family."""
     found = []
     for item in write.e.carried:
         parts = tuple(Part(p.lo, p.hi, p.value, p.value) for p in item.pieces)
@@ -168,8 +170,9 @@ def carried_lines(write: Writer) -> list[EquationLine]:
 
 
 def mass_lines(write: Writer) -> list[EquationLine]:
-    """Returns the lower triangle of M: entries of each member with lower members of its family,
-    with families declared earlier, and with single coordinates."""
+    """Returns the lower triangle of the mass matrix M. For each member of a family it has the
+    entries with earlier members of the same family, with families declared earlier, and with single
+    coordinates."""
     e, found = write.e, []
     order = [g.name for g in e.rows]
     for g in e.rows:
@@ -213,7 +216,8 @@ def force_lines(write: Writer) -> list[EquationLine]:
 
 
 def constraint_lines(write: Writer) -> list[EquationLine]:
-    """Returns phi of each holonomic constraint, and J v + j0 of each rolling constraint."""
+    """Returns the function phi(q, t) of each holonomic constraint phi = 0, and the expression
+    J v + j0 of each rolling constraint J v + j0 = 0 on the rates v."""
     found = []
     for rows in write.e.bound:
         group, what = rows.group, rows.position if rows.holonomic else rows.rate
@@ -266,11 +270,14 @@ def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
 
 
 def beyond(write: Writer) -> list[str]:
-    """Returns boundary conditions: values at indices just outside the ranges of families."""
+    """Returns the boundary conditions of families: for each index just outside a family, the value
+    there."""
     found = []
     for g in write.e.families:
         if g.is_turn:
-            continue  # their attitudes have the same boundary conditions
+            # Attitudes have the same boundary conditions as the angular velocities of the
+            # rotations, and are listed once.
+            continue
         if g.periodic:
             far = indexed(g.name, f"{write.i}+{write.index(g.count)}")
             found.append(f"{far} = {indexed(g.name, write.i)} (periodic)")

@@ -1,9 +1,11 @@
-"""Equations of families in the form of a textbook: one in the index i, and others at the ends.
+"""Writes the equations of a family q[1..N] in the form of a textbook: one equation in the index i,
+and separate equations for some members at each end of the family.
 
-Each part of a row (a sum of parts) holds for lo <= i <= hi. Where all parts hold, the row is one
-expression in i. A few members at each end are written out one by one: those where some parts do not
-hold, and those next to an index outside the family that copies a member (`free`) or has an
-acceleration (`fixed` at a function of t). The family is assumed to be longer than both ends.
+An equation is a sum of parts, and each part holds for a range lo <= i <= hi. For the indices at
+which all parts hold, there is one equation in i. A few members at each end have separate equations:
+members at which some parts do not hold, and neighbours of an index outside the family where the
+value copies a member (`free`) or has an acceleration (`fixed` at a function of t). The family is
+assumed to be longer than both ends together.
 """
 
 from __future__ import annotations
@@ -29,12 +31,14 @@ SHOWN_OPERATIONS = 300
 M = variable(ROW)
 PRIMES = {"v": "'", "w": "''", "d": "'", "acc": "''"}
 
-# A function that returns the left side of the equation of a member, or None if it has none.
+# A function of a member's index. It returns the left side of the member's equation; None if the
+# member has no such equation.
 Label = Callable[[Affine], str | None]
 
 
 class Unclear(Exception):
-    """A part's range and the family's range cannot be compared without the values of sizes."""
+    """The range of a part and the range of its family cannot be compared, since the values of sizes
+    such as N are unknown."""
 
 
 @record
@@ -49,7 +53,8 @@ class EquationLine:
 
 @record
 class Style:
-    """Formats of an expression, of a large one (by its size), of an indexed sum, of a plain sum."""
+    """Functions that format: an expression; in place of a large expression, its number of
+    operations; a sum over an index; a sum of given terms."""
 
     expression: Callable[[sympy.Expr], str]
     large: Callable[[int], str]
@@ -76,7 +81,8 @@ class Writer:
         own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
         self.i = next(letter for letter in ("i", "k", "n", "i_") if letter not in own)
         self.j = next(letter for letter in ("j", "l", "o", "j_") if letter not in own)
-        # Sizes named like pkgen's loop variables have other names internally.
+        # A size of the model that is named like a loop variable of pkgen has another name
+        # internally; its own name is shown.
         sizes = {unlike_loops(size.name): size.name for size in e.model.sizes}
         free = (letter for letter in "jklnopqrsuvw" if letter not in own)
         self._shown = sizes | {ROW: self.i, OTHER: self.j} | dict(zip(COUNTERS, free, strict=False))
@@ -84,7 +90,8 @@ class Writer:
         self._summed = [inner for x in once for inner in within(x)]
 
     def index(self, at: Affine) -> str:
-        """Returns an index as text: `i+1`, `N-1`; the letter differs if the model uses `i`."""
+        """Returns an index as text, such as `i+1` or `N-1`. If the model uses the name `i`, another
+        letter replaces it."""
         return at.text(self._shown).replace(" ", "")
 
     def span(self, lo: Affine, hi: Affine) -> str:
@@ -105,7 +112,8 @@ class Writer:
         return style.plus(parts) if parts else "0"
 
     def text(self, pieces: Iterable[tuple[Node, Affine]]) -> str:
-        """Returns the sum of nodes, each evaluated at the index that is paired with it."""
+        """Returns the text of a sum of nodes. Each node is evaluated at the index that is paired
+        with it in `pieces`."""
         import sympy as sp
 
         pieces = [(node, at) for node, at in pieces if node != ZERO]
@@ -157,7 +165,8 @@ class Writer:
             place = slot.at.replaced({ROW: at})
             if slot.kind in ("q", "v", "w", "d", "s", "a", "acc"):
                 if slot.kind == "w" and group.is_carried:
-                    return sp.Integer(0)  # this row takes accelerations as zero
+                    # In this equation the accelerations of carried values count as zero.
+                    return sp.Integer(0)
                 place = self.home(group, place)
                 if slot.kind == "w" and at != M and self._is_own(group, place):
                     return sp.Integer(0)
@@ -165,7 +174,8 @@ class Writer:
         return sp.Symbol(name + primes)
 
     def _once(self, k: int) -> str:
-        """Returns the text of sum k, one of the sums that are computed once, not per step."""
+        """Returns the text of sum number k over families. Such sums are computed once per run, not
+        in each step."""
         [found] = [x for x in self._summed if x.place == k]
         ranges = (
             f"{self.index(variable(v))} = {self.index(a)}..{self.index(b)}"
@@ -176,7 +186,8 @@ class Writer:
     # -- members ------------------------------------------------------------------------------
 
     def home(self, group: Group, at: Affine) -> Affine:
-        """Returns the member that an index outside the family copies; else the same index."""
+        """Returns the index of the member whose value is copied at an index outside the family; for
+        any other index, returns that index."""
         below, above = at - group.lo, group.hi - at
         if group.periodic:
             if below.is_constant and below.constant < 0:
@@ -192,7 +203,8 @@ class Writer:
         return group.is_family and _reaches(group.lo, at) and _reaches(at, group.hi)
 
     def _images(self, group: Group, at: Affine) -> list[Affine]:
-        """Returns a member's index, and the indices outside the family that copy the member."""
+        """Returns the index of a member, and all indices outside the family at which the member's
+        value is copied."""
         found = [at]
         if group.periodic:
             found += [at + group.count, at - group.count]
@@ -212,7 +224,8 @@ class Writer:
     # -- rows ---------------------------------------------------------------------------------
 
     def rows(self, group: Group, items: list[tuple[Label, tuple[Part, ...]]]) -> list[EquationLine]:
-        """Returns a family's equations; an item is a label (left side) and the parts of its sum."""
+        """Returns the equations of a family. Each of `items` is an equation: a label (its left
+        side), and the parts of the sum on its right side."""
         try:
             below, above = self._ends(group, [part for _, parts in items for part in parts])
             labels = [label for label, _ in items if label(M) is not None]
@@ -252,7 +265,8 @@ class Writer:
         return [EquationLine(left, self.text(pieces)) for left, pieces in found.items()]
 
     def _listed(self, items) -> list[EquationLine]:
-        """Returns every part with its own range, if Unclear is raised."""
+        """Returns a line for each part, with the range of indices for which the part holds. rows()
+        calls this if ranges cannot be compared."""
         found = []
         for label, parts in items:
             left = label(M)
@@ -292,7 +306,8 @@ class Writer:
         return below, above
 
     def _by_index(self, node: Node) -> bool:
-        """Whether a node contains the index itself as a number, or a parameter with an index."""
+        """Whether the value of a node depends explicitly on the index i: as a number, or by a
+        parameter with an index."""
         return any(
             slot.kind == "index" or (slot.kind == "param" and slot.at is not None)
             for slot in self._slots(node)
@@ -306,7 +321,8 @@ class Writer:
 
 
 def _reaches(low: Affine, high: Affine) -> bool:
-    """Whether low <= high if families are long enough. Raises Unclear if that is not determined."""
+    """Whether low <= high, if all families are long enough. Raises Unclear if that depends on which
+    of two sizes is larger."""
     distance = high - low
     if distance.is_constant:
         return distance.constant >= 0

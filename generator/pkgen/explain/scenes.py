@@ -14,8 +14,9 @@ from ..scenes import compile_plan as scene_use
 
 @record
 class SceneShown:
-    """The parts of the model that a scene leaves out, with reasons. The operations of each kernel
-    in the model (`before`) and in the scene's C (`after`), summed over independent subsystems."""
+    """A summary of a scene. `lines` name the parts of the model that the scene leaves out, with
+    reasons. `before` has the number of operations of each kernel of the model, `after` that of the
+    scene's C. Operations are summed over independent subsystems."""
 
     name: str
     description: str

@@ -19,11 +19,14 @@ from .table import COARSE, CONSTANT, Table, base
 from .view import View
 
 PANELS = 6  # Most panels of a picture.
-FAMILY = 12  # Most members of a family drawn as lines; larger families are images.
+FAMILY = 12  # A family with more members than this is drawn as an image, not as lines.
 LINES = 14  # Most lines in one panel.
-LONG = 18  # Most characters of the names at an axis.
-NOISE = 1e-9  # A column smaller than this, relative to the largest of its unit, is rounding noise.
-APART = 15.0  # Columns whose sizes differ by this factor do not share an axis.
+LONG = 18  # If the names at an axis have more characters, the label of the axis is shortened.
+# A column whose size, relative to that of the largest column with the same unit, is below this is
+# rounding noise.
+NOISE = 1e-9
+# Two columns do not share an axis if the size of one is this many times that of the other.
+APART = 15.0
 
 
 def picture(view: View, tables: Sequence[Table]) -> Picture:
@@ -36,7 +39,8 @@ def picture(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def suggested(table: Table) -> Picture:
-    """Returns a phase plane plot: a Poincaré section, a cloud, or a coordinate and its rate."""
+    """Returns a phase plane plot of the table: the points of a Poincaré section, or of many
+    members, or a curve of a coordinate and its rate."""
     return picture(View("section"), [table])
 
 
@@ -50,7 +54,8 @@ def _usual(view: View, tables: Sequence[Table]) -> str:
 
 
 def _title(tables: Sequence[Table]) -> str:
-    """Returns a title of model, scene and method, omitting those that differ between tables."""
+    """Returns a title with the model, the scene and the method; an item that differs between tables
+    is left out."""
     words = []
     for key in ("model", "scene"):
         found = {str(table.told.get(key, "")) for table in tables}
@@ -70,7 +75,8 @@ def _method(table: Table) -> str:
 
 
 def _by_method(panel: Panel, tables: Sequence[Table]) -> Panel:
-    """Gives lines the colours of their methods, if each table is one line and methods differ."""
+    """Gives each line the colour of its table's method, if each table is drawn as one line and all
+    tables have different methods."""
     marks = [mark(_method(table))[0] for table in tables]
     if not 1 < len(tables) == len(set(marks)) or not all(map(_method, tables)):
         return panel
@@ -108,7 +114,8 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]:
-    """Returns a note if rows are drawn as points, since they are too sparse for lines."""
+    """Returns a note that rows are drawn as points, if the rows are too far apart in time for lines
+    between them."""
     if any(table.several or table.event is not None for table in tables):
         return ()
     if all(line.kind == "line" for panel in panels for line in panel.lines):
@@ -188,7 +195,8 @@ def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
 
 
 def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
-    """Returns axis limits at which rounding noise looks flat, if all columns are constant."""
+    """Returns limits of the axis if all columns are constant, so wide that rounding noise looks
+    flat; otherwise None."""
     good = [x[numpy.isfinite(x)] for x in columns]
     good = [x for x in good if len(x)]
     largest = max((float(numpy.abs(x).max()) for x in good), default=0.0)
@@ -199,7 +207,8 @@ def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
 
 
 def _together(table: Table, names: list[str]) -> str:
-    """Returns an axis label: all names, or if too long those of families, or only the unit."""
+    """Returns the label of an axis: the names of all columns if they fit, or the names of their
+    families if these fit, or only the unit."""
     unit = table.quantity(names[0]).unit
     bases = list(dict.fromkeys(base(name) for name in names))
     parted = len(bases) < len(names) and not any("[" in name for name in names)
@@ -210,7 +219,8 @@ def _together(table: Table, names: list[str]) -> str:
 
 
 def _image(table: Table, names: list[str]) -> Image:
-    every = -(-len(table.data) // 1200)  # a printed page resolves no more
+    # More columns of pixels would not be visible on a printed page.
+    every = -(-len(table.data) // 1200)
     index = numpy.array([float(n[n.rindex("[") + 1 : n.rindex("]")]) for n in names])
     values = numpy.stack([table[name][::every] for name in names])
     quantity = table.quantity(names[0])
@@ -266,7 +276,7 @@ def _plane(view: View, tables: Sequence[Table]) -> Picture:
 
 
 def _named(line: Line, what: str, table: Table, others: bool) -> Line:
-    """Returns the line with its label preceded by `what`, the names of its columns."""
+    """Returns the line with the names of its columns, `what`, before its own label."""
     own = "" if line.label == table.label and not others else line.label
     return replace(line, label=", ".join(word for word in (what, own) if word))
 
@@ -278,7 +288,8 @@ def _common(table: Table, names: list[str]) -> Axis:
 
 
 def _pair(option: str, names: tuple[str, ...], tables: Sequence[Table]) -> tuple[str, ...]:
-    """Returns a curve's columns; of a vector in space, a component that is 0 is left out."""
+    """Returns the columns along the axes of a curve. If a vector is requested and one of its three
+    components is always 0, that component is left out."""
     if len(names) > 1:
         found = [_in_all(option, name, tables) for name in names]
         for name, columns in zip(names, found, strict=True):

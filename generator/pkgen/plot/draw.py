@@ -21,14 +21,17 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-HEAVY = 40_000  # Panels with more points in lines are rasterized, even in vector files.
-HEAVY_POINTS = 3000  # Panels with more single points are rasterized.
-BESIDE = 5  # Legends with more entries are to the right of a panel, shorter ones above it.
+# Panels whose lines have more points than this are rasterized, even in vector files.
+HEAVY = 40_000
+HEAVY_POINTS = 3000  # Panels with more separate points than this are rasterized.
+# A legend with more entries than this is to the right of its panel, any other legend above it.
+BESIDE = 5
 TOP = 0.22  # Height of a title in inches.
 
 
 def draw(picture: Picture, width: float | None = None) -> Figure:
-    """Renders a picture; `width` in inches is by default that of a page or a column."""
+    """Renders a picture. `width` is in inches; by default it is the width of a page for wide
+    pictures, and of a column for others."""
     width = width or (style.PAGE if picture.wide else style.COLUMN)
     with looks():
         figure = Figure(figsize=(width, _height(picture, width)), layout="constrained")
@@ -80,7 +83,8 @@ def _height(picture: Picture, width: float) -> float:
 
 
 def _of_plane(panel: Panel, width: float) -> float:
-    """Returns the height of a plane plot in inches, for equal scales within limits."""
+    """Returns the height, in inches, of a panel in which y is drawn over x. If both axes must have
+    equal scales, the height follows from the ranges, within limits."""
     if not panel.equal:
         return 0.86 * width
     (x0, x1), (y0, y1) = _span(panel.lines, "x"), _span(panel.lines, "y")
@@ -168,7 +172,8 @@ def _line(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
 
 
 def _numbers(line: Line, panel: Panel) -> numpy.ndarray:
-    """Returns the member number of each point; the colour of a point shows it."""
+    """Returns, for each point of the line, the number of its member. The colour of the point shows
+    this number."""
     low, high, _ = panel.colours
     counts = numpy.diff([*line.strands, len(line.x)])
     return numpy.repeat(numpy.linspace(low, high, len(counts)), counts)
@@ -217,7 +222,7 @@ def _space(axes: Axes, panel: Panel) -> None:
         return
     spans = [_span(panel.lines, name) for name in "xyz"]
     longest = max(b - a for a, b in spans) or 1.0
-    # The box has a minimal height, even if the curve is nearly flat.
+    # No side of the box is much shorter than the longest, even if the curve is nearly flat.
     spans = [_at_least(a, b, 0.4 * longest) for a, b in spans]
     longest = max(b - a for a, b in spans)
     for which, (a, b) in zip("xyz", spans, strict=True):

@@ -1,7 +1,6 @@
-"""Pictures of drifts: the deviation of constants from their start over time, on log axes. A slope
-of 1/2 is a random walk of round-off, 1 a steady loss, 0 the bounded error of a symplectic
-method.
-"""
+"""Pictures of drifts: the deviation of constants of the motion from their initial values, over
+time, on logarithmic axes. The slope of a line is 1/2 for a random walk of round-off, 1 for a steady
+loss, and 0 for the bounded error of a symplectic method."""
 
 from __future__ import annotations
 
@@ -15,7 +14,7 @@ from .names import label, shown
 from .picture import Axis, Line, Panel, Picture
 from .table import Table
 
-SHORT = 24  # Most characters of the description of growth in a legend.
+SHORT = 24  # A longer description of how the drift grows is left out of the legend.
 LEAST = 1e-19  # Smallest relative drift that is drawn.
 
 
@@ -61,7 +60,8 @@ def constants(table: Table) -> list[str]:
 
 
 def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:
-    """Returns |x - x(0)| relative to the scale in the report, or to max |x|; None if all are 0."""
+    """Returns a line of |x - x(0)| for the column x, relative to the scale in the run's report, or
+    else to max |x|. Returns None if all drifts are too small to be drawn."""
     x, member = table[name], table.member
     order = numpy.argsort(member, kind="stable")
     x, t, member = x[order], table.time[order], member[order]
@@ -71,7 +71,8 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
     scale = told.get("scale")
     if not isinstance(scale, int | float) or not scale > 0:
         scale = finite.max(initial=0.0)
-    if told.get("first") == 0 and told.get("max") == 1:  # the scale is the drift itself
+    # The report has no other scale than the drift itself.
+    if told.get("first") == 0 and told.get("max") == 1:
         return None
     off = numpy.abs(x - first) / scale if scale else numpy.zeros(len(x))
     drawn = (t > 0) & (off > LEAST)
@@ -82,7 +83,8 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
 
 
 def _both(table: Table, line: Line, words: str) -> list[Line]:
-    """Returns two lines: the running maximum, and the drift itself as a pale line behind it."""
+    """Returns two lines: the running maximum of the drift, and behind it the drift itself as a pale
+    line."""
     if table.several:
         strong = Line(words, line.x, line.y, line.colour, "line", None, line.strands)
         return [strong, Line("", line.x[:0], line.y[:0], line.colour, "back")]

@@ -8,7 +8,7 @@ from .names import amount, shown
 from .picture import Line
 from .table import Table
 
-FEW = 7  # most members, or times, that have a colour and a name each
+FEW = 7  # If there are at most this many members, or times, each has a colour and a name.
 
 
 def few_times(table: Table) -> int:
@@ -19,7 +19,8 @@ def few_times(table: Table) -> int:
 
 
 def joined(table: Table, *columns: numpy.ndarray) -> str:
-    """Returns "line" if rows are close enough in time to be joined by lines, else "points"."""
+    """Returns "line" if rows are so close in time that lines between them do not mislead, else
+    "points"."""
     sparse = table.sparse or (not table.several and any(map(table.rough, columns)))
     return "points" if sparse or table.event is not None else "line"
 
@@ -32,16 +33,18 @@ def bundle(
     more: bool,
     z: numpy.ndarray | None = None,
 ) -> tuple[list[Line], tuple[float, float, str] | None]:
-    """Returns lines of y over x, and the range of a colour bar or None: one line, one per member
-    for few members, or one Line with a strand per member. `first` is the index of the first colour;
-    `more` says that there are other tables."""
+    """Returns lines of y over x, and the range of their colour bar or None. A single trajectory is
+    one line. A few members are one line each. Many members are one Line with a strand for each.
+    `first` is the index of the first colour; `more` says that other tables are drawn in the same
+    panel."""
     along = x is table.time or numpy.shares_memory(x, table.time)
     drawn = [column for column in (None if along else x, y, z) if column is not None]
     kind = "points" if table.several and few_times(table) else joined(table, *drawn)
     if not table.several:
         mark = kind == "line" and not along
         return [Line(table.label if more else "", x, y, first, kind, z, marked=mark)], None
-    order = numpy.argsort(table.member, kind="stable")  # rows may be in order of time
+    # Rows of several members may be sorted by time, not by member.
+    order = numpy.argsort(table.member, kind="stable")
     member = table.member[order]
     begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
     numbers = table.data[order, 0][begins]
@@ -55,7 +58,8 @@ def bundle(
             for k, (n, s) in enumerate(zip(numbers, spans, strict=True))
         ], None
     line = Line(table.label if more else "", x, y, first, kind, z, begins)
-    if more or len(numbers) == len(member):  # one row per member: a cloud at a single time
+    # No colour bar if there is one row per member (a cloud at a single time).
+    if more or len(numbers) == len(member):
         return [line], None
     return [line], (float(numbers[0]), float(numbers[-1]), f"member {word}")
 

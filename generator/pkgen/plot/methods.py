@@ -6,7 +6,8 @@ from zlib import crc32
 
 from .style import BLACK, BLUE, BROWN, GREEN, LIGHTER, ORANGE, PURPLE, RED, SKY
 
-# Methods by colour; methods that are often compared differ in colour, others by marker.
+# The methods that have each colour. Methods that are often compared have different colours; methods
+# of the same colour have different markers.
 TABLE = {
     BLUE: "gauss verlet rk2 yoshida8 boris6 rattle6 gsl_msbdf",
     RED: "dopri5 gauss2 yoshida4 gsl_rkf45 respa lobatto4 rattle",

@@ -52,7 +52,8 @@ class Panel:
     z: Axis | None = None
     image: Image | None = None
     equal: bool = False  # Whether x and y have equal scales.
-    colours: tuple[float, float, str] | None = None  # Colour bar of strands: ends, label.
+    # Colour bar of strands: value at the lower end, value at the upper end, label.
+    colours: tuple[float, float, str] | None = None
     tight: bool = False  # Whether the x axis ends where the lines end.
 
 

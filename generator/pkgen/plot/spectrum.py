@@ -15,9 +15,10 @@ from .names import label, shown
 from .picture import Axis, Line, Panel, Picture
 from .table import Table
 
-LEAST = 16  # Fewest rows.
+LEAST = 16  # Fewest rows for a spectrum.
 DEPTH = 1e-7  # Lower limit of the amplitude axis, relative to the highest peak.
-TAIL = 1e-4  # The frequency axis covers all amplitudes above this, relative to the highest peak.
+# The frequency axis ends after the last amplitude that is above this fraction of the highest peak.
+TAIL = 1e-4
 
 
 def picture(tables: Sequence[Table], names: list[str]) -> Picture:

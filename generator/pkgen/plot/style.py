@@ -1,7 +1,8 @@
 """The style of all pictures: colours, font sizes, widths, and metadata of files.
 
-Most colours are from M. Okabe and K. Ito, distinguishable with any usual colour vision. Widths are
-a column and a page of most journals. Files are reproducible: they contain no date.
+Most colours are from the palette of M. Okabe and K. Ito, whose colours are distinguishable with any
+usual colour vision. The two widths are those of a column and of a page in most journals. Picture
+files contain no date, so that they are reproducible.
 """
 
 from __future__ import annotations
@@ -29,16 +30,19 @@ SEQUENTIAL, DIVERGING = "cividis", "RdBu_r"
 
 COLUMN, PAGE = 90 / 25.4, 180 / 25.4  # inches
 FORMATS = ("svg", "png", "pdf")
-OF_LATEX = "pgf"  # a file for LaTeX, which sets its text in the document's font
+# A picture as a file for LaTeX, which sets the text of the picture in the font of the document.
+OF_LATEX = "pgf"
 DPI = 200
-DPI_WITHIN = 144  # Resolution of rasterized parts of vector files.
-# Fallback fonts, similar in width to DejaVu Sans, for which labels are placed.
+DPI_WITHIN = 144  # Resolution, in dots per inch, of rasterized parts of vector files.
+# Viewers without DejaVu Sans use these fonts. Their letters are about as wide, so labels stay in
+# place.
 FONTS = "'DejaVu Sans', Verdana, sans-serif"
 # Settings of matplotlib for all files.
 FILES = {
     "svg.hashsalt": "pkgen",
-    "svg.fonttype": "none",  # Text, not paths: smaller files, searchable.
-    "pdf.fonttype": 42,  # TrueType, which publishers accept.
+    # Text is stored as text, not as outlines: files are smaller and searchable.
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,  # Fonts are embedded as TrueType, which publishers accept.
     "font.family": "DejaVu Sans",
     "hatch.linewidth": 0.4,
 }
@@ -160,8 +164,8 @@ def saved(figure: Figure, stem: Path, kinds: Iterable[str], dpi: float = DPI) ->
 
 
 def tidy(svg: str) -> str:
-    """Returns an SVG with fallback fonts, and coordinates rounded to 1/100 point: in most files
-    digits are half of the size."""
+    """Returns an SVG with fallback fonts added, and with coordinates rounded to 1/100 point. In
+    most files, digits of coordinates take half of the bytes."""
     return re.sub(
         r'(?<= )(?:d|x|y|transform)="[^"]*"',
         lambda attribute: re.sub(r"(\.\d\d)\d+", r"\1", attribute[0]),

@@ -23,9 +23,12 @@ from ..system.near import near
 if TYPE_CHECKING:
     import numpy
 
-COARSE = 0.77  # RMS change between rows over standard deviation, at eight rows per period.
-CONSTANT = 1e-7  # Largest relative variation of a column that counts as constant.
-NOISE = 1e-12  # Rounding noise, relative to the largest number of the table.
+# For a column with eight rows per period: RMS of the change between rows, relative to the standard
+# deviation.
+COARSE = 0.77
+CONSTANT = 1e-7  # A column counts as constant if its relative variation is at most this.
+# A variation below this, relative to the largest number of the table, is rounding noise.
+NOISE = 1e-12
 FEWEST = 8  # Fewest rows from which a period is estimated.
 _HEAD = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 _INDEX = re.compile(r"\d+")
@@ -122,7 +125,8 @@ class Table:
 
     @property
     def event(self) -> str | None:
-        """The event at which all rows were recorded; "" if its name is unknown, else None."""
+        """The name of the event, if rows were recorded only when that event occurred; "" if its
+        name is unknown. None if rows were recorded at other times."""
         settings = self.told.get("settings")
         if not isinstance(settings, dict) or settings.get("at") is None:
             return None

@@ -151,7 +151,8 @@ def _span(panel: Panel, which: str) -> tuple[float, float]:
 def _equal(
     x: tuple[float, float], y: tuple[float, float], across: int, up: int
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Widens a range so that both axes have equal scales; dots of terminals are about square."""
+    """Widens the ranges of x and y so that both axes have equal scales. The dots of Braille
+    characters in a terminal are about square."""
     size = max((x[1] - x[0]) / across, (y[1] - y[0]) / up)
 
     def wide(span: tuple[float, float], dots: int) -> tuple[float, float]:
@@ -166,7 +167,8 @@ def _dotted(
 ) -> list[Text]:
     bits = numpy.zeros((height, columns), int)
     colours = numpy.full((height, columns), -1)
-    for line in reversed(panel.lines):  # the first line is drawn last, above the others
+    # The first line is drawn last, so that it is above the others.
+    for line in reversed(panel.lines):
         i, j = _places(panel, line, x, y, 2 * columns, 4 * height)
         numpy.bitwise_or.at(bits, (j // 4, i // 2), DOTS[j % 4, i % 2])
         colours[j // 4, i // 2] = line.colour

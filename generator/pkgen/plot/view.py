@@ -14,7 +14,8 @@ _LIST = re.compile(r",(?![^\[\]()]*[\])])")  # not within q[1,2]
 
 @record
 class View:
-    """The requested curves: `names` has their columns. With kind "" the rows decide the view."""
+    """The requested curves. `names` has the names of their columns; `kind` is the kind of picture.
+    If `kind` is "", the kind is chosen by the rows."""
 
     kind: str = ""
     names: tuple[tuple[str, ...], ...] = ()

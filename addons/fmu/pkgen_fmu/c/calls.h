@@ -17,7 +17,8 @@
 typedef FMI(Status) status_type;
 typedef FMI(ValueReference) reference_type;
 
-/* Declares `unit`, and returns an error from the function unless `modes` contains its mode. */
+/* Declares `unit`, the FMU instance. Returns an error from the function that contains the macro
+ * unless `modes` contains the current mode of the unit. */
 #define CALL(call, modes)                                             \
     struct unit *const unit = (struct unit *)instance;                \
     const enum unit_status refused = unit_allowed(unit, call, modes); \
@@ -30,7 +31,8 @@ static status_type null(const struct unit *unit, const char *call)
                                  "%s: a pointer is null, or counts differ", call);
 }
 
-/* Returns an error unless n = 0, for types that no variable of the unit has. */
+/* Returns an error unless n = 0. For functions that get or set variables of a type that no variable
+ * of an FMU of pkgen has. */
 static status_type none(instance_type instance, const char *call, size_t n)
 {
     CALL(call, UNIT_ANY | UNIT_WITHIN);
@@ -39,7 +41,8 @@ static status_type none(instance_type instance, const char *call, size_t n)
              : FMI(OK);
 }
 
-/* Calls one(unit, reference, value) for each variable; returns at the first failure. */
+/* Calls one(unit, reference, value) for each of n variables, and returns from the function that
+ * contains the macro at the first failure. */
 #define EACH(call, one)                                                       \
     CALL(call, UNIT_ANY | UNIT_WITHIN);                                       \
     if ((n && (!references || !values)) || n != n_values)                     \
@@ -198,7 +201,7 @@ UNIT_SHOWN status_type FMI(GetFMUState)(instance_type instance, FMI(FMUState) * 
     CALL(__func__, UNIT_ANY);
     if (!state)
         return null(unit, __func__);
-    if (*state) { /* the importer passes a state to overwrite */
+    if (*state) { /* the importer passes an earlier state, to be overwritten */
         memcpy(*state, unit->all, unit->n_all * sizeof *unit->all);
         return FMI(OK);
     }

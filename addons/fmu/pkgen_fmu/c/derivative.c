@@ -11,7 +11,8 @@
 
 enum { LEVELS = 3, TRIES = 6 };
 
-/* Returns the address of variable `known`, or NULL if it is no state, time or input. */
+/* Returns the address of the variable with value reference `known`; NULL if the variable is no
+ * state, time or input. */
 static double *moved(struct unit *unit, unsigned known)
 {
     const size_t i = unit_index_of(known);
@@ -37,7 +38,8 @@ static enum unit_status values(struct unit *unit, const unsigned *unknowns, size
     return status;
 }
 
-/* Computes the unknowns after setting the knowns to `at` + e `seed`. */
+/* Sets the variables `knowns` to the values `at` + e `seed`, and computes the variables
+ * `unknowns`. */
 static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size_t n,
                                const unsigned *knowns, size_t n_knowns, const double *seed,
                                const double *at, double e, double *out)
@@ -49,7 +51,8 @@ static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size
     return values(unit, unknowns, n, out);
 }
 
-/* Computes J seed by central differences with steps e, e/2, e/4 and Richardson extrapolation. */
+/* Computes J `seed`, where J is the Jacobian of the unknowns by the knowns, from central
+ * differences with steps e, e/2, e/4 and Richardson extrapolation. */
 static enum unit_status differences(struct unit *unit, const unsigned *unknowns, size_t n,
                                     const unsigned *knowns, size_t n_knowns, const double *seed,
                                     double *out)
@@ -99,8 +102,8 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     return status;
 }
 
-/* Computes derivatives of the n accelerations by the kernel `linear`. Returns UNIT_DISCARD if the
- * model has no such kernel, or a known is an input. */
+/* Computes the directional derivatives of the n accelerations along `seed` by the kernel `linear`.
+ * Returns UNIT_DISCARD if the model has no such kernel, or if one of the knowns is an input. */
 static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_t n_knowns,
                                 const double *seed, double *out)
 {
@@ -130,7 +133,8 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
     return found == PK_DONE ? UNIT_OK : UNIT_DISCARD;
 }
 
-/* Computes J seed: exactly by the kernel `linear`, or else by finite differences. */
+/* Computes J `seed`, where J is the Jacobian of the unknowns by the knowns: exactly by the kernel
+ * `linear` if possible, or else by finite differences. */
 static enum unit_status along(struct unit *unit, const unsigned *unknowns, size_t n,
                               const unsigned *knowns, size_t n_knowns, const double *seed,
                               double *out)

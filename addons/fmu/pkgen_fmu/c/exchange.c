@@ -1,5 +1,6 @@
-/* A unit in model exchange: the importer integrates. Switches of the equations are constant between
- * events, so that the importer integrates smooth equations. */
+/* An FMU instance in model exchange: the importer integrates. The branches of the equations'
+ * switches (abs, step, min, max) are constant between events, so that the importer integrates
+ * smooth equations. */
 #include "unit.h"
 
 #include <math.h>
@@ -7,7 +8,8 @@
 
 static double sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-/* Sets unit->sides to the signs of the switching functions; a function that is 0 keeps its side. */
+/* Sets unit->sides to the signs of the switching functions. If a switching function is 0, its side
+ * remains as it is. */
 static enum unit_status take_sides(struct unit *unit)
 {
     const struct pk_system *s = unit->system;
@@ -87,7 +89,7 @@ enum unit_status unit_set_time(struct unit *unit, double t)
     return UNIT_OK;
 }
 
-/* Fails unless n = wanted; otherwise calls unit_refresh(). */
+/* Fails unless n, the number of values given, is `wanted`; otherwise calls unit_refresh(). */
 static enum unit_status right(struct unit *unit, const void *values, size_t n, size_t wanted)
 {
     if (n == wanted && (values || !n))

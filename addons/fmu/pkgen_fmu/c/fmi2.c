@@ -163,14 +163,15 @@ UNIT_SHOWN fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real le
     CALL(__func__, UNIT_STEPPING);
     struct importer *importer = (struct importer *)unit->environment;
     const enum unit_status status = unit_step(unit, t, length, &importer->made);
-    /* Derivatives of inputs apply to one step only. */
+    /* Derivatives of inputs that the importer sets apply to one step only. */
     for (size_t i = 0; i < UNIT_ORDERS * unit->n_inputs; i++) {
         if (unit->slopes[i] != 0)
             unit->ready = 0;
         unit->slopes[i] = 0;
     }
     if (status == UNIT_OK && importer->made.ends)
-        return (fmi2Status)unit_early(unit); /* fmi2GetBooleanStatus() returns made.ends */
+        /* the importer learns that the motion has ended from fmi2GetBooleanStatus() */
+        return (fmi2Status)unit_early(unit);
     return (fmi2Status)status;
 }
 

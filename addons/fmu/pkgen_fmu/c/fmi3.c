@@ -200,7 +200,8 @@ UNIT_SHOWN fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float
     *early = made.early || (made.ends && importer->may_return);
     *last = made.t;
     if (status == UNIT_OK && made.ends && !importer->may_return && made.t < t + length)
-        return (fmi3Status)unit_early(unit); /* the importer forbids an early return with fmi3OK */
+        /* the step ended early, but the importer does not accept that with the status fmi3OK */
+        return (fmi3Status)unit_early(unit);
     return (fmi3Status)status;
 }
 

@@ -74,7 +74,7 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     if (status != UNIT_OK)
         return status;
     if (unit->co_simulation) { /* reports unusable settings before the first step */
-        unit->busy = 1;        /* prevents callbacks to the importer */
+        unit->busy = 1;        /* refuses calls of the importer from its callbacks */
         status = make_ready(unit, 1);
         unit->busy = 0;
         unit->ready = unit->ready && unit->settings[UNIT_STEP] > 0;
@@ -93,7 +93,8 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     return status;
 }
 
-/* Copies the state of the integrator to the unit, and extrapolates the inputs to its time. */
+/* Copies the state of the integrator to the unit, and extrapolates the inputs to the time of the
+ * integrator. */
 static void take(struct unit *unit)
 {
     *unit->time = unit->it.t;

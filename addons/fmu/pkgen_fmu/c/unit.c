@@ -44,7 +44,8 @@ enum unit_status unit_allowed(const struct unit *unit, const char *call, int mod
                     call, names[k]);
 }
 
-/* Sets the pointers of unit to parts of `all` unless `all` is NULL. Returns the size of `all`. */
+/* Returns the number of doubles in the array `all`. Unless `all` is NULL, sets the pointers of unit
+ * to the parts of `all`. */
 static size_t lay_out(struct unit *unit, double *all)
 {
     const size_t n_p = pk_host_model.n_parameters, n_u = unit->n_inputs;
@@ -171,7 +172,8 @@ enum unit_status unit_reset(struct unit *unit)
     return UNIT_OK;
 }
 
-/* Sets params from unit->parameters, in which it replaces unset parameters by computed values. */
+/* Sets the model's params from unit->parameters. A parameter that the importer has not set is first
+ * replaced in unit->parameters by its default, which may depend on other parameters. */
 static enum unit_status apply(struct unit *unit)
 {
     for (size_t k = 0; k < pk_host_model.n_parameters; k++)
@@ -252,7 +254,7 @@ size_t unit_serial_size(const struct unit *unit)
     return sizeof MARK + sizeof(uint64_t) + unit->n_all * sizeof(double);
 }
 
-/* Returns a hash of the model's token, by which unit_deserialise() recognises its states. */
+/* Returns a hash of the model's token. unit_deserialise() refuses states with a different hash. */
 static uint64_t mark_of(const struct unit *unit)
 {
     uint64_t mark = unit->n_all;
@@ -280,7 +282,7 @@ double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, si
     if (!state)
         return NULL;
     memcpy(state, bytes + sizeof MARK + sizeof mark, unit->n_all * sizeof *state);
-    /* checks mode and method, which are used as indices */
+    /* The mode and the method of the state are checked, since they are used as indices. */
     const double mode = state[unit->mode - unit->all],
                  method = state[unit->settings - unit->all + UNIT_METHOD];
     const int known = mode == UNIT_INSTANTIATED || mode == UNIT_INITIALIZATION ||

@@ -1,7 +1,8 @@
-/* A model as a functional mock-up unit (FMU): common code of FMI 2 and FMI 3, over pk_host.h. All
- * variable data of a unit is in one array of numbers, `all`: an FMU state is a copy of `all`. Data
- * derived from `all` (params, the integrator, values) is computed on demand. A function returns
- * UNIT_OK, or reports its failure by unit_say(). */
+/* A model as a functional mock-up unit (FMU): the code common to FMI 2 and FMI 3, which calls
+ * pk_host.h. A unit is an instance of the FMU. All data that changes is in one array of numbers,
+ * `all`, so that an FMU state is a copy of this array. Other data (params, the integrator, values)
+ * is computed from `all` when it is needed. A function returns UNIT_OK, or reports its failure by
+ * unit_say(). */
 #ifndef UNIT_H
 #define UNIT_H
 
@@ -48,7 +49,8 @@ enum unit_mode {
     UNIT_CONTINUOUS = 8, /* model exchange between events */
     UNIT_STEPPING = 16,  /* co-simulation */
     UNIT_TERMINATED = 32,
-    UNIT_WITHIN = 64 /* not a mode: marks calls that a callback may make */
+    /* not a mode: in an argument `modes`, allows the call from within a callback of a step */
+    UNIT_WITHIN = 64
 };
 enum {
     UNIT_BEFORE = UNIT_INSTANTIATED | UNIT_INITIALIZATION,
@@ -64,12 +66,14 @@ struct unit {
     char *name;
     int co_simulation;
     void (*log)(const struct unit *unit, enum unit_status status, const char *category,
-                const char *text); /* NULL: nothing is logged */
+                const char *text); /* NULL if nothing is logged */
     void *environment, *callback;
     int logging;
-    /* Calls the importer, which sets the inputs at t. NULL: inputs are extrapolated by `slopes`. */
+    /* Calls the importer, which sets the inputs for time t. If NULL, inputs are extrapolated to t
+     * by their derivatives `slopes`. */
     void (*inputs_at)(struct unit *unit, double t);
-    /* Tells the importer that a step reached t; nonzero: the importer requests an early return. */
+    /* Tells the importer that a step has reached time t. Returns nonzero if the importer requests
+     * that the step returns early. */
     int (*stepped)(struct unit *unit, double t);
 
     size_t n, n_q, n_x, n_inputs, n_outputs, n_events, n_switches, n_all;
@@ -78,14 +82,19 @@ struct unit {
     double *parameters, *is_set, *start, *start_is_set, *y, *inputs, *slopes, *sides, *before,
         *anchor; /* unit_bound.c */
 
-    void *params, *held;                          /* held: copy of params with switches fixed */
-    double *values[PK_HOST_MOMENTA], *indicators; /* computed if their bit in `known` is set */
-    double *near;                                 /* work space for a state */
-    const double *given;                          /* inputs for the integrator; NULL: `inputs` */
+    /* `held` is a copy of params in which the switches' branches are fixed */
+    void *params, *held;
+    /* `values` and `indicators` are valid if their bits in `known` are set */
+    double *values[PK_HOST_MOMENTA], *indicators;
+    double *near; /* work space for one state vector */
+    /* the inputs that the integrator reads; if NULL, it reads `inputs` */
+    const double *given;
     unsigned known;
     int stale; /* params must be recomputed from `all` */
-    int ready; /* `it` is initialised at the current state; in model exchange at `anchor` */
-    int busy;  /* a callback of a step is running */
+    /* whether the integrator `it` is initialised: at the current state, or in model exchange at
+     * `anchor` */
+    int ready;
+    int busy; /* whether a callback of a step is running */
     struct pk_integrator it;
     struct pk_events events;
     void *block, *events_block;
@@ -120,22 +129,23 @@ enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n);
 enum unit_status unit_indicators(struct unit *unit, double *values, size_t n);
 enum unit_status unit_enter_event(struct unit *unit);
 enum unit_status unit_update(struct unit *unit, int *ends); /* detects events, updates switches */
-int unit_moved(struct unit *unit); /* whether a projection changed the state since the last call */
+/* whether a projection has changed the state since the last call of unit_moved() */
+int unit_moved(struct unit *unit);
 /* Completes a step of the importer; sets *event to 1 if the unit requests event mode. */
 enum unit_status unit_completed(struct unit *unit, int *event);
 
 /* Co-simulation. */
 struct unit_stepped {
-    double t;  /* the last time at which the state is valid */
+    double t;  /* the time at which the step ended: the last one with a valid state */
     int ends;  /* whether an event ended the motion */
-    int early; /* whether the importer requested a return at t */
+    int early; /* whether the importer requested an early return at time t */
 };
 enum unit_status unit_step(struct unit *unit, double t, double length, struct unit_stepped *made);
 /* Reports that an event ended the step; returns UNIT_DISCARD. */
 enum unit_status unit_early(const struct unit *unit);
 
-/* Computes `sensitivity` = J seed, or J^T seed if `transposed`. J has a row per unknown and a
- * column per known. */
+/* Computes the directional derivative `sensitivity` = J seed, or the adjoint derivative J^T seed if
+ * `transposed`. J is the Jacobian of the unknowns by the knowns. */
 enum unit_status unit_derivative(struct unit *unit, const unsigned *unknowns, size_t n_unknowns,
                                  const unsigned *knowns, size_t n_knowns, const double *seed,
                                  int transposed, double *sensitivity);
@@ -158,11 +168,13 @@ static inline size_t unit_index_of(unsigned reference)
     return reference & ((1u << UNIT_SHIFT) - 1);
 }
 static inline double *unit_v(const struct unit *unit) { return unit->y + unit->n_q; }
-enum unit_status unit_refresh(struct unit *unit); /* updates params, before the run also y */
-void unit_hold_sides(struct unit *unit); /* writes `sides` to `held`, which fixes switches */
+/* updates params; before the run, also the state y */
+enum unit_status unit_refresh(struct unit *unit);
+/* copies `sides` to `held`, so that each switch stays on its side */
+void unit_hold_sides(struct unit *unit);
 const void *unit_params(const struct unit *unit);
 void unit_forget(struct unit *unit);               /* marks computed values as invalid */
-void unit_inputs(void *unit, double t, double *u); /* has the type of pk_problem.input */
+void unit_inputs(void *unit, double t, double *u); /* a function of the type of pk_problem.input */
 void unit_move_inputs(struct unit *unit, double t);
 enum unit_status unit_rates(struct unit *unit);
 enum unit_status unit_functions(struct unit *unit);

@@ -10,7 +10,9 @@
 
 #include <pk/constraint.h>
 
-enum { MOVED, TIME, PLACE }; /* indices into unit->anchor: flag, time, first state */
+/* indices into unit->anchor of: a flag whether a projection moved the state, the time, the first
+ * component of the state */
+enum { MOVED, TIME, PLACE };
 
 int unit_bound(const struct unit *unit)
 {
@@ -53,12 +55,14 @@ enum unit_status unit_bound_start(struct unit *unit)
     return begin(unit);
 }
 
-/* The tolerated drift, in units of rtol. Importers restart after an event with short steps of low
- * order: with CVode, the energy of a double pendulum of rods drifts by 7e-3 if MOST_OFF is 100, by
- * 5e-2 if it is 1, and by 0.17 without such events. */
+/* The largest tolerated drift, in units of rtol. A larger drift causes an event, and importers
+ * restart after an event with short steps of low order. With CVode, the energy of a double pendulum
+ * of rods drifts by 7e-3 if MOST_OFF is 100, by 5e-2 if it is 1, and by 0.17 without such
+ * events. */
 static const double MOST_OFF = 100;
 
-/* Returns whether two states differ by more than MOST_OFF rtol (1 + |b|) in a component. */
+/* Returns whether the states a and b differ by more than MOST_OFF rtol (1 + |b|) in some
+ * component. */
 static int apart(const struct unit *unit, const double *a, const double *b)
 {
     double most = 0;
@@ -67,7 +71,8 @@ static int apart(const struct unit *unit, const double *a, const double *b)
     return most > MOST_OFF * unit->settings[UNIT_RTOL];
 }
 
-/* Writes the projected state to unit->near; sets *off if it differs from y by MOST_OFF or more. */
+/* Writes the projected state to unit->near. Sets *off to whether the projected state differs from
+ * the current state by more than the tolerated drift. */
 static enum unit_status look(struct unit *unit, int *off)
 {
     *off = 0;

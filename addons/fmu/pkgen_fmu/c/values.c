@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { FUNCTIONS = 1 << PK_HOST_MOMENTA }; /* bit of unit->known for indicators */
+/* the bit of unit->known that says that the indicators are valid */
+enum { FUNCTIONS = 1 << PK_HOST_MOMENTA };
 
 static size_t count(const struct unit *unit, enum unit_kind kind)
 {
@@ -41,7 +42,8 @@ static enum unit_status none(const struct unit *unit, unsigned reference)
     return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no variable %u", reference);
 }
 
-/* Returns the values of a kind, computed unless known; NULL if they do not exist at the state. */
+/* Returns the values of a kind at the current state, computed if they are not yet. Returns NULL if
+ * they cannot be computed at this state. */
 static const double *computed(struct unit *unit, enum pk_host_kind kind)
 {
     double *const out = unit->values[kind];

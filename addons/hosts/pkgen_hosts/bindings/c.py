@@ -13,7 +13,8 @@ from pkgen.back.library import Target, library
 from pkgen.back.runtime import licence, public_names
 
 HERE = Path(__file__).parent / "templates"
-_NAME = re.compile(r"\bpk_\w*\w\b(?!\s*##)")  # all names of the runtime
+# Names of the runtime that are whole, not pasted by ##.
+_NAME = re.compile(r"\bpk_\w*\w\b(?!\s*##)")
 
 
 def _files(model: Exported) -> dict[str, str]:
@@ -37,7 +38,7 @@ def shared(model: Exported, target: Target | None) -> bytes:
 
 
 def _first(path: str, text: str) -> str:
-    """Returns the text, with an #include of names.h first if the path is that of a C source."""
+    """Returns the text of a file; a C source gets an #include of names.h before its first line."""
     if not path.endswith(".c"):
         return text
     names = posixpath.relpath("names.h", posixpath.dirname(path) or ".")

@@ -50,8 +50,9 @@ def place(folder: str, path: str) -> str:
 
 
 def fields(parameters: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Returns the fields of `struct Parameters`; a family is one array. The default NaN marks a
-    parameter that is computed from other parameters."""
+    """Returns the fields of the Rust `struct Parameters`. A family of parameters is one array
+    field. A default of NaN marks a parameter that is computed from other parameters unless it is
+    set."""
     found = []
     for stem, members in itertools.groupby(parameters, lambda p: p["name"].partition("[")[0]):
         rows = list(members)

@@ -48,7 +48,7 @@ def make(model: Exported) -> dict[str, bytes]:
         raise UsageError("--target: a wheel is of one machine")
     target = targets[0] if targets else None
     called = interface(name, model.own, model.description)
-    model.method()  # raises now, not after installation, if the method cannot be used
+    model.method()  # Raises an error now if the method cannot be used, not only after installation.
     code = library(model.with_runtime(called), "pk_host_", target)
     place = target or TARGETS[this_machine()]
     tag = f"py3-none-{platform_tag(code, place)}"
@@ -71,7 +71,8 @@ def make(model: Exported) -> dict[str, bytes]:
 
 
 def platform_tag(code: bytes, target: Target) -> str:
-    """Returns the platform tag. A tag of Linux has the newest glibc version that the code needs."""
+    """Returns the platform tag of the wheel. For Linux, the tag states the lowest version of glibc
+    that has all symbols the code needs."""
     if target.name in _TAGS:
         return _TAGS[target.name]
     newest = max((int(v) for v in _GLIBC.findall(_doubled(code))), default=0)
@@ -80,7 +81,8 @@ def platform_tag(code: bytes, target: Target) -> str:
 
 
 def _doubled(code: bytes) -> bytes:
-    """Doubles each zero byte: matches of _GLIBC in adjacent strings then do not overlap."""
+    """Doubles each zero byte. Each match of _GLIBC includes the zero bytes at both ends of a
+    string; so matches in adjacent strings do not overlap."""
     return code.replace(b"\0", b"\0\0")
 
 

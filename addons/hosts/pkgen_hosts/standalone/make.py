@@ -29,8 +29,8 @@ EVERY: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def how(options: object) -> dict[str, object]:
-    """Returns compiler options: families are unrolled; only kernels of steps and rows are made.
-    """
+    """Returns compiler options for the exports: families are unrolled; of the kernels, only those
+    for steps and for rows are generated."""
     return {"kernels": KERNELS}
 
 
@@ -79,7 +79,8 @@ def arduino(model: Exported) -> dict[str, bytes]:
 
 
 def _intervals(whole: float, part: float, words: str) -> int:
-    """Returns whole / part. Raises UsageError if this is not an integer up to round-off."""
+    """Returns the number of parts in a whole. Raises UsageError if it is not an integer up to
+    round-off."""
     count = round(whole / part)
     if count < 1 or abs(whole / part - count) > 1e-9 * count:
         raise UsageError(f"{words}: give whole multiples")
@@ -91,7 +92,8 @@ def _main(step: Step) -> str:
     run = of["run"]
     h, every, until = run["step"], run["every"], run["until"]
     per_row = _intervals(every, h, f"rows every {every:g} s by steps of {h:g} s")
-    # every / per_row is bitwise the step that the runtime takes.
+    # The runtime's step is exactly the double `every / per_row`; `h` may differ from it by
+    # round-off.
     h = every / per_row if abs(every / per_row - h) <= 1e-12 * h else h
     count = max(1, math.ceil(until / every * (1 - 1e-12)))
     rest = until - (count - 1) * every

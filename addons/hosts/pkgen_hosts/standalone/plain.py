@@ -9,8 +9,8 @@ _DIRECTIVE = re.compile(r"\s*#\s*(ifdef|ifndef|if|elif|else|endif)\b\s*(\w*)")
 
 
 def plain(text: str, known: Mapping[str, bool]) -> str:
-    """Returns C without the `#ifdef NAME` of known names and without the branches not taken.
-    """
+    """Returns C text in which each `#ifdef NAME` whose NAME is in `known` is replaced by the branch
+    that the preprocessor would take."""
     lines: list[str] = []
     kept: list[bool | None] = []  # values of enclosing #ifs; None if unknown
     for line in text.splitlines():

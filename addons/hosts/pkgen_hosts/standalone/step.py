@@ -24,7 +24,8 @@ KERNELS = frozenset(("acceleration", "energy", "observe"))
 _FIELD = re.compile(r"offsetof\(struct \w+, (\w+)\)(?: \+ (\d+) \* sizeof\(pk_real\))?")
 _SINCOS = re.compile(r"#ifndef PK_SINCOS_H.*?\n#endif\n(?=\n[a-z])", re.DOTALL)
 _CALLED = re.compile(r"\bPK_F\((\w+)\)")
-INSTRUCTIONS = {"fabs", "fma", "sqrt"}  # compiled to processor instructions, not libm calls
+# Compilers make one instruction of each of these functions, so they need no libm.
+INSTRUCTIONS = {"fabs", "fma", "sqrt"}
 
 
 class Step:
@@ -32,7 +33,8 @@ class Step:
 
     def __init__(self, model: Exported, scalar: str, *, has_main: bool = False):
         self.model = model
-        self.has_main = has_main  # whether to write a main(), which ends at stopping events
+        # whether to write a main(); it ends the run at an event that stops the motion
+        self.has_main = has_main
         self.of = model.description
         self.name = model.name
         self.float = (model.options.scalar or scalar) == "float"
@@ -93,7 +95,8 @@ class Step:
         return plain(self.model.files[f"{self.name}.c"], {"PK_RUNTIME": False})
 
     def _text(self, text: str, at: str) -> str:
-        """Returns the header text with the macros of this export defined before the line `at`."""
+        """Returns the text of a header; macros that this export needs are defined before the line
+        `at`."""
         defined = "".join(
             f"#ifndef {name}\n#define {name} /* {why} */\n#endif\n"
             for name, why, there in (
@@ -165,7 +168,7 @@ class Step:
 
     @property
     def missed(self) -> list[str]:
-        """Returns the differences from `pkgen run` that change the motion."""
+        """Returns descriptions of those differences from `pkgen run` that change the motion."""
         found = []
         if not self.has_main and self._events(stop=True):
             found.append(f"Nothing stops at {self._events(stop=True)}, where pkgen run does.")
@@ -219,13 +222,15 @@ class Step:
 
 
 def places(of: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
-    """Returns of each state its member of `struct NAME_motion`, as C, and its description."""
+    """Returns, for each state variable, the C of its member of `struct NAME_motion`, and its
+    description."""
     n_q = len(of["coordinates"])
     return [(f"q[{k}]" if k < n_q else f"v[{k - n_q}]", y) for k, y in enumerate(states(of))]
 
 
 def _pasted(header: str, conditions: dict[str, bool]) -> str:
-    """Returns a runtime header's text without top comment, include guard and includes of pk/."""
+    """Returns the text of a runtime header without the comment at its top, its include guard and
+    its includes of <pk/...>."""
     text = plain(pasted(header), conditions)
     text = re.sub(r"^#include <pk/[^\n]*\n", "", text, flags=re.MULTILINE)
     guard = re.search(r"^#ifndef (PK_\w+_H)\n#define \1\n", text, re.MULTILINE)

@@ -51,7 +51,8 @@ def constants(compilation: Compilation, prose: Prose, shown: Shown | None) -> It
 
 
 def _meant(structure: Structure, shown: Shown) -> Iterator[str]:
-    """Yields the energy and momenta that occur in the invariants, as functions of the state."""
+    """Yields the formulas of those energies and momenta, as functions of the state, that occur in
+    the invariants."""
     e = shown.e
     symmetries = structure.symmetries
     used = {name for name, _ in found(e, structure)}

@@ -26,8 +26,9 @@ from .written import Line, Written
 if TYPE_CHECKING:
     import sympy
 
-ROWS = 24  # If there are more equations of motion, only the first three and the last are shown.
-MEMBERS = 6  # If a table row has more names, only the first two and the last are shown.
+# If there are more equations of motion than this, only the first three and the last are shown.
+ROWS = 24
+MEMBERS = 6  # If a table row has more names than this, only the first two and the last are shown.
 _OF_MULTIPLIERS = (
     "The multipliers; J has the slopes of these rows by the rates, "
     "γ is their rate of change where nothing accelerates"
@@ -262,7 +263,7 @@ class EquationSections:
         yield from self._zeros([(q.name, node) for q, _, node in events], notes)
 
     def _zeros(self, rows: Sequence[tuple[str, Node]], notes: Sequence[str]) -> Iterator[str]:
-        """Yields the formulas 0 = node, each with a note."""
+        """Yields formulas 0 = EXPRESSION, each with a note."""
         shown = self.shown.where([(mathml.number("0"), node) for _, node in rows])
         if shown.operations:
             yield from where(shown)
@@ -273,7 +274,8 @@ class EquationSections:
 
 
 def _of_constraint(name: str) -> str:
-    """Returns the label of a constraint: "joint z" for joint.z, "rate of joint" for joint'."""
+    """Returns the label of a constraint for a reader. The constraint joint.z gets "joint z"; the
+    constraint joint' gets "rate of joint"."""
     own, _, axis = name.rstrip("'").partition(".")
     shown = f"{escape(own)} {mathml.inline(mathml.name(axis))}" if axis else escape(own)
     return f"rate of {shown}" if name.endswith("'") else shown

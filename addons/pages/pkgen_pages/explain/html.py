@@ -96,7 +96,8 @@ def _quantities(c: Contents, prose: Prose) -> Iterable[str]:
 
 
 def scene_section(scene: SceneShown, prose: Prose) -> Iterable[str]:
-    """Yields a scene's section: parts of the model that it does not need, and operations saved."""
+    """Yields the section about a scene: the parts of the model that are left out of the scene's C,
+    and the operations that this saves."""
     yield heading(f"Scene {scene.name.replace('_', ' ')}")
     if scene.description:
         yield f"<p>{prose(scene.description)}</p>"

@@ -1,4 +1,5 @@
-"""Typesets the equations of indexed families q[1..N] that are compiled to loops: a row in i."""
+"""Typesets the equations of indexed families q[1..N] that are compiled to loops. Each equation is
+in terms of the index i."""
 
 from __future__ import annotations
 
@@ -67,7 +68,8 @@ def _style(e: LoopEquations, written: Written) -> Style:
 
 
 class _Ranks(dict):
-    """Ranks of names for sorting; a member of a family, or a derivative, has the family's rank."""
+    """Ranks of names for sorting. A member of a family, and a derivative, have the rank of the
+    family."""
 
     def __init__(self, names: Iterable[str]):
         super().__init__((name, k) for k, name in enumerate(names))

@@ -15,8 +15,8 @@ from pkgen.front.words import greek
 
 NARROW = 24  # most letters of a formula that fits in a line of a narrow page
 MINUS = "\u2212"
-_TIMES = "\u2062"  # Invisible multiplication.
-_APPLY = "\u2061"  # Invisible function application.
+_TIMES = "\u2062"  # MathML's invisible multiplication sign.
+_APPLY = "\u2061"  # MathML's invisible sign of a function application.
 _THIN = '<mspace width="0.17em"></mspace>'
 _NAME = re.compile(r"([^\W\d_]+)_?(\d*)(?:_(\w+))?")
 _MEMBER = re.compile(r"(\w+)\[(.*)\]")
@@ -30,8 +30,9 @@ _DOTS = {1: "˙", 2: "¨"}
 
 
 def formula(chunks: Iterable[str], note: str = "") -> str:
-    """Returns a displayed formula followed by a note in HTML; its line may break between chunks. If
-    a chunk is too wide for a narrow page, the formula can be scrolled by the keyboard."""
+    """Returns a displayed formula followed by a note in HTML. The formula is a sequence of chunks
+    of MathML; a line may break between two chunks. If a chunk is too wide for a narrow page, the
+    formula can be scrolled by the keyboard."""
     chunks = list(chunks)
     parts = [f'<math displaystyle="true">{row(chunk)}</math>' for chunk in chunks]
     parts += [f'<span class="note">{note}</span>'] if note else []
@@ -135,7 +136,8 @@ def product(factors: Iterable[str]) -> str:
 
 
 def _is_word(content: str, end: int) -> bool:
-    """Whether the first (end 0) or last (end -1) visible text has several letters."""
+    """Whether the first text in this MathML (`end` = 0) or the last one (`end` = -1) is a word of
+    several letters."""
     letters = [x for x in re.split(r"<[^>]*>", content) if x]
     return bool(letters) and len(letters[end]) > 1 and letters[end].isalpha()
 
@@ -165,7 +167,8 @@ def matrix(rows: Iterable[Iterable[str]]) -> str:
 
 
 def width(content: str) -> int:
-    """Returns the number of visible letters; numerator and denominator of a fraction are added."""
+    """Returns the number of visible letters in MathML; a fraction counts the letters of both its
+    numerator and its denominator."""
     return len(_VISIBLE.sub("", content))
 
 
@@ -173,8 +176,9 @@ def width(content: str) -> int:
 
 
 def name(text: str, lone: str = "", bold: bool = False) -> str:
-    """Returns a name of the model typeset, with primes, index or component; vectors are bold. The
-    angular velocity of `lone`, the only rotation of a model, has no name as subscript."""
+    """Returns a name of the model typeset, with primes, index or component; vectors are bold. If
+    the model has only one rotation, `lone` is its name, and its angular velocity is shown without
+    this name as subscript."""
     base = text.rstrip("'")
     letter, below = _parts(base, lone, bold)
     letter = dotted(letter, len(text) - len(base))

@@ -13,7 +13,7 @@ from . import mathml
 from .mathml import fraction, operator, row
 from .written import Written
 
-_WORD = re.compile(r"[A-Za-z]{2,}")  # A name that may be an English word.
+_WORD = re.compile(r"[A-Za-z]{2,}")  # A name of this form may also be an English word.
 TERMS = 12  # Most terms of a sum that is shown in full.
 _ARTICLES = frozenset("aAI")  # English words of one letter, never typeset as names.
 _SHIFT = re.compile(r"(^| [+-] )(.*?)d/d(\S+)")

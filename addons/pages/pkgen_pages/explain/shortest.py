@@ -10,9 +10,9 @@ from . import mathml
 if TYPE_CHECKING:
     import sympy
 
-TRIED = 120  # Most operations of an expression for which other forms are tried.
-LONGER = 1.2  # Largest length of the form with collected terms, relative to the shortest form.
-TERMS = 40  # Most terms of an expanded form.
+TRIED = 120  # Other forms are tried only for expressions with at most this many operations.
+LONGER = 1.2  # The form with collected terms may be longer than the shortest form by this factor.
+TERMS = 40  # Most terms of the expanded form.
 
 
 def shortest(
@@ -79,7 +79,8 @@ def _has_content(x: sympy.Expr) -> bool:
 
 
 def _content_outside(x: sympy.Expr) -> sympy.Expr:
-    """Moves a common factor out of a power: sqrt(x^2/4 + y^2/4) becomes sqrt(x^2 + y^2)/2."""
+    """Moves the common factor of a sum out of a power of it: sqrt(x^2/4 + y^2/4) becomes
+    sqrt(x^2 + y^2)/2."""
     content, rest = x.base.primitive()
     return content**x.exp * rest**x.exp
 

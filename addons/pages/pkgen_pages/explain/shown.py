@@ -25,11 +25,12 @@ from .typeset import Typesetter
 if TYPE_CHECKING:
     import sympy
 
-WHOLE = 100  # Most operations of a short formula.
+WHOLE = 100  # A formula is short if it has at most this many operations.
 AGAIN = 5  # Fewest operations of a repeated subexpression that gets a name.
-OFTEN = 20  # Fewest operations, over all repetitions, that a name saves in short formulas.
-PART = 40  # Most operations of a subexpression that occurs once and gets no name.
-NAMED = 24  # Most names per formula; a formula that needs more is not shown.
+# In short formulas a subexpression gets a name only if that saves this many operations in total.
+OFTEN = 20
+PART = 40  # A subexpression that occurs once gets a name if it has more operations than this.
+NAMED = 24  # A formula that needs more names than this is not shown.
 _LETTERS = "ABCDFGKPSUWXYZ"
 
 Chunks = list[str]
@@ -37,7 +38,8 @@ Chunks = list[str]
 
 @record
 class Where:
-    """Formulas and definitions of names in them; if they are too long, only their `operations`."""
+    """Formulas, and the definitions of the names in them. If the formulas are too long to be shown,
+    only their number of `operations` is given."""
 
     formulas: tuple[Chunks, ...]
     named: tuple[Chunks, ...] = ()
@@ -102,8 +104,8 @@ class Shown:
         return shortest(expr, self.constants, self.typeset, self._by_entries(expr))
 
     def _by_entries(self, expr: sympy.Expr) -> list[sympy.Expr]:
-        """Returns a list: the form in entries of rotation matrices instead of products of
-        quaternion components, or nothing if there is none."""
+        """Returns a list with the form of `expr` in which entries of rotation matrices replace
+        products of quaternion components; an empty list if there is no such form."""
         import sympy as sp
 
         made = expr
@@ -117,8 +119,8 @@ class Shown:
         return [] if made == expr else [sp.expand(made)]
 
     def _entries(self) -> dict[sympy.Expr, sympy.Expr]:
-        """Maps polynomials in quaternion components to entries of rotation matrices. It has the
-        variants that occur in the graph: negated, or without a factor of two."""
+        """Maps polynomials in quaternion components to entries of rotation matrices. The negative
+        of each polynomial is mapped too, and so is its half if it has a factor of two."""
         import sympy as sp
 
         found: dict[sympy.Expr, sympy.Expr] = {}
@@ -145,7 +147,8 @@ class Shown:
     # -- formulas with named subexpressions ----------------------------------------------------
 
     def where(self, rows: Sequence[tuple[str, Node]]) -> Where:
-        """Returns the formulas LEFT = node, and definitions of names that they share."""
+        """Returns the formulas LEFT = EXPRESSION of `rows`, and the definitions of names for
+        subexpressions of the formulas."""
 
         def made(values: list[sympy.Expr]) -> list[Chunks]:
             return [
@@ -158,8 +161,9 @@ class Shown:
     def made_of(
         self, nodes: Sequence[Node], made: Callable[[list[sympy.Expr]], list[Chunks]]
     ) -> Where:
-        """Returns the formulas that `made` makes of the nodes' expressions, and the definitions of
-        the names in them."""
+        """Calls `made` with the expressions of the nodes, in which names replace long or repeated
+        subexpressions. Returns the formulas that `made` returns, and the definitions of these
+        names."""
         chosen, size = self._chosen(nodes)
         if len(chosen) > NAMED:
             return Where((), operations=size)
@@ -215,7 +219,8 @@ class Shown:
         )
 
     def _odd(self, order: Iterable[Node]) -> set[Node]:
-        """Returns the nodes of odd degree in a quaternion, whose sign is arbitrary."""
+        """Returns the nodes that change sign with a quaternion; the sign of a quaternion is
+        arbitrary."""
         g, numbers, found = self.e.graph, self.e.quaternions, set()
         for n in order:
             odd = [a in found for a in g.args[n]]
@@ -240,7 +245,8 @@ class Shown:
 
 
 def _form(rotation: str, powers: tuple[int, ...]) -> sympy.Expr:
-    """Returns a product of two quaternion components, in entries of the rotation matrix."""
+    """Returns a product of two quaternion components as an expression in the entries of the
+    rotation matrix."""
     import sympy as sp
 
     entry = {a + b: sp.Symbol(f"{rotation}.{a}{b}") for a in AXES for b in AXES}

@@ -30,7 +30,8 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = ""
 
 
 def _reached(rows: Sequence[Sequence[str]]) -> str:
-    """Returns an attribute that lets the keyboard scroll a table that may be too wide, else ""."""
+    """Returns the HTML attribute by which the keyboard can scroll a table, if the table may be too
+    wide for the page; otherwise ""."""
     columns = zip(*rows, strict=True)
     wide = sum(max(mathml.width(cell) for cell in column) + 2 for column in columns)
     return ' tabindex="0"' if wide > mathml.NARROW else ""

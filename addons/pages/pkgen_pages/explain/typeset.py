@@ -62,8 +62,9 @@ class Typesetter:
         return [first, *terms]
 
     def _turned(self, call: sympy.Expr) -> sympy.Expr:
-        """Returns cos(phi - theta) as cos(theta - phi) if theta is declared first. The result is an
-        undefined function named cos, since SymPy would restore its own order of the argument."""
+        """Returns a call such as cos(phi - theta) as cos(theta - phi) if theta is declared before
+        phi. The result is an undefined function that is named cos, since SymPy's own cos would
+        restore the order of its argument."""
         import sympy as sp
 
         (inside,) = call.args
@@ -73,8 +74,8 @@ class Typesetter:
         return -own if turned and call.func.__name__ in _ODD else own
 
     def _place(self, term: sympy.Expr) -> tuple:
-        """Returns the sort key of a term in a sum: by variables, then by parameters; numbers are
-        last."""
+        """Returns the key by which the terms of a sum are sorted: first by variables, then by
+        parameters. Terms without either are last."""
         powers, others, constants = [], [], []
         for factor in term.as_ordered_factors():
             base, exponent = factor.as_base_exp()
@@ -207,7 +208,8 @@ class Typesetter:
 
 def function(name: str, arguments: list[str], bare: bool, power: str = "") -> str:
     """Returns a function call; `bare` means that its argument needs no brackets. An exponent
-    follows the name of sine and similar functions, and the call of other functions."""
+    `power` follows the name of sine and similar functions; for other functions it follows the
+    call."""
     if power and name not in _POWERS:
         made = function(name, arguments, bare)
         whole = name in ("abs", "Abs", "norm")
@@ -234,8 +236,8 @@ def _turns(x: sympy.Expr) -> bool:
 
 
 def _signed(term: sympy.Expr) -> tuple[bool, sympy.Expr]:
-    """Returns whether a term begins with a minus, and the term without it. A factor that is a sum
-    of negative terms only is negated."""
+    """Returns whether a term begins with a minus sign, and the term without that sign. A factor
+    whose terms are all negative is negated, which changes the sign of the term."""
     negative, factors = False, []
     for factor in term.as_ordered_factors() if term.is_Mul else [term]:
         base, exponent = factor.as_base_exp()
@@ -258,8 +260,9 @@ def _is_below(factor: sympy.Expr) -> bool:
 
 
 def _decimal(value: sympy.Rational) -> str:
-    """Returns a number as a decimal like "9.81". Returns "" for integers, for simple fractions like
-    1/2, and for numbers without a finite decimal expansion."""
+    """Returns a number as a decimal like "9.81". Returns "" if a decimal is not the best form: for
+    integers, for simple fractions like 1/2, and for fractions like 1/7 without a finite decimal
+    expansion. Very large integers and denominators are always decimals."""
     p, q = abs(value.p), value.q
     few = q in FEW or (q == 1 and p < LARGE)
     if few or (q < LARGE and not _ends(q)):
@@ -268,7 +271,8 @@ def _decimal(value: sympy.Rational) -> str:
 
 
 def _ends(q: int) -> bool:
-    """Returns whether 1/q has a finite decimal expansion."""
+    """Returns whether 1/q has a finite decimal expansion: the integer q has no prime factors other
+    than 2 and 5."""
     for prime in (2, 5):
         while q % prime == 0:
             q //= prime

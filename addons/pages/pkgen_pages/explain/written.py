@@ -1,6 +1,8 @@
-"""Typesets statements of the source as written: energies, forces, constraints, `let` definitions.
+"""Typesets statements of a model as their author wrote them: energies, forces, constraints, `let`
+definitions.
 
-Only here vectors and rotations are single symbols; after the checker they are components.
+In these formulas, vectors and rotations are single symbols. The checker replaces them by their
+components, so other modules show components.
 """
 
 from __future__ import annotations
@@ -47,7 +49,7 @@ _TURNS = frozenset(("rot", "inverse", "euler", "tait_bryan"))
 _VECTORS = frozenset(("omega", "cross"))
 NUMBER, VECTOR, TURN = "number", "vector", "turn"
 
-# Chunks of a formula, between which a line may break, and its description.
+# A formula as chunks, between which a line may break; and a description of the formula.
 Line = tuple[list[str], str]
 
 

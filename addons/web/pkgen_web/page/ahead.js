@@ -1,5 +1,6 @@
 "use strict";
-/* Repeats the first method's motion ahead of the clock, to collect points of a Poincaré section. */
+/* Integrates a copy of the first run ahead of the clock, to collect points of a Poincaré
+ * section. */
 const Ahead = (() => {
   const ENOUGH = 3000;
 

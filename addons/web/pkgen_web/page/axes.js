@@ -6,8 +6,9 @@ const Axes = (() => {
     for (let k = Math.ceil(lo / step); k * step <= hi; k++) use(Number((k * step).toPrecision(12)));
   }
 
-  /* left, right, top, bottom: the frame in pixels. X, Y map values to pixels. x, y: the ranges.
-   * below, beside: names of the axes. */
+  /* Draws the axes. The frame is from left to right and from top to bottom, in pixels. The
+   * functions X and Y map values to pixels. x and y are the ranges of the values. below and beside
+   * are the names of the two axes. */
   function draw(g, { left, right, top, bottom, X, Y, x, y, below, beside }) {
     const theme = Theme.now();
     g.font = `12px ${theme.font}`;

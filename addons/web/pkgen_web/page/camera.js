@@ -1,6 +1,7 @@
 "use strict";
-/* Projects space to pixels of the canvas. Plane and Orbit have the same methods: fit, move (pan or
- * rotate), zoom, project(point) → [x, y, depth], and plane(): the two directions of a drag. */
+/* Projects space to pixels of the canvas. The classes Plane and Orbit have the same methods: fit;
+ * move (pan or rotate); zoom; project(point), which returns [x, y, depth]; and plane(), which
+ * returns the two directions in space along which a drag moves a body. */
 const Camera = (() => {
   const AXIS = { x: 0, y: 1, z: 2 };
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -39,7 +40,9 @@ const Camera = (() => {
         Math.max(80, this.height - 2 * inset.y),
       ];
       const [x, y] = [hi[0] - lo[0], hi[1] - lo[1]];
-      /* A width from the model is used as it is; the height fits the motion, at most a square. */
+      /* If the model gives the width of the view, that width is used; otherwise the width fits the
+       * motion. The height fits the motion; if the width is given, the height is at most the
+       * width. */
       const width = this.given || x / 0.86 || 1;
       const height = this.given ? Math.min(this.given, y * 1.25 || this.given) : y / 0.86 || 1e-300;
       this.scale = Math.min(room[0] / width, room[1] / height);

@@ -1,7 +1,7 @@
 "use strict";
 /* Charts by uPlot, in the page's colours: any number of lines or points, each with its own x. */
 const Chart = (() => {
-  const FLOOR = 1e-17; /* smaller values are clipped to this on a logarithmic axis */
+  const FLOOR = 1e-17; /* on a logarithmic axis, a smaller value is drawn as this value */
 
   /* Draws a line or points with its own x, clipped to the frame: uPlot's series share one x. */
   function paths(style) {

@@ -33,7 +33,8 @@ const Cloud = (() => {
       this.gl = gl;
     }
 
-    /* Pixels are a x + b from the left and c y + d from the top. */
+    /* A point (x, y) of the swarm is drawn a x + b pixels from the left and c y + d from the
+     * top. */
     draw(pen, points, first, { a, b, c, d, width, height, size, colour, alpha }) {
       Dom.fitCanvas(this.canvas, width, height);
       const { gl } = this;

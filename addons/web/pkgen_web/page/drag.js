@@ -4,7 +4,7 @@
  * it there. A drag of the background moves the view. */
 const Drag = (() => {
   const REACH = 24; /* pixels: largest distance from pointer to handle */
-  const CLOSE = 0.05; /* pixels: tolerance of the least squares */
+  const CLOSE = 0.05; /* pixels: the least squares end when the body is this close to the pointer */
   const ROUNDS = 40;
 
   /* Returns the unknowns: the coordinates, and three rotation angles per rotation. */
@@ -48,7 +48,8 @@ const Drag = (() => {
     return { params: state.params, q, v };
   }
 
-  /* Returns the state whose point `read` is projected nearest to `target`, in pixels. */
+  /* Returns the state in which a point of the drawing is projected as near as possible to the pixel
+   * `target`; read(outputs) returns the point. */
   function solve(lab, list, state, read, camera, target) {
     const { engine, model } = lab;
     const { right, up, perPixel } = camera.plane();
@@ -74,7 +75,7 @@ const Drag = (() => {
         const d = a.map((y, i) => (y - b[i]) / (2 * h) / pixel);
         return [Camera.dot(d, right), -Camera.dot(d, up)].map((y) => (Number.isFinite(y) ? y : 0));
       });
-      /* Unknowns are scaled to one radian, or to a length of 100 pixels. */
+      /* Unknowns are scaled: a change by 1 is one radian for an angle, 100 pixels for a length. */
       const scale = list.map((x) => (x.angle ? 1 : pixel * 100));
       const J = columns.map((c, k) => c.map((y) => y * scale[k]));
       let [a, b, d] = [0, 0, 0];
@@ -145,7 +146,7 @@ const Drag = (() => {
       for (const handle of Shapes.handles(stage.resolve(run))) {
         const [px, py] = stage.camera.project(handle.point);
         const far = Math.hypot(px - x, py - y);
-        /* If handles coincide, bodies take precedence over ends of rods. */
+        /* If the draggable points of a body and of a rod coincide, the body is dragged. */
         const rank = far - (handle.of.kind === "bob" || handle.of.kind === "body" ? 4 : 0);
         if (far < REACH && (!best || rank < best.rank)) best = { ...handle, rank, run, px, py };
       }
@@ -162,7 +163,7 @@ const Drag = (() => {
       document.body.classList.add("dragging");
     }
 
-    /* A drag during a motion takes the current coordinates and the initial rates. */
+    /* A drag during a motion makes a start from the current coordinates and the initial rates. */
     function restState(run, start) {
       const v = start.v.slice();
       for (const rotation of model.description.rotations || [])

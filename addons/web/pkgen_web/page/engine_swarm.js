@@ -1,6 +1,7 @@
 "use strict";
-/* Integrates many members together. `table` is {columns: [{kind: "q"|"v"|"p", index}], values},
- * values row by row; quantities without a column are taken from params, q and v. */
+/* Integrates all members of a swarm together. `table` has the starts of the members: {columns:
+ * [{kind: "q"|"v"|"p", index}], values}, with the values of one member after another. Quantities
+ * without a column have the values in params, q and v. */
 class EngineSwarm {
   constructor(engine, { method, step, rtol, params, q, v, table, members, inputs = null }) {
     const { c, n, nq } = engine;

@@ -129,7 +129,8 @@ const Gl = (() => {
       this.count = 0;
     }
 
-    /* Draws a mesh. Normals need the inverse transpose: columns divided by their squared length. */
+    /* Draws a mesh. Its normals are transformed by the inverse transpose of the matrix, which has
+     * the same columns, each divided by its squared length. */
     put(name, place, colour, alpha = 1, striped = 0) {
       const { gl } = this;
       const mesh = this.meshes[name];

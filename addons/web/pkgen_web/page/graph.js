@@ -82,7 +82,8 @@ const GraphView = (() => {
         }
       }
       if (profile) {
-        /* The scale of a profile shrinks only slowly, so that the axis does not pulsate. */
+        /* The scale of a profile follows a decreasing amplitude only slowly: otherwise the axis
+         * would pulsate with each oscillation. */
         this.reach = Math.max(this.reach * 0.999, Math.abs(y0), Math.abs(y1)) || 1;
         [y0, y1] = [-this.reach * 1.1, this.reach * 1.1];
       } else {

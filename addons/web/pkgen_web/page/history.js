@@ -30,8 +30,9 @@ const History = (() => {
     }
   }
 
-  /* Maxima since the start. Each entry is the maximum over an interval of time; when the entries
-   * are used up, neighbours are merged and the interval doubles. */
+  /* Records the maxima of quantities since the start. Each entry is the maximum over an interval of
+   * time. When all entries are used, each two neighbours are merged, and the length of the
+   * intervals doubles. */
   class Whole {
     constructor(width, most = 1024) {
       this.width = width;

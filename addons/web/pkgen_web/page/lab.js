@@ -43,13 +43,15 @@ const Lab = (() => {
       requestAnimationFrame((now) => this.frame(now));
     }
 
-    /* Returns the simulated time per second: the natural speed times 1, 2, 5, 10, ... */
+    /* Returns the simulated time per second of real time: the model's natural speed times 1, 2, 5,
+     * 10, ..., as the user has set. */
     speed() {
       const n = this.settings.speed;
       return this.base * HEADS[((n % 3) + 3) % 3] * 10 ** Math.floor(n / 3);
     }
 
-    /* Returns the step of a method; for a fixed step that is not set, a hundredth of a period. */
+    /* Returns the step of a method: the one that the user has set; otherwise null for an adaptive
+     * method, and a hundredth of the natural period for a method with fixed steps. */
     stepOf({ method, step }) {
       if (step) return step;
       return (this.model.methodNamed.get(method) || {}).adaptive
@@ -76,7 +78,8 @@ const Lab = (() => {
       this.dirty = true;
     }
 
-    /* Restarts the count of ticks, so that their times are exact multiples. */
+    /* Restarts the count of ticks at the present time. The time of each tick is this time plus an
+     * exact multiple of the tick's length. */
     clock() {
       this.from = this.now = this.runs.t;
       this.count = 0;
@@ -97,7 +100,7 @@ const Lab = (() => {
 
     enter(scene) {
       const { speed, panels, reference } = this.settings;
-      /* A swarm view that the previous scene opened is closed with it. */
+      /* If the previous scene was a swarm, the swarm view is closed when that scene is left. */
       const left = Settings.usual(this.model, this.settings.scene) === "swarm";
       const view = left ? "scene" : this.settings.view;
       this.settings = Settings.enter(
@@ -202,7 +205,9 @@ const Lab = (() => {
       this.dirty = true;
     }
 
-    /* Makes the ticks that are due, within BUDGET; drops the others and records the slowdown. */
+    /* Advances the runs by the ticks that are due, for at most BUDGET milliseconds. Ticks that are
+     * then left over are dropped: the motion is slower than requested, and the slowdown is
+     * recorded. */
     ticks(seconds) {
       this.behind += seconds * TICKS;
       const begun = performance.now();
@@ -282,7 +287,7 @@ const Lab = (() => {
     }
   }
 
-  /* Returns a time as text, with as many decimals as change visibly. */
+  /* Returns a time as text. Slow motions are shown with fewer decimals than fast ones. */
   function time(t, natural, unit) {
     const places = Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(natural || 1))));
     return Text.minus(t.toFixed(places)) + (unit ? " " + unit : "");

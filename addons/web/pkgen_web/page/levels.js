@@ -14,7 +14,8 @@ const Levels = (() => {
       this.marks = []; /* labels: {at: position, text: value} */
     }
 
-    /* Evaluates the output on the lattice; all other coordinates and v are those of the start. */
+    /* Evaluates the output at the points of the lattice; all coordinates but two, and all rates,
+     * have their initial values. */
     update(engine, start, camera) {
       const wide = 1.15;
       const half = [
@@ -50,7 +51,8 @@ const Levels = (() => {
         (_, k) => low + (high - low) * ((k + 0.5) / LEVELS) ** 1.6,
       );
       this.lines = values.map((value) => march(grid, value, at));
-      /* The labels are at the angle -0.6 from the centre, so that they are in a row. */
+      /* The label of a contour is where the contour crosses the direction of −0.6 radians from the
+       * centre, so that the labels are in a row. */
       const off = ([x, y]) => Math.abs(Math.atan2(y - camera.centre[1], x - camera.centre[0]) + 0.6);
       const ends = this.lines.map((list) => list.map(([a]) => a).sort((a, b) => off(a) - off(b))[0]);
       this.marks = ends.flatMap((end, k) =>
@@ -82,7 +84,8 @@ const Levels = (() => {
     }
   }
 
-  /* Returns the segments of one contour: it crosses the edges of a cell at interpolated points. */
+  /* Returns the line segments of one contour. Where the contour crosses the edge of a lattice cell
+   * is interpolated between the corners. */
   function march(grid, level, at) {
     const segments = [];
     for (let j = 0; j + 1 < grid.length; j++)

@@ -18,7 +18,8 @@ const Marks = (() => {
       g.textAlign = "left";
       g.textBaseline = "middle";
       this.size = [width, height];
-      /* Areas of the buttons, then (below) of the methods' names, which labels avoid. */
+      /* Areas that labels avoid: those of the buttons, and, next line, that of the methods'
+       * names. */
       this.boxes = [[0, 0, 186, 52], [width - 70, 0, width, 52]];
       if (runs.length > 1) this.boxes.push([0, height - 40, 0.78 * width, height]);
       this.placed = [];
@@ -78,7 +79,7 @@ const Marks = (() => {
       }
     }
 
-    /* Draws captions above the lower edge, and the indices of bars below their feet. */
+    /* Draws captions above the lower edge of the canvas; below each bar of a chart, its index. */
     captions(made) {
       const { g } = this;
       const [width, height] = this.size;
@@ -120,7 +121,8 @@ const Marks = (() => {
       ], must);
     }
 
-    /* Draws a text at the first free position; if `must`, else at the first inside the canvas. */
+    /* Draws a text at the first of `places` where it is inside the canvas and overlaps no other. If
+     * there is none and `must` is true, draws it at the first place inside the canvas. */
     text(text, places, must = false) {
       this.font();
       const w = this.g.measureText(text).width;

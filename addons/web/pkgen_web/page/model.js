@@ -1,8 +1,8 @@
 "use strict";
-/* The description of the model, indexed by keys. A key is a letter and an index: p3 is a
- * parameter, u0 an input, q0 a coordinate, v1 a rate or a first-order variable (their indices
- * follow the rates), o0 an output. Names are looked up in Maps, so that a parameter may be
- * called __proto__. */
+/* The description of the model, indexed by keys. A key is a letter and an index: p3 is a parameter,
+ * u0 an input, q0 a coordinate, v1 a rate or a first-order variable (the indices of first-order
+ * variables follow those of rates), o0 an output. Names are looked up in Maps, so that a parameter
+ * may be called __proto__. */
 const Model = (() => {
   function entries(description) {
     const list = [];
@@ -62,7 +62,8 @@ const Model = (() => {
         hi: null,
         state: s,
       });
-    /* The angular velocities of a body are about its own axes; no coordinate has them as rate. */
+    /* The angular velocities of a body about its own axes are rates of no coordinate, and are
+     * listed here. */
     for (const r of description.rotations || [])
       (r.rate_indices || []).forEach((index, k) => {
         if (index !== null)
@@ -127,8 +128,9 @@ const Model = (() => {
     };
   }
 
-  /* Returns the reference method: the most accurate adaptive one that applies; for more than MANY
-   * coordinates an explicit one, since implicit ones factor matrices. */
+  /* Returns the name of the reference method: the most accurate adaptive method that applies to the
+   * model. For more than MANY coordinates an explicit method is preferred, since implicit methods
+   * factor large matrices. */
   const MANY = 60;
   function best(applying, count) {
     const names = ["exponential", "gauss", "dop853", "radau"];

@@ -29,8 +29,9 @@ const Numerics = (() => {
     }
   }
 
-  /* Returns amplitudes over frequency of the last 2^k samples, with a Hann window, without the
-   * mean. Samples are first interpolated linearly to equidistant times. */
+  /* Returns the spectrum of the last 2^k samples: amplitudes over frequency. Samples are first
+   * interpolated linearly to equidistant times; then their mean is subtracted, and a Hann window
+   * applied. */
   function spectrum(t, x) {
     const n = 2 ** Math.floor(Math.log2(Math.min(t.length, 4096)));
     if (n < 32) return null;
@@ -115,8 +116,9 @@ const Numerics = (() => {
     return { values: order.map((i) => A[i][i]), vectors: order.map((i) => V[i]) };
   }
 
-  /* Returns the normal modes about the minimum q0 of V as [{w2: ω², row}]; the energy of a mode is
-   * ((row·q')² + ω² (row·dq)²)/2. M and K are second differences of the energy. */
+  /* Returns the normal modes of small oscillations about q0, a minimum of the potential energy, as
+   * [{w2: ω², row}]. With dq = q − q0, the energy of a mode is ((row·q')² + ω² (row·dq)²)/2. The
+   * mass matrix M and the stiffness matrix K are computed from second differences of the energy. */
   function modes(energy, q0, scale) {
     const n = q0.length;
     const zero = new Float64Array(n);
@@ -158,13 +160,14 @@ const Numerics = (() => {
     const K = fill(V, h);
     const L = cholesky(M);
     if (!L) return null;
-    /* L⁻¹ K L⁻ᵀ is symmetric, and its eigenvalues are ω². */
+    /* With M = L Lᵀ, the eigenvalues of the symmetric matrix L⁻¹ K L⁻ᵀ are the ω². */
     const half = solveRows(L, K);
     const S = solveRows(L, transpose(half));
     const { values, vectors } = eigen(S);
     const most = Math.max(...values.map(Math.abs));
     if (values[0] < -1e-3 * most) return null;
-    /* In y = Lᵀ dq the mass matrix is the identity: a mode's amplitude is vector · Lᵀ dq. */
+    /* For y = Lᵀ dq the mass matrix is the identity; so the amplitude of a mode is vector · Lᵀ
+     * dq. */
     return values.map((w2, k) => ({
       w2: Math.max(w2, 0),
       row: zero.map((_, j) => {

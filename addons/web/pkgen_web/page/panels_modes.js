@@ -1,6 +1,7 @@
 "use strict";
-/* Energies of the normal modes of small oscillations, over time; for a chain the modal energies of
- * Fermi, Pasta, Ulam and Tsingou. M and K are differences of the energy about the equilibrium. */
+/* Energies of the normal modes of small oscillations, over time; for a chain, these are the modal
+ * energies of Fermi, Pasta, Ulam and Tsingou. The mass and stiffness matrices are computed from
+ * differences of the energy about the equilibrium. */
 const PanelsModes = (() => {
   const MOST = 130; /* most coordinates, since the page solves the eigenproblem */
   const SHOWN = 5;
@@ -30,7 +31,8 @@ const PanelsModes = (() => {
     );
   }
 
-  /* The energies since the start; if they are more than ROWS, every second row is deleted. */
+  /* Energies of modes since the start of a run. When there are more than ROWS rows, every second
+   * row is deleted. */
   const ROWS = 1400;
   const fresh = (run, n) => ({
     run,

@@ -82,8 +82,9 @@ const PanelsPlane = (() => {
     };
   }
 
-  /* The states at an event, drawn as points. "Fill" integrates beyond the current time for
-   * additional points, a few milliseconds per update of the panel. */
+  /* Draws the states at which an event occurs as points (a Poincaré section). The button "Fill"
+   * continues the integration beyond the current time to find more points, for a few milliseconds
+   * per update of the panel. */
   function section(lab, body, tools) {
     const { events } = lab.model.description;
     const list = quantitiesOf(lab.model).filter((e) => e.kind !== "o");

@@ -1,8 +1,9 @@
 "use strict";
-/* The range of a slider. If the model does not bound a quantity on both sides: a positive parameter
- * with lower bound 0 ranges from a tenth to ten times its value, logarithmically; an angle over a
- * turn; another quantity over three times its value, or the largest value of its unit, or 1. The
- * number field next to the slider takes any value within the model's bounds. */
+/* The range of a slider. It is given by the bounds in the model, if a quantity has both. Otherwise
+ * a positive parameter with lower bound 0 has a logarithmic range, from a tenth of its value to ten
+ * times its value. The range of an angle is one turn. The range of any other quantity extends to
+ * three times its value; if the value is 0, to three times the largest value with the same unit, or
+ * else to 1. The number field next to the slider accepts any value within the model's bounds. */
 const Ranges = (() => {
   const finite = (x) => typeof x === "number" && Number.isFinite(x);
 

@@ -30,7 +30,8 @@ const Runs = (() => {
       (_, k) => values.get("u" + k) || 0,
     );
     turn(model, settings, all.v);
-    all.given = values; /* values set by the scene or the user, not computed by the model */
+    /* values that the scene or the user has set; other values are computed by the model */
+    all.given = values;
     return all;
   }
 
@@ -94,7 +95,7 @@ const Runs = (() => {
       this.sample(model, null);
     }
 
-    /* Records the state after an advance. */
+    /* Records the state that the run has after it is integrated to the next time. */
     sample(model, reference) {
       const { motion } = this;
       this.t = motion.t;
@@ -116,14 +117,16 @@ const Runs = (() => {
       this.drifts.push(this.t, drifts);
       for (const { shape, trail } of this.trails)
         trail.add(this.t, Shapes.point(shape.at, this.out));
-      /* A step may end later than the time shown: its events wait until then. */
+      /* The last step may end after the time that is shown; events in it are shown when that time
+       * comes. */
       this.coming.push(...motion.events());
       while (this.coming.length && this.coming[0].t <= this.t) this.cross(this.coming.shift());
     }
 
-    /* Updates the scale of each drift. It is the constant at the start, or, since that may vanish,
-     * a larger one: |v.p|/2 for an energy, the largest momentum of the same unit for a momentum,
-     * the largest constant of the same unit for a claim. */
+    /* Updates the scale of each drift, to which the drift is relative. The scale is the value of
+     * the constant at the start. Since that may vanish, a larger magnitude is taken if there is
+     * one: for the energy |v·p|/2, where p are the momenta; for a momentum the largest momentum of
+     * the same unit; for a claim the largest constant of the same unit. */
     size(model) {
       const { constants, coordinates } = model.description;
       const { engine } = this.lab;
@@ -155,7 +158,8 @@ const Runs = (() => {
       section.states.push(q ? [Array.from(q), Array.from(v)] : this.between(t));
     }
 
-    /* Returns q at a time near the last sample: steps of a fixed size need not end there. */
+    /* Returns the coordinates q at time t, which is near the last sample. Samples of fixed-step
+     * methods need not be at t, and are interpolated. */
     at(t) {
       return t === this.t ? this.q : this.between(t)[0];
     }

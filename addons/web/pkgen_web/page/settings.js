@@ -8,10 +8,10 @@ const Settings = (() => {
 
   const fresh = () => ({
     scene: null,
-    values: new Map() /* key → number, where it differs from the default */,
-    methods: [] /* {method, step, rtol}; null: the default of the method */,
+    values: new Map() /* value by key, for each value that differs from the default */,
+    methods: [] /* {method, step, rtol}; a null is replaced by the method's default */,
     reference: false,
-    speed: 0 /* steps of 1, 2, 5, 10, ... from the natural speed: see lab.js */,
+    speed: 0 /* number of steps 1, 2, 5, 10, ... above the natural speed: see lab.js */,
     panels: null /* names of panels; null: the defaults of the model */,
     view: "scene",
   });

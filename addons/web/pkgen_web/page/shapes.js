@@ -7,7 +7,8 @@ const Shapes = (() => {
   const plus = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
   const seen = (p) => p.every((x) => Number.isFinite(x));
 
-  /* Returns the shape with numbers in place of indices of outputs. */
+  /* Returns the shape for one state: each index of an output is replaced by the output's value in
+   * `out`. */
   function resolve(shape, out) {
     const { kind, name, label } = shape;
     const made = { kind, name, label, shape };

@@ -1,5 +1,6 @@
 "use strict";
-/* The swarm tab: settings, and the area of the swarm's loop. */
+/* The swarm tab: the settings of the swarm, and the phase-space area within the loop of its first
+ * members. */
 const SheetSwarm = (() => {
   const { h, $ } = Dom;
 

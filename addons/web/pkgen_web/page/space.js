@@ -1,5 +1,6 @@
 "use strict";
-/* Draws a scene in space, with the same shapes as PlaneView, and records the same positions. */
+/* Draws a scene in space. It draws the same shapes as PlaneView, and records the positions of
+ * bodies on the canvas like PlaneView. */
 const SpaceView = (() => {
   class View {
     constructor(canvas, camera) {

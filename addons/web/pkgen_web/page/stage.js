@@ -3,7 +3,8 @@
 const Stage = (() => {
   const { $ } = Dom;
 
-  /* Returns the style of a run: the only one, one of several, or the reference. */
+  /* Returns the style of a run, which depends on whether it is the only run, one of several, or the
+   * reference. */
   function styleOf(run, several, { distinct, joints }) {
     const theme = Theme.now();
     const colour = Theme.ofRun(run);

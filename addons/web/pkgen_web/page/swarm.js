@@ -1,6 +1,7 @@
 "use strict";
-/* A swarm of motions in a phase plane. Its starts are those of the scene, or a disc around the
- * start. The first members are the disc's boundary, whose area Hamiltonian motion preserves. */
+/* A swarm of motions, shown in a phase plane. They start at the starts that the scene gives, or on
+ * a disc around the start of the model. The first members of the swarm are the boundary of the
+ * disc; Hamiltonian motion preserves the area within it. */
 const Swarm = (() => {
   const LOOP = 600;
   const FIXED = ["blanes_moan4", "yoshida4", "verlet", "rk4"];
@@ -26,7 +27,9 @@ const Swarm = (() => {
       return Boolean(this.x && this.method && this.lab.engine.swarm);
     }
 
-    /* Returns the disc's radii in q and q', in proportion to |q|, or to a unit if q is 0. */
+    /* Returns the radii of the disc of starts, in q and in q'. The radius in q is proportional to
+     * |q| at the start; if q is 0 there, to 1 radian or to a typical length. The radius in q' is
+     * that in q times the natural angular frequency. */
     radii(start) {
       const size = (x, angle) => (Math.abs(x) > 1e-12 ? Math.abs(x) : angle ? 1 : 0);
       const { index } = this.x;
@@ -117,8 +120,9 @@ const Swarm = (() => {
       }
     }
 
-    /* Returns the sum over all coordinates of the areas in (q, p); without momenta, the area in one
-     * plane (q, q'). */
+    /* Returns the area within the loop of the first members, in the planes (q, p), summed over all
+     * coordinates. If the model has no momenta p, returns the area in the shown plane (q, q')
+     * only. */
     measure() {
       const { engine, runs, nq } = this.lab;
       const { swarm, loop } = this;

@@ -4,12 +4,13 @@
 const Trial = (() => {
   const POINTS = 240;
   const BUDGET = 1200; /* ms */
-  const SHAKING = 0.5; /* least playback speed of fast vibrations */
+  /* fast vibrations are played at least at this fraction of their real speed */
+  const SHAKING = 0.5;
   const SWING = 2.4; /* s: duration of one oscillation on the screen */
   const SHOW = 45; /* s: duration of a whole scene on the screen */
   const SWINGS = 4; /* most oscillations per second on the screen */
 
-  /* Counts the turning points of each of the first n columns. */
+  /* Counts the turning points (local extremes) in each of the first n columns. */
   function counts(rows, n) {
     const found = [];
     for (let k = 0; k < n; k++) {
@@ -62,8 +63,9 @@ const Trial = (() => {
     return (head < 1.5 ? 1 : head < 3.5 ? 2 : head < 7.5 ? 5 : 10) * power;
   }
 
-  /* Returns the coordinate that panels show first: the first that has turning points and at least a
-   * fifth of the largest range; else any coordinate with that range, else a rate. */
+  /* Returns the coordinate that panels show first. It is the first coordinate that has turning
+   * points and a range of at least a fifth of the largest range; if there is none, the first of any
+   * coordinates with such a range; otherwise a rate. */
   function moving(lab, rows) {
     const spans = rows[0].map((_, k) => {
       const column = rows.map((row) => row[k]).filter(Number.isFinite);
@@ -119,7 +121,8 @@ const Trial = (() => {
     const real = lab.model.time === "s" && period > 0.3 && period < 8;
     if (period !== null && !(real && !asked)) {
       const all = Math.min(((scene && scene.until) || 0) / SHOW, SWINGS * period);
-      /* Fast oscillations are not slowed below SHAKING, so that their slow effect is seen. */
+      /* Fast vibrations are played no slower than SHAKING, so that one sees the slow motion that
+       * they cause. */
       const shaking = lab.model.time === "s" && period > 0.02 && period <= 0.3;
       speed = round125(Math.max(real ? 1 : period / SWING, shaking ? SHAKING : 0, all));
     }

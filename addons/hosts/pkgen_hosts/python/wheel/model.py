@@ -85,8 +85,8 @@ def _array(place, shape):
 
 
 class Parameters(MutableMapping):
-    """Parameters by name, in SI. A parameter whose default depends on other parameters is
-    recomputed from these until it is set."""
+    """The model's parameters by name, in SI. The default of a parameter may depend on other
+    parameters; until the parameter is set, its value follows theirs."""
 
     def __init__(self, model):
         self._model = model
@@ -208,8 +208,8 @@ class Model:
         return out
 
     def acceleration(self, q, v, t=0.0):
-        """Returns q'' (and x' of first-order variables), of shape (..., n); NaN where M is
-        singular."""
+        """Returns the accelerations q'' (and the rates x' of first-order variables), of shape (...,
+        n); NaN where the mass matrix is singular."""
         return self._values_of(_ACCELERATIONS, _N, q, v, t)
 
     def energy(self, q, v, t=0.0):
@@ -250,7 +250,7 @@ class Model:
         if step is None and method == default["method"]:
             step = default["step"]
         if step is None and about["exact"]:
-            step = every  # an exact method has no error at any step
+            step = every  # An exact method has no error, however long the step.
         if step is None and not about["adaptive"]:
             raise ValueError(f"method {method} has fixed steps: give step")
         y, u = self._begin(start), self._u(1)
