@@ -39,13 +39,15 @@ struct pk_action {
     enum pk_orbit orbit;
     pk_real action, period;
     pk_real lo, hi; /* the two positions between which a libration oscillates */
-    pk_real error;  /* relative error of action and period: their change at the last doubling of
-                       the nodes; near a separatrix also the rounding of the energy */
+    /* estimated relative error of action and period: their change when the number of nodes was
+     * doubled last; near a separatrix it includes the effect of rounding of the energy */
+    pk_real error;
     size_t nodes;
 };
 
-/* Computes action and period of the motion through (q, v) at t. u: inputs, or NULL. PK_REFUSED: the
- * motion has no action, and found->orbit is the reason. */
+/* Computes action and period of the motion through (q, v) at t. u: inputs, or NULL. PK_REFUSED: no
+ * action is defined for the motion, which is neither a libration nor a rotation; found->orbit is
+ * the reason. */
 enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u);
 const char *pk_orbit_text(enum pk_orbit orbit);

@@ -29,12 +29,14 @@ struct pk_lane {
     struct pk_integrator *it; /* NULL: the lane is empty */
     struct pk_events *events; /* the events to detect in the steps; NULL: none */
     pk_real limit;
-    /* Steps that end before this time need no check for events, so a call may make many fixed
-     * steps. free = it->t: every step is checked. */
+    /* The caller guarantees that no event occurs before the time `free`. So a call may make many
+     * fixed steps up to that time without checks for events. With free = it->t every step is
+     * checked. */
     pk_real free;
 };
 
-/* Private to the runtime: checks of event functions and switches along the steps. */
+/* Private to the runtime: data of the test whether an event function or a switch changes its sign
+ * in a step. */
 struct pk_screen {
     size_t functions;
     pk_real *a0, *a1, *a_between, *bends, *trial, *g, *one;
@@ -52,9 +54,9 @@ struct pk_lanes {
     struct pk_block b;
     struct pk_ahead ahead[PK_BLOCK_MOST];
     struct pk_screen screen;
-    unsigned long long loaded; /* bits of lanes with finite numbers */
+    unsigned long long loaded; /* bit mask of lanes that were filled with a finite state */
     unsigned long long single; /* bits of lanes that hold one step and its start state */
-    unsigned long long idle;   /* bits of lanes whose integrators make no step in this call */
+    unsigned long long idle;   /* bit mask of lanes whose integrators make no step in this call */
 };
 
 /* Return the number of lanes, and the bytes of the block, aligned for pk_real. */
@@ -63,7 +65,8 @@ size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *m
 void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
                    const struct pk_method *method, void *block, size_t size);
 void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes);
-/* Discards the lane's step for an integrator, which then makes its steps itself. */
+/* Discards the step that a lane made ahead for `it`. After this call `it` computes its own
+ * steps. */
 void pk_lanes_leave(struct pk_integrator *it);
 
 PK_END

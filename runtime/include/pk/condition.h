@@ -26,7 +26,8 @@
 
 PK_BEGIN
 
-/* The largest condition number so far, and its time; 0: no matrix, infinite: singular. */
+/* x: the largest value so far, for example of a condition number; t: the time at which it occurred.
+ * x is 0 if there is no such matrix, infinite if the matrix was singular. */
 struct pk_condition_most {
     pk_real x, t;
 };
@@ -38,12 +39,15 @@ struct pk_condition {
     unsigned long looks;
 };
 
-/* The largest number of unknowns examined; the time grows with its cube. */
+/* Matrices of more unknowns are not examined, since the computing time grows with the cube of this
+ * number. */
 enum { PK_CONDITION_MOST = 128 };
 
-/* Returns the bytes of the block, aligned for pk_real; 0 if M is not available or too large. */
+/* Returns the bytes of the block, aligned for pk_real; 0 if the system has no kernel for M or M has
+ * too many unknowns. */
 size_t pk_condition_size(const struct pk_problem *problem, const struct pk_method *method);
-/* Examines a state. it: the integrator whose last step ended there, or NULL. */
+/* Updates the largest condition numbers at the state (t, q, v). `it` is the integrator whose last
+ * step ended at this state, or NULL. */
 void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
                        struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        void *block);

@@ -67,10 +67,10 @@ struct pk_events {
     pk_real t;
     const pk_real *q, *v;
 
-    /* Called at each root whose direction the event was declared with, in the order of the motion,
-     * for equal times in the order of declaration. It returns nonzero to stop there, as an event
-     * declared with `stop` does. It may call no function of the integrator but
-     * pk_integrator_dense(). NULL (the default): not called. */
+    /* Called at each root at which g changes its sign in the direction that the event was declared
+     * with. Calls are in the order of times, and for equal times in the order of declaration. It
+     * returns nonzero to stop there, as an event declared with `stop` does. It may call no function
+     * of the integrator but pk_integrator_dense(). NULL (the default): not called. */
     int (*found)(void *context, const struct pk_events *events);
     void *context;
 
@@ -78,40 +78,44 @@ struct pk_events {
      * system->switches. It may call no function of the integrator but pk_integrator_dense(). */
     void (*switched)(void *context, const struct pk_events *events);
 
-    /* Called if a function oscillates so fast after t that roots may be missed; `which` is the
-     * index of the event, or n_events + the index of the switch. */
+    /* Called if the function of an event or of a switch oscillates so fast after time t that its
+     * roots may be missed. `which` is the index of the event, or n_events + the index of the
+     * switch. */
     void (*doubtful)(void *context, const struct pk_events *events);
 
-    unsigned long doubts;     /* number of parts of steps in which roots may be missed */
-    unsigned long count;      /* number of events reported */
+    unsigned long doubts; /* number of intervals, parts of steps, in which roots may be missed */
+    unsigned long count;  /* number of events reported */
     unsigned long switchings; /* number of roots of switches passed */
     unsigned long tries;      /* number of states computed to locate roots */
 
     /* Private to the runtime. */
     struct pk_integrator scout;
     size_t n_q, n, n_events, n_switches;
-    int proposes;      /* flag: events are located on the method's dense output */
-    int dense;         /* flag: dense output is as accurate as the steps */
-    int by_steps;      /* flag: no interpolant of this step is accurate enough */
-    int by_ends;       /* flag: the quintic is used although there is dense output */
-    pk_real from;      /* start time of the step */
-    pk_real at, width; /* the examined part of the step, relative to `from` */
+    int proposes; /* flag: events are located on the method's dense output */
+    int dense;    /* flag: the method's dense output is as accurate as its steps */
+    int by_steps; /* flag: no interpolant of this step is accurate enough */
+    /* flag: the quintic polynomial is used although the method has dense output */
+    int by_ends;
+    pk_real from; /* start time of the step */
+    /* start and length of the part of the step that is searched; `at` is a time minus `from` */
+    pk_real at, width;
     pk_real *q0, *v0, *trial, *trial_v, *u, *g, *ends, *list, *at_near, *at_last;
     pk_real *a0, *a1, *a_between; /* accelerations at both ends and at a quarter of the step */
     pk_real *bend;                /* errors of the cubic Hermite interpolants */
     struct pk_shape *shapes;
     int cut; /* flag: the step ends early, at an event or a switch */
     size_t listed, most_listed;
-    pk_real near;             /* time just after the first switch in the step */
-    pk_real near_known, last; /* times of at_near and at_last; -1: none */
-    void *params;             /* copy of the problem's params; `sides` points into it */
+    pk_real near; /* time just after the first switch in the step */
+    /* times of the states at_near and at_last; -1: the state is not known */
+    pk_real near_known, last;
+    void *params; /* copy of the problem's params; `sides` points into it */
     pk_real *sides;
     pk_real *fresh; /* flags: the switch is zero at the start, so its side is a guess */
     int again;      /* flag: a guessed side was wrong, and the step is repeated */
     int brief;      /* number of successive switchings after very short steps */
     int at_switch;  /* flag: the step begins at the root of a switch */
     int begun;      /* flag: the first step was made, or ended at once at a limit */
-    int kept;       /* flag: the step starts at the time `left` */
+    int kept;       /* flag: the next step must start at the time `left` */
     pk_real left;   /* end time of the last step */
     pk_real *held;  /* +- rounding of g; a smaller g at the start gets this sign */
     pk_real *off;   /* start values of limit functions that are zero to rounding */
