@@ -45,9 +45,8 @@ struct pk_action {
     size_t nodes;
 };
 
-/* Computes action and period of the motion through (q, v) at t. u: inputs, or NULL. PK_REFUSED: no
- * action is defined for the motion, which is neither a libration nor a rotation; found->orbit is
- * the reason. */
+/* Computes action and period of the motion through (q, v) at t. u: inputs, or NULL. PK_REFUSED: the
+ * action of this motion is not defined or cannot be computed; found->orbit is the reason. */
 enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u);
 const char *pk_orbit_text(enum pk_orbit orbit);

@@ -115,11 +115,12 @@ struct pk_events {
     int brief;      /* number of successive switchings after very short steps */
     int at_switch;  /* flag: the step begins at the root of a switch */
     int begun;      /* flag: the first step was made, or ended at once at a limit */
-    int kept;       /* flag: the next step must start at the time `left` */
-    pk_real left;   /* end time of the last step */
-    pk_real *held;  /* +- rounding of g; a smaller g at the start gets this sign */
-    pk_real *off;   /* start values of limit functions that are zero to rounding */
-    pk_real *room;  /* work memory for impulses */
+    /* flag: the next step begins at the time `left`, where the last one ended */
+    int kept;
+    pk_real left;  /* end time of the last step */
+    pk_real *held; /* +- rounding of g; a smaller g at the start gets this sign */
+    pk_real *off;  /* start values of limit functions that are zero to rounding */
+    pk_real *room; /* work memory for impulses */
 };
 
 /* Returns the bytes of the block for pk_events_init(), aligned for pk_real; 0 if

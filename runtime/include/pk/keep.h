@@ -43,9 +43,9 @@ void pk_keep(struct pk_keep *k, void *what, size_t size);
 void pk_keep_same(struct pk_keep *k, unsigned long long number);
 
 /* Returns PK_DONE, PK_REFUSED if the memory of the method is opaque (methods of pk/gsl.h except
- * Runge-Kutta methods), or PK_BLOCK_TOO_SMALL if k->wrong is set. After a failure, an integrator
- * that was to be restored must be initialised again. This function must not be called within a
- * step. */
+ * Runge-Kutta methods), or PK_BLOCK_TOO_SMALL if k->wrong is set. After PK_BLOCK_TOO_SMALL, an
+ * integrator that was to be restored must be initialised again. This function must not be called
+ * within a step. */
 enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k);
 /* Each of these functions saves or restores the private data of its struct. pk_events_keep() does
  * not include the integrator whose events are located; save that separately. */

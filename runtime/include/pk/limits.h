@@ -40,7 +40,8 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
 
 /* Computes the map of one step, y > 0. PK_REFUSED if there is no map; or a step's failure. */
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4]);
-/* Computes the map for q'' = -stiffness q - damping q', h > 0, always by a step of the method. */
+/* Computes the map of a step of size h > 0 for q'' = -stiffness q - damping q'. This function
+ * always makes a step of the method. */
 enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness, pk_real damping,
                                 pk_real h, pk_real map[4]);
 /* Computes R(-z) for u' = -u, z > 0. Returns the statuses of pk_method_oscillator(). */

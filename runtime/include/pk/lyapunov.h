@@ -30,13 +30,15 @@ enum pk_motion { PK_REGULAR, PK_CHAOTIC, PK_UNDECIDED };
 
 struct pk_lyapunov {
     struct pk_variation variation;
-    struct pk_integrator it; /* the motion (first n_q coordinates) and the displacement */
-    pk_real t0, block;       /* start time; time between normalisations */
-    unsigned long blocks;    /* number of completed blocks */
-    pk_real growth;          /* current value of G, the log of the growth */
-    pk_real sum_G, sum_Y;    /* integrals over t of G and of 2 (G - mean G), trapezoidal */
-    pk_real Y;               /* the current value of 2 (G - mean G) */
-    /* G after every `stride` blocks; if the array is full, every second value is dropped. */
+    /* integrates the motion (the first n_q coordinates) together with the displacement */
+    struct pk_integrator it;
+    pk_real t0, block;    /* start time; time between normalisations */
+    unsigned long blocks; /* number of completed blocks */
+    pk_real growth;       /* current value of G, the log of the growth */
+    pk_real sum_G, sum_Y; /* integrals over t of G and of 2 (G - mean G), trapezoidal */
+    pk_real Y;            /* the current value of 2 (G - mean G) */
+    /* Values of G, one after every `stride` blocks. When the array is full, every second value is
+     * dropped and `stride` is doubled. */
     pk_real marks[PK_LYAPUNOV_MARKS];
     unsigned long n_marks, stride;
     size_t metric_n; /* metric for lengths of displacements; see src/diagnose/metric.h */

@@ -31,12 +31,14 @@ void pk_angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_
 struct pk_lrl {
     pk_real k;
     pk_real e[3], eccentricity, angle; /* values at the last update */
-    pk_real rate; /* |e'| |r|/|r'|, computed from the acceleration: 0 if e is constant */
+    /* |de/dt| |r|/|r'|, the dimensionless rate of change of e, from the acceleration; 0 if e is
+     * constant */
+    pk_real rate;
     pk_real along[3], across[3]; /* unit vectors: e at the start, e turned by 90 degrees */
 };
 
-/* PK_REFUSED: the particle is not attracted to the origin. On a circle e is round-off, and `angle`
- * is meaningless. */
+/* PK_REFUSED: the particle is not attracted to the origin. On a circular orbit e is only round-off,
+ * so that `angle` is meaningless. */
 enum pk_status pk_lrl_init(struct pk_lrl *lrl, const pk_real r[3], const pk_real v[3],
                            const pk_real a[3]);
 void pk_lrl_update(struct pk_lrl *lrl, const pk_real r[3], const pk_real v[3], const pk_real a[3]);

@@ -16,13 +16,19 @@ PK_BEGIN
 enum { PK_REVERSAL_TIMES = 24 };
 
 struct pk_reversal {
-    size_t count; /* number of times tried: halvings, ascending, then bisections */
+    /* number of entries of at[]: first the times t_end/2^k in ascending order, then those of the
+     * bisection */
+    size_t count;
     struct {
-        pk_real t, error, absolute; /* t - t0 > 0; relative error; max |x - x0| in the unit of x */
+        /* t: time from the start, > 0; error: the relative error; absolute: max |x - x0|, in the
+         * unit of x */
+        pk_real t, error, absolute;
     } at[PK_REVERSAL_TIMES];
     pk_real threshold;
-    int passed;                     /* 1: the error exceeds the threshold at a time tried */
-    pk_real horizon_lo, horizon_hi; /* last time with error below, first time above the threshold */
+    int passed; /* 1: the error exceeds the threshold at a time tried */
+    /* the horizon lies between: latest time tried with an error below the threshold, earliest
+     * with one above */
+    pk_real horizon_lo, horizon_hi;
 };
 
 /* Returns the bytes of the block, aligned for pk_real. */

@@ -86,9 +86,9 @@ struct pk_run_part {
 
 /* A number stored for each ensemble member. The letter `what` says which. For a column of the rows,
  * f is the final, M the largest, m the smallest and a the mean value. For an event, n is the number
- * of its occurrences and t the time of the first one. d is one of the `drifts`; x is 1 if one of
- * the relations in `expected` held, else 0; l is the largest Lyapunov exponent. The letters n, t
- * and l require that `watch` is set. */
+ * of its occurrences and t the time of the first one. d is one of the `drifts`; x is 1 if a
+ * relation in `expected` held, else 0; l is the largest Lyapunov exponent. The letters n, t and l
+ * require that `watch` is set. */
 struct pk_run_reduced {
     char what;
     size_t index; /* index of a column (not counting t), event, drift or relation */

@@ -26,7 +26,8 @@
 
 PK_BEGIN
 
-enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* maximum of lines, minimum of samples */
+/* PK_LINES: largest number of lines; PK_SPECTRUM_LEAST: smallest number of samples */
+enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 };
 
 struct pk_line {
     pk_real frequency, amplitude, phase, error;
@@ -36,7 +37,9 @@ struct pk_spectrum {
     pk_real mean, rate;
     size_t count; /* number of lines, in order of decreasing amplitude */
     struct pk_line lines[PK_LINES];
-    pk_real residual;   /* root mean square, windowed, relative to that of x - mean - rate t */
+    /* root mean square of the residual, weighted with the window, relative to that of x - mean -
+     * rate t */
+    pk_real residual;
     pk_real resolution; /* 4 pi / (time of the samples), half the width of a spectral line */
     pk_real nyquist;    /* pi/dt: faster lines appear as slower ones */
 };
@@ -45,7 +48,7 @@ struct pk_spectrum {
  * interval that contains one maximum. */
 pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo, pk_real hi);
 /* Fits mean, rate and spectrum->count lines, whose frequencies are guesses on entry, and sets
- * resolution, nyquist and residual; writes the remainder of x to `left`, `count` numbers. Returns
+ * resolution, nyquist and residual; writes x minus the fit, `count` numbers, to `left`. Returns
  * PK_NO_CONVERGENCE if lines cannot be distinguished, or PK_NOT_FINITE. */
 enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, size_t count,
                                pk_real dt, pk_real *left);

@@ -18,7 +18,7 @@ PK_BEGIN
 struct pk_stepmap {
     pk_real defect, volume;
     pk_real rounding; /* bound of the rounding errors of defect and volume */
-    pk_real h;        /* the actual step size */
+    pk_real h;        /* the size of the step that was made */
 };
 
 /* Returns the bytes of the block, aligned for pk_real. */

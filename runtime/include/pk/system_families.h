@@ -23,8 +23,8 @@ struct pk_range {
     int is_family;
 };
 
-/* Indices of a rotation in v: of its first body rate and of the first component of its quaternion.
- * The other components are at distances `step`. */
+/* Indices in v of the numbers of a rotation. `rate` is the index of its first body rate, `number`
+ * that of the first component of its quaternion; further components follow at distances `step`. */
 struct pk_turning {
     size_t rate, number, step;
 };
@@ -35,7 +35,8 @@ struct pk_turning {
  * row; rows * border, the border's rows column by column; border * border. */
 struct pk_pattern {
     size_t rows, width, border;
-    int dense; /* 1: no band; the border has all coordinates, in order */
+    /* 1: the matrix has no band; all coordinates, in order, belong to the border */
+    int dense;
 };
 
 /* If a system has variable size, pk_system.n is n at the default sizes; coordinates, rates, momenta
@@ -44,21 +45,25 @@ struct pk_pattern {
  * Before defaults(), call set_sizes(), set other sizes if wanted, and call attach() with a block of
  * block_size() bytes, aligned for pk_real (0: no block is needed, or a size is too small). */
 struct pk_part_families {
-    size_t (*count)(const void *params); /* Returns the length of v. NULL: it is pk_system.n. */
+    /* Returns the length of v. NULL: the length is pk_system.n. */
+    size_t (*count)(const void *params);
     size_t n_sizes;
     const struct pk_size *sizes;
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* declared names; the last n_states are first-order variables */
+    /* number of declared names of coordinates and first-order variables; the last n_states are
+     * names of first-order variables */
+    size_t n_coordinates;
     size_t n_states;
     size_t (*first_order)(const void *params); /* NULL: use pk_system.n_first_order */
-    /* The number of rotations, and the indices of rotation r in v. NULL: there are no rotations. */
+    /* rotations() returns the number of rotations, turning() the indices of rotation r in v. Both
+     * are NULL if there are no rotations. */
     size_t (*rotations)(const void *params);
     struct pk_turning (*turning)(const void *params, size_t r);
-    /* The number of outputs, if some outputs have a value for each member: n_observed is then their
-     * number at the default sizes, and `observed` has n_outputs names. NULL: n_observed is the
-     * number. */
+    /* Returns the number of outputs, if some declared outputs have a value for each member of a
+     * family. In this case n_observed is the number of outputs at the default sizes, and `observed`
+     * has n_outputs declared names. NULL: the number of outputs is n_observed. */
     size_t (*outputs)(const void *params);
     size_t n_outputs;
     /* Writes the index range of declared coordinate, parameter, constraint or output number k. */
@@ -84,7 +89,7 @@ struct pk_part_families {
     void (*pattern)(const void *params, struct pk_pattern *pattern);
     ptrdiff_t (*place)(const void *params, size_t i);
     pk_kernel *mass;
-    pk_kernel *closed; /* NULL: there are no additional unknowns */
+    pk_kernel *closed; /* NULL if there are no additional unknowns */
     pk_kernel_3 *jacobian;
 };
 

@@ -16,24 +16,27 @@ enum pk_singularity_kind {
     PK_SINGULARITY_DIVISOR,
     PK_SINGULARITY_ROOT,
     PK_SINGULARITY_LOGARITHM,
-    PK_SINGULARITY_ARC, /* 1 - x^2, for asin or acos of x */
-    PK_SINGULARITY_CUT  /* cos(angle/2), for an angle by atan2 at whose branch cut L jumps */
+    PK_SINGULARITY_ARC, /* the expression is 1 - x^2, for asin(x) or acos(x) */
+    /* the expression is cos(angle/2), for an angle computed by atan2 at whose branch cut L jumps */
+    PK_SINGULARITY_CUT
 };
 struct pk_singularity {
-    struct pk_quantity what; /* name: the text of the expression, "sin(theta)" */
+    struct pk_quantity what; /* what.name is the text of the expression, such as "sin(theta)" */
     enum pk_singularity_kind kind;
 };
 
-/* In a system of variable size, a singularity or a switch stands for one expression for each member
- * i, or each pair i and j; the name contains these indices: "x[i+1] - x[i]". */
+/* In a system of variable size, a singularity or a switch may stand for many expressions: one for
+ * each member i of a family, or for each pair i and j. Its name contains these indices: "x[i+1] -
+ * x[i]". This struct is one of these expressions. */
 struct pk_place {
-    size_t which; /* index of the expression */
+    size_t which; /* index of the singularity or switch */
     ptrdiff_t i, j;
 };
 
 /* Singularities: n expressions, whose values are monitored at each step. In a system of variable
- * size count() returns the number of values, and place() writes the expression and the members of
- * value number k; NULL: one value for each of the n expressions. */
+ * size count() returns the number of values, and place() writes to which expression, and which
+ * indices i and j, value number k belongs. If both are NULL, each of the n expressions has one
+ * value. */
 struct pk_part_singularities {
     size_t n;
     const struct pk_singularity *table;
@@ -45,8 +48,10 @@ struct pk_part_singularities {
 /* An `event` of the model: a root of a function of the state, crossed in a given direction. */
 struct pk_event {
     struct pk_quantity what;
-    int direction; /* +1 rising, -1 falling, 0 either */
-    int stop;      /* 1: the run ends; 2: also refuses a start beyond it */
+    /* +1: only roots where the function rises with time, -1: only where it falls, 0: all roots */
+    int direction;
+    /* 1: the run ends at the event; 2: it also ends at once if its start is beyond the root */
+    int stop;
 };
 
 /* The events of the model. */

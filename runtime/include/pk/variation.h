@@ -33,7 +33,8 @@ struct pk_variation {
     struct pk_problem of;      /* the problem of the motion alone */
     struct pk_system system;
     size_t n_q, n, columns;
-    pk_real *work, *v, *a, *b; /* n numbers each: v, a, right-hand side */
+    /* work memory of n numbers each: v, the acceleration a, a right-hand side b */
+    pk_real *work, *v, *a, *b;
 };
 
 /* Returns the bytes of the block for pk_variation_init(), aligned for pk_real; 0 if the system has
@@ -47,8 +48,9 @@ size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
  * the new system, since kernels work in the block. */
 enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk_problem *of,
                                  size_t columns, void *block, size_t block_size);
-/* pk_variation_place() returns the index in V of number i of v (k = 0) or of dv_k. The others copy
- * all n numbers from V or to V. */
+/* pk_variation_place() returns the index in V of number i of v (if k = 0) or of dv_k.
+ * pk_variation_take() copies the n numbers of v or dv_k from V, pk_variation_put() copies them to
+ * V. */
 size_t pk_variation_place(const struct pk_variation *variation, size_t k, size_t i);
 void pk_variation_take(const struct pk_variation *variation, const pk_real *V, size_t k,
                        pk_real *v);

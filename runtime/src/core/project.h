@@ -56,7 +56,8 @@ static inline int pk_rolls(const struct pk_system *system)
 /* Returns the number of pk_real of work memory if v has length n; 0 if there are no constraints and
  * rotations. */
 size_t pk_project_size(const struct pk_problem *problem, size_t n);
-/* Returns the same number of pk_real also for a system that has no constraints and rotations. */
+/* Returns the number of pk_real of the complete work memory, for any system, also without
+ * constraints. */
 size_t pk_project_room(const struct pk_problem *problem, size_t n);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
 /* pk_project_inertia() factors M at a state; returns 0 or the failure of M. pk_project_rows()

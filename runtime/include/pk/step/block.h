@@ -8,23 +8,27 @@
 
 #define PK_BLOCK_MOST 64
 
-/* A block of W states. `state` and `next` have W times the numbers of an integrator's. */
+/* A block of W states. `state` and `next` have W times as many numbers as the same arrays of an
+ * integrator. */
 struct pk_block {
     const struct pk_system *system;
     size_t n_q, n, lanes;
     const void *params[PK_BLOCK_MOST]; /* params of each lane */
-    pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
-    pk_real *t;                        /* W times, one for each lane */
+    /* P: params of all lanes; number k of the params of lane l is P[k * W + l]. u: inputs */
+    pk_real *P, *u;
+    pk_real *t; /* the time of each lane */
     pk_real *state, *next, *spare, *work;
-    pk_real *lane; /* one state, for a system without lane kernels */
-    pk_real now;   /* common time of all lanes, for block.c */
-    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* steps of lanes */
+    pk_real *lane; /* memory for one state, if the system has no kernel for lanes */
+    pk_real now;   /* time of all lanes in block.c, where they have the same time */
+    /* start time, end time and size of the step of each lane */
+    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST];
     int have_a; /* 1: the first acceleration or stage of the step is known */
     unsigned long long failed, not_finite; /* bit masks of lanes in the current step */
 };
 
 PK_BEGIN
-/* Sets bits of b->failed, and of b->not_finite for states that are not finite. */
+/* Adds the bits `failed` to b->failed, and sets the bits of b->not_finite for those lanes whose
+ * states are not finite. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
 PK_END

@@ -14,8 +14,9 @@
 
 #include <pk/step/tables.h>
 
-/* The work memory: stages, derivatives at the end and of the extra stages, an argument, the
- * interpolant, and two numbers. After the step, it->own->next holds the start of the step. */
+/* The work memory. k: derivatives of the stages; last: the derivative at the end of the step, then
+ * those of the extra stages; y: the state of a stage; dense: the interpolant; err_old: error of the
+ * last step; h_made: its size. After the step, it->own->next holds the start of the step. */
 struct pk_embedded_work {
     size_t m, n_q; /* length of y = (q, v), length of q */
     pk_real *k, *last, *y, *dense, *err_old, *h_made;
@@ -86,7 +87,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     if (!table->e3)
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
     it->own->error = pk_embedded_error(it, table, w, h);
-    if (!pk_finite(it->own->error)) /* infinite: a tolerance is nearly zero */
+    if (!pk_finite(it->own->error)) /* the error is infinite if a tolerance is nearly zero */
         it->own->error = PK_C(1e30);
     if (table->e3 && it->own->error <= PK_C(1.0)) {
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));

@@ -44,7 +44,8 @@ static PK_INLINE void PK_STEPPER(block_stages)(struct pk_block *b, const struct 
             k[i] = v0[i];
         PK_STEPPER(block_slope)(b, 0, q0, v0, k + m);
     }
-/* A stage's rates, the slopes of its coordinates, are computed in the slopes' memory. */
+/* Makes stage i. The rates of a stage are the slopes of its coordinates, so they are computed
+ * directly in the memory of the slopes. */
 #define PK_BLOCK_STAGE(i)                                          \
     if ((i) < table->stages) {                                     \
         const pk_real *ai = table->a + (i) * ((i) - 1) / 2;        \

@@ -7,7 +7,7 @@
  * Differential Equations I, II.1. Uses the macros of pk/inlined.h. */
 #include <pk/step/tables.h>
 
-/* Stage i > 0: writes its argument to it->own->next, its derivative to k. */
+/* Computes stage i > 0: writes the state of the stage to it->own->next, and its derivative to k. */
 static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
                                                       const struct pk_tableau *table, int i)
 {

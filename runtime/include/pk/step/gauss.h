@@ -29,11 +29,12 @@
 
 /* Tuned for the least work at a given final error, on the models and other problems. */
 #define PK_GAUSS_SAFETY PK_C(0.9)
-#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* log of 10, the largest accepted error */
-#define PK_GAUSS_RESOLVED PK_C(10.0)                /* resolved: squared error of a < 10 a_7^2 */
+/* log of the largest accepted error, which is 10 times the tolerance */
+#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046)
+#define PK_GAUSS_RESOLVED PK_C(10.0) /* resolved: squared error of a < 10 a_7^2 */
 #define PK_GAUSS_GROW PK_C(3.0)
 #define PK_GAUSS_SHRINK PK_C(0.2)
-#define PK_GAUSS_RATE PK_C(0.15) /* convergence rate with the least work */
+#define PK_GAUSS_RATE PK_C(0.15) /* convergence rate at which the work is least */
 #endif
 
 /* Makes one trial step of size y->h. Returns PK_DONE with results in *y, or the failure. */
@@ -65,7 +66,9 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
         const int close = asked_for > 0 ? y->change2 <= asked_for * asked_for * y->size2
                                         : rate < 1 && left2 <= (1 - rate) * (1 - rate);
         const int done = close || y->change2 <= round || stalled;
-        /* Squared coefficients that reject the step; compared once they are resolved. */
+        /* d6 and d7 are the squares of the last two Legendre coefficients above which the step is
+         * rejected. The coefficients are compared with them as soon as the iterates resolve the
+         * coefficients. */
         const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
         if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {
             pk_real six2, seven2;
