@@ -78,8 +78,9 @@ static void divide(pk_real *c, pk_real *c_lo, int k)
     *c = pk_pair_sum(hi, (left + *c_lo) / d, c_lo);
 }
 
-/* halvings() returns how often |h| norm must be halved to be at most 1/2. terms() returns the
- * number of terms of the series for a norm, down to the round-off of double-double numbers. */
+/* halvings() returns how often `size` must be halved to be at most 1/2. terms() returns the number
+ * of terms that the series of exp needs for a matrix of the given norm, so that the rest is below
+ * the round-off of double-double numbers. */
 static int halvings(pk_real size)
 {
     int s = 0;

@@ -7,7 +7,8 @@
 
 const char PK_SCALAR[] = "pk_real"; /* an address for the linker; the value is never read */
 
-/* Writes name number i of all members of `count` declared names; count = 0: table[i]. */
+/* Writes the name of number i, where i counts all members of `count` declared names. With count = 0
+ * it is the name of table[i]. */
 static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,
                    size_t count, const struct pk_quantity *table, size_t i, char *text, size_t size)
 {
