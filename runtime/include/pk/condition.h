@@ -1,11 +1,14 @@
 /* How well the equations of a motion can be solved in this precision: the condition numbers of M,
  * of J M^-1 J^T and of the matrix of a step's equations, and how much rounding is magnified in the
- * accelerations. The condition number of A is the least over all units of unknowns and equations,
+ * accelerations. Here M is the mass matrix, J the matrix of the constraint rows, a the
+ * accelerations, and lambda the Lagrange multipliers. The condition number of a matrix A is the
+ * least that any choice of units of unknowns and equations gives,
  *
  *     min over diagonal D1, D2 of cond(D1 A D2) = rho(|A^-1| |A|)    (in the maximum norm),
  *
  * independent of units (rho: spectral radius). If M is exact up to its last bit, and lambda is
- * computed from such a J M^-1 J^T, accelerations have errors, in units of rounding, of
+ * computed with the matrix J M^-1 J^T made from it, accelerations have errors, in units of
+ * rounding, of
  *
  *     d = |M^-1| |M| |a| + |M^-1 J^T| |(J M^-1 J^T)^-1| |J M^-1 J^T| |lambda|.
  *

@@ -5,9 +5,9 @@
  *     S     = the largest of max |X|, max |X| of the vector's other components, and a tenth of
  *             the scale of X, since X may vanish;  for the energy  max (|v.p| + |L|),  L = v.p - h
  *
- * The scale of X is the root of the sum of (y_i dX/dy_i)^2 over all numbers y_i of the state;
- * components of one vector have names that differ in the last letter, x, y or z. The growth law is
- * the exponent e of
+ * Here p are the momenta and h is the energy. The scale of X is the root of the sum of (y_i
+ * dX/dy_i)^2 over all numbers y_i of the state; components of one vector have names that differ in
+ * the last letter, x, y or z. The growth law is the exponent e of
  *
  *     max over [0, t] of |X - X(0)|  ~  t^e
  *

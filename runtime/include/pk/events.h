@@ -8,11 +8,13 @@
  *     events.found = my_function;                                  (if it is to be called)
  *     status = pk_events_to(&events, &it, 10);     PK_STOPPED_EVENT: it.t, it.q, it.v are there
  *
- * Location of roots. After each step g is sampled at 9 or 17 points of an interpolant: the method's
- * dense output, else the quintic Hermite polynomial through q, v and accelerations, or, if the
- * second derivatives of the cubic through q and v differ from the accelerations, states reached by
- * shorter steps. Adaptive Runge-Kutta methods try the quintic first: if |g| on it is at least twice
- * the variation of g, dense output is not computed. The step is bisected repeatedly until the
+ * Location of roots. After each step g is sampled at 9 or 17 points of an interpolant of the
+ * motion. This is the method's dense output, or, without dense output, the quintic Hermite
+ * polynomial through q, v and the accelerations at the ends of the step. If that polynomial is
+ * inaccurate (the second derivatives of the cubic one through q and v differ from the
+ * accelerations), g is sampled at states that shorter steps reach. Adaptive Runge-Kutta methods
+ * first try the quintic polynomial: if all samples of |g| on it are at least twice the variation of
+ * g, there is no root, and dense output is not computed. The step is bisected repeatedly until the
  * polynomial through the samples is far from zero, or its last coefficients are so small that it
  * represents g. Where the polynomial crosses zero, or comes within 1/32 of its variation, g is
  * recomputed at a state that a second integrator reaches by one shorter step from the start of the
@@ -21,20 +23,21 @@
  * much longer than all steps before it, such as the first, the step does not resolve the start of
  * g, and is repeated with an eighth of its length.
  *
- * At least one root is found if a step has an odd number; a pair of roots is found if the
- * interpolant comes close to zero between them. If g is not resolved by 1/4096 of a step, roots may
- * be missed, and doubtful() is called. A feature of g that lies between two samples is missed. A
- * root without a sign change is no event, unless g is exactly zero at the end of a step. The
- * reported state is just after the root, where g has its new sign or is zero, within about four
- * units in the last place of t.
+ * If a step contains an odd number of roots, at least one is found. A pair of roots is found if g
+ * on the interpolant comes close to zero between them. If intervals of 1/4096 of a step do not
+ * resolve g, roots may be missed, and doubtful() is called. A feature of g that lies between two
+ * samples is missed. A root without a sign change is no event, unless g is exactly zero at the end
+ * of a step. The reported state is just after the root, where g has its new sign or is zero, within
+ * about four units in the last place of t.
  *
  * Before a singularity, where a step fails (PK_SINGULAR_TIME, PK_SINGULAR_COORDINATES), steps of
  * half the remaining time each approach it, and roots in them are found.
  *
  * If g is exactly zero at the start, or stays zero, that is no event: an event occurs when g
  * reaches zero from another value. A sign change between steps, by pk_integrator_reset(), is no
- * event. For limits (`stop` = 2) a first step that begins beyond the limit, or on it in the outward
- * direction, ends at once; a later step that begins on it in the outward direction crosses it.
+ * event. An event with `stop` = 2 is a limit of the motion. If the first step begins beyond the
+ * limit, or on it with the motion directed outward, the run ends at once. If a later step begins so
+ * on the limit, it crosses it.
  *
  * Switches of the system (struct pk_part_switches) are located like events. The side of a switch,
  * the sign of its function that the equations use, is constant within a step, so that the equations

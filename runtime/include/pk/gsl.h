@@ -38,17 +38,18 @@ size_t pk_gsl_spectrum_size(size_t count);
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines, void *block, size_t block_size);
 
-/* Computes the eigenvalues of C a = lambda B a in ascending order, for the first `modes` of the
- * found->modes modes of each coordinate: n * modes numbers. Writes the eigenvector a of the least
- * eigenvalue to `lowest` unless it is NULL, with a.B a = 1. Fails with PK_SINGULAR_MASS or
- * PK_NO_MEMORY. GSL allocates and frees memory. */
+/* Computes the eigenvalues lambda of C a = lambda B a (C, B: see pk/least_action.h) in ascending
+ * order, n * modes numbers. Only the first `modes` of the found->modes modes of each coordinate are
+ * used. Writes the eigenvector a of the least eigenvalue to `lowest` unless it is NULL, with a.B a
+ * = 1. Fails with PK_SINGULAR_MASS or PK_NO_MEMORY. GSL allocates and frees memory. */
 enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t modes,
                                    double *lambda, double *lowest);
 
 enum { PK_LOOP_LEAST = 32 };
 
-/* Computes the closed integral of p dq round a loop of `count` samples, equidistant in a parameter
- * also from the last to the first, by Fourier series, which converge the faster the smoother the
+/* Computes the closed integral of p dq round a closed curve (loop) in the plane of q and p, given
+ * by `count` samples. The samples must be equidistant in a parameter, and the last one is followed
+ * by the first at the same distance. The Fourier series used converge the faster the smoother the
  * loop is. `winding`: the increase of q in one turn (for an angle a multiple of 2 pi). Both arrays
  * are overwritten.
  *

@@ -24,14 +24,18 @@ struct pk_equilibria {
                              spherical coordinates */
     int more;             /* 1: there are more equilibria than `most`, perhaps a continuum */
     unsigned char *turns; /* output, n flags, or NULL: q_i + 2 pi is the same position as q_i */
-    double *doubt;        /* output, like q, or NULL: Newton's last correction of q_i, or of v_i
-                             if cyclic. If the linear terms vanish, it is as large as the error. */
-    size_t *slack; /* output, `most` numbers, or NULL: with rotations or constraints, the number
-                      of dimensions of a continuum of equilibria, of which one is returned for
-                      each energy */
-    double *middle, *box; /* output, n each, or NULL: half of the starts have q_i (v_i) in
-                             middle_i +- box_i, a quarter each within 4 and 32 times box_i,
-                             except for angles */
+    /* output with as many numbers as q, or NULL: the last correction of q_i by Newton's method,
+     * or of v_i if coordinate i is cyclic. It is as large as the error of q_i if the linear
+     * terms of the equations vanish at the equilibrium; otherwise the error is smaller. */
+    double *doubt;
+    /* output of `most` numbers, or NULL. In systems with rotations or constraints equilibria may
+     * form a continuum, of which one point is returned for each energy; this is the number of
+     * dimensions of the continuum. */
+    size_t *slack;
+    /* output of n numbers each, or NULL: where starts of the search lie. Half of the starts have
+     * q_i (v_i if cyclic) in middle_i +- box_i, a quarter in middle_i +- 4 box_i, and a quarter
+     * in middle_i +- 32 box_i. For angles all starts lie in middle_i +- box_i. */
+    double *middle, *box;
 };
 
 /* Searches from q0, v0 and from `tries` more starts (Halton's points, the same at each call). After
@@ -46,8 +50,9 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
 /* Computes the eigenvalues of the linearised equations at any state, zeros included, with one entry
- * for a complex pair; the arrays have 2 n numbers each. Steps must resolve the largest of them.
- * Fails with PK_REFUSED (no kernel `linear`), PK_SINGULAR_MASS or PK_NO_CONVERGENCE. */
+ * for each complex pair; the arrays have 2 n numbers each. The largest eigenvalue shows how short
+ * steps of an integrator must be. Fails with PK_REFUSED (no kernel `linear`), PK_SINGULAR_MASS or
+ * PK_NO_CONVERGENCE. */
 enum pk_status pk_gsl_rates(const struct pk_problem *problem, double t, const double *q,
                             const double *v, double *growth, double *frequency, size_t *count);
 

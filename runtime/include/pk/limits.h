@@ -32,9 +32,10 @@ enum pk_axis { PK_AXIS_IMAGINARY, PK_AXIS_REAL };
 pk_real pk_method_limit(const struct pk_method *method, enum pk_axis axis);
 
 /* Writes the first interval with lower end >= from in which steps amplify, infinite numbers if
- * there is none; with from = 0 its lower end is the limit. The interval may be short: blanes_moan6
- * amplifies by 4e-4 a step from 3.14143 to 3.14232, where two steps are one period, and then only
- * from 6.3479. Returns 0 if the limit is NaN. */
+ * there is no such interval. With from = 0 the lower end of the interval is the limit on the
+ * imaginary axis. The interval may be short: blanes_moan6 amplifies by 4e-4 a step from 3.14143 to
+ * 3.14232, where two steps are one period, and then only from 6.3479. Returns 0 if the limit is
+ * NaN. */
 int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real from,
                      pk_real growth[2]);
 

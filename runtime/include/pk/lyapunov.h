@@ -6,11 +6,11 @@
  *     megno    = time average of 2 (G(t) - time average of G over [0, t])
  *
  * The first tenth of the time, in which the displacement turns towards the direction of fastest
- * growth, is left out. `error` is the standard error of the exponent by the method of batch means:
- * of the growth rates in 14 to 58 equal intervals of the remaining time. On a regular motion a
- * displacement grows like t, G like ln t, so the exponent is about 2.6/T and keeps falling. The
- * kind of motion is decided by megno: it tends to 2 on a regular motion (0 on a harmonic one) and
- * grows as exponent T/2 on a chaotic one.
+ * growth, is left out. `error` is the standard error of the exponent by the method of batch means.
+ * The batches are the growth rates in 14 to 58 equal intervals of the remaining time. On a regular
+ * motion a displacement grows like t, G like ln t, so the exponent is about 2.6/T and keeps
+ * falling. The kind of motion is decided by megno: it tends to 2 on a regular motion (0 on a
+ * harmonic one) and grows as exponent T/2 on a chaotic one.
  *
  * References: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9; P. M.
  * Cincotta, C. Simo, Astron. Astrophys. Suppl. 147 (2000) 205 (megno). */

@@ -10,8 +10,9 @@
 #include <pk/status.h>
 #include <pk/system.h>
 
-/* Step sizes come from pow, exp and log, whose last bits differ between processors. PK_PORTABLE
- * rounds step sizes to float, whose bits are then the same on all processors. */
+/* Adaptive step sizes are computed with pow, exp and log, whose results differ between processors
+ * in the last bits. With PK_PORTABLE step sizes are rounded to float, so that they have the same
+ * bits on all processors. */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
 #else

@@ -18,7 +18,7 @@ typedef float pk_real;
 #define PK_C(x) x##F
 #define PK_F(name) name##f
 #define PK_EPSILON FLT_EPSILON
-#define PK_INFINITY INFINITY /* a float; not all have HUGE_VALF */
+#define PK_INFINITY INFINITY /* an infinite float; not all C libraries have HUGE_VALF */
 #elif defined PK_LONG_DOUBLE
 typedef long double pk_real;
 #define PK_C(x) x##L

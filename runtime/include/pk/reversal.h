@@ -4,8 +4,8 @@
  * miss the start by their own errors.
  *
  * The error is the largest over coordinates and rates of |x - x0| / max |x - x0|, the maximum taken
- * over the whole given time. The horizon is the time at which the error exceeds a threshold: a
- * longer run has no memory of its start. */
+ * over the whole given time. The horizon is the time at which the error exceeds a threshold. If a
+ * run is longer, its start cannot be recovered from its end. */
 #ifndef PK_REVERSAL_H
 #define PK_REVERSAL_H
 

@@ -5,9 +5,9 @@
  * Frequencies are angular, per unit of time. Lines are found one by one, each where the windowed
  * Fourier integral of the remainder is largest, by the fast Fourier transform of GSL
  * (pk_gsl_spectrum() in pk/gsl.h), and refined to the maximum of that integral. Then all lines are
- * fitted together by least squares with the same window, frequencies included, so that lines do not
- * bias one another, nor a frequency by its own negative. The window is Hann's, 1 + cos, over the
- * whole time of the samples.
+ * fitted together by least squares with the same window, frequencies included, so that neither the
+ * lines bias one another, nor the line at -frequency that at +frequency. The window is Hann's, 1 +
+ * cos, over the whole time of the samples.
  *
  * `error` is the change of the frequency if only the first or the second half of the time is
  * fitted. For a regular motion that bounds the error of the whole fit (8 to 16 times smaller); for

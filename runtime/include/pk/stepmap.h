@@ -17,7 +17,7 @@ PK_BEGIN
 
 struct pk_stepmap {
     pk_real defect, volume;
-    pk_real rounding; /* bound of the rounding errors of defect and volume */
+    pk_real rounding; /* upper bound of the rounding errors of `defect` and of `volume` */
     pk_real h;        /* the size of the step that was made */
 };
 

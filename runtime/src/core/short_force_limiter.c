@@ -13,7 +13,7 @@
 #include "internal.h"
 
 #define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 is round-off */
-/* a step in which the clipped u varies more is repeated as a shorter step */
+/* if the clipped u varies by more than this in a step, the step is repeated as a shorter one */
 #define MOST PK_C(12.0)
 /* shift of sample times, since equidistant samples would miss changes of a u that is periodic in
  * the step */

@@ -27,14 +27,18 @@
 /* Data stored from one step to the next. */
 struct kept {
     pk_real eps, floor, given, direction;
-    pk_real rho, t, t_low; /* density of steps, time, and low part of the time at the base */
-    int planned, whole;    /* flags: the step from the base is planned; it has been made */
+    /* values at the base: density of steps, time, and low part of the time */
+    pk_real rho, t, t_low;
+    /* flags. planned: the length of the step from the base is known; whole: the step of that
+     * length was made */
+    int planned, whole;
     pk_real length, rho_next, end, end_low;
 };
 
 struct work {
     struct kept *kept;
-    pk_real *base; /* the base, from which steps start: q, v and their low parts */
+    /* the state at the base, from which steps start: q, v and their low parts */
+    pk_real *base;
     pk_real *a, *a_q, *a_v, *a_t, *linear; /* a: acceleration of the planned step */
 };
 
@@ -123,7 +127,8 @@ static enum pk_status init(struct pk_integrator *it)
     return begin(it, &w);
 }
 
-/* A step from the base: drift() to mid-step, a kick of both halves, a drift. */
+/* A step from the base consists of drift() to mid-step, and kick_drift(): the kicks of both halves
+ * of the step at once, then the second drift. */
 static void drift(const struct pk_integrator *it, const struct work *w, pk_real first, pk_real *to)
 {
     const size_t n_q = it->n_q;
@@ -168,7 +173,8 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     return PK_DONE;
 }
 
-/* Makes a step of any length from the base. The sequence continues only after kept->length. */
+/* Makes a step of any length from the base and writes the state to `to`. Only a step of the planned
+ * length, kept->length, continues the sequence of steps. */
 static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
                             pk_real *to)
 {
@@ -185,9 +191,10 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const struct work w = parts(it);
     struct kept *kept = w.kept;
     const pk_real sign = (pk_real)it->own->direction;
-    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) { /* the step was made and refused */
+    /* the step of planned length was made, but the integrator rejected it */
+    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) {
         kept->whole = kept->planned = 0;
-    } else if (kept->whole) { /* the step was accepted: the sequence continues from its end */
+    } else if (kept->whole) { /* the integrator accepted the step: its end becomes the base */
         take_base(it, &w);
         kept->rho = kept->rho_next;
         kept->t = kept->end;

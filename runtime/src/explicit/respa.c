@@ -46,7 +46,8 @@ static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_rea
     it->count.evaluations++;
 }
 
-/* Computes w->slow of the state z at t: the acceleration `a`, evaluated if NULL, less w->fast. */
+/* Computes w->slow, the slow part of the acceleration, at the state z = (q, v) and time t: the
+ * whole acceleration `a` less w->fast. If `a` is NULL, it is evaluated. */
 static enum pk_status evaluate_slow(struct pk_integrator *it, const struct work *w, pk_real t,
                                     const pk_real *z, const pk_real *a)
 {

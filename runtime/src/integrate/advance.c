@@ -38,7 +38,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     }
     memset(pk_next(it, PK_LOW_Q), 0, (n_q + n) * sizeof *q);
     pk_commit_step(it);
-    it->own->flags = 0; /* the acceleration of the new state is not known */
+    /* it->own->flags no longer has PK_HAVE_A: the acceleration of the new state is not known */
+    it->own->flags = 0;
     it->own->h = h;
     it->last_t = it->own->grid.anchor + (it->own->grid.count + (pk_real)steps - 1) * h;
     it->own->grid.count += (pk_real)steps;
@@ -52,8 +53,9 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     return steps;
 }
 
-/* Makes fixed steps of full length if only the step itself is needed, and returns their number. If
- * a step fails, pk_integrator_step() repeats it and reports the failure. */
+/* Makes fixed steps of full length, if no events, constraints or other checks require
+ * pk_integrator_step(). Returns the number of steps. If a step fails, pk_integrator_step() repeats
+ * it and reports the failure. */
 static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
@@ -97,7 +99,8 @@ enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsi
         it->own->direction == (limit > it->t) - (limit < it->t))
         left -= many(it, limit, left);
     while (left) {
-        /* This step sets the direction and the grid, and reports any error. */
+        /* This first step sets the direction and the grid for the following ones, and reports any
+         * error. */
         const enum pk_status status = pk_integrator_step(it, limit);
         if (status != PK_DONE)
             return status;
