@@ -12,7 +12,7 @@
  * An integrator takes the step made ahead for it if that step has the start and the end that its
  * own step would have. The integrator handles events, rejected steps and failures as usual, and
  * makes a step itself if none was made ahead or if that one failed. So with -ffp-contract=off
- * results have the same bits as without lanes, whatever the other lanes hold.
+ * results have the same bits as without lanes, whatever states are in the other lanes.
  *
  * Lanes serve explicit Runge-Kutta methods, also adaptive ones, and splitting methods. They do not
  * serve systems with constraints, whose steps are mostly projection. Inputs must be constant. */
@@ -55,11 +55,13 @@ struct pk_lanes {
     struct pk_ahead ahead[PK_BLOCK_MOST];
     struct pk_screen screen;
     unsigned long long loaded; /* bit mask of lanes that were filled with a finite state */
-    unsigned long long single; /* bits of lanes that hold one step and its start state */
-    unsigned long long idle;   /* bit mask of lanes whose integrators make no step in this call */
+    /* bit mask of lanes whose last result is one step, stored with its start state */
+    unsigned long long single;
+    unsigned long long idle; /* bit mask of lanes whose integrators make no step in this call */
 };
 
-/* Return the number of lanes, and the bytes of the block, aligned for pk_real. */
+/* pk_lanes_count() returns the number of lanes, pk_lanes_size() the bytes of the block, which must
+ * be aligned for pk_real. */
 size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method);
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method);
 void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,

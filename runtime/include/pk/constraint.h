@@ -41,8 +41,9 @@ enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real
 enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_real t,
                                          const pk_real *q, const pk_real *v, pk_real *lambda,
                                          void *block, size_t size);
-/* Projects q and v onto the constraints, orthogonally in the metric of M, as an initialised
- * integrator of the problem does after each step. Fails with PK_NO_PROJECTION or PK_NOT_FINITE. */
+/* Projects q and v onto the constraints, orthogonally in the metric that the mass matrix M defines.
+ * `it` is an initialised integrator; it does the same after each of its steps. Fails with
+ * PK_NO_PROJECTION or PK_NOT_FINITE. */
 enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 /* Returns whether constraint rows are nearly dependent at a state near that of the integrator, so
  * that rounding spoils some or all accelerations and multipliers. */

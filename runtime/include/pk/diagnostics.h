@@ -58,7 +58,7 @@ void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x);
 void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale);
 pk_real pk_drift_max(const struct pk_drift *drift);
 pk_real pk_drift_final(const struct pk_drift *drift);
-pk_real pk_drift_slope(const struct pk_drift *drift); /* slope, per unit of time */
+pk_real pk_drift_slope(const struct pk_drift *drift); /* the slope above, per unit of time */
 /* Returns the kind of growth. Writes the exponent, and as `spread` the difference between its
  * values for the earlier and the later three octaves; either pointer may be NULL. Both numbers are
  * 0 if no fit is possible (ZERO, CONSTANT, SHORT), NaN if X is not finite. ROUND_OFF: errors are as

@@ -39,13 +39,14 @@ struct pk_equilibria {
 };
 
 /* Searches from q0, v0 and from `tries` more starts (Halton's points, the same at each call). After
- * each solution the search is repeated from the same start with known roots deflated, until it
- * fails. Starts lie in a box about q0: half a turn wide for angles, otherwise a multiple of the
- * range of the motion, or of |q0|. A coordinate in which the equations have the period 2 pi is
- * returned in (-pi, pi]. First-order variables, which are in v, are constant too, except
- * quadratures, which keep their start values. Equilibria satisfy constraints (equilibria_bound.c)
- * and have no body rates; the first nonzero component of a quaternion is positive. PK_REFUSED: the
- * equations depend on time or on inputs. The search may miss equilibria. */
+ * each solution the search is repeated from the same start until it fails; deflation of the known
+ * roots keeps it from finding them again. Starts lie in a box about q0: half a turn wide for
+ * angles, otherwise a multiple of the range of the motion, or of |q0|. A coordinate in which the
+ * equations have the period 2 pi is returned in (-pi, pi]. First-order variables, which are in v,
+ * are constant too, except quadratures, which keep their start values. Equilibria satisfy
+ * constraints (equilibria_bound.c) and have no body rates; the first nonzero component of a
+ * quaternion is positive. PK_REFUSED: the equations depend on time or on inputs. The search may
+ * miss equilibria. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
@@ -67,9 +68,10 @@ enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, 
  *     Q = U^T M (q - q*),  P = U^T (p - p*),  U^T M U = 1,
  *     h = h* + sum of (P^2 + omega^2 Q^2)/2 + higher-order terms.
  *
- * squares: omega^2 of each mode, ascending, set to 0 below 1e-12 of the largest, negative if
- * unstable; M: n by n; shapes: n by n, U^T row by row. Fails with PK_REFUSED for other systems or
- * without the kernels mass and jacobian, or with PK_SINGULAR_MASS. */
+ * squares: omega^2 of each mode, ascending, set to 0 if below 1e-12 of the largest one, and
+ * negative if the mode is unstable; M: n by n; shapes: n by n, U^T row by row. Fails with
+ * PK_REFUSED for other systems or without the kernels mass and jacobian, or with
+ * PK_SINGULAR_MASS. */
 enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, double *M,
                              double *squares, double *shapes);
 /* Computes (P^2 + omega^2 Q^2)/2 of each mode, from q - q* and p - p*. */

@@ -189,9 +189,10 @@ int pk_run_advance(struct pk_run *run, double t, int one_step, const double *u, 
  * digits than double, a value is rows[i] + low[i]; otherwise *low is NULL. */
 size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,
                    size_t *columns);
-/* Returns the number of members; 0 if neither `reduced` nor `no_rows` is set. Each has *columns = 2
- * + n_reduced numbers: its final enum pk_status, its last valid time, and the numbers of `reduced`,
- * which are NaN for a failed member and for the time of an event that did not occur. */
+/* Returns the number of ensemble members for which `numbers` has a row; 0 if neither `reduced` nor
+ * `no_rows` is set. The row of a member has *columns = 2 + n_reduced numbers: its final enum
+ * pk_status, its last valid time, and the numbers of `reduced`, which are NaN for a failed member
+ * and for the time of an event that did not occur. */
 size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *columns);
 /* Writes the name and the unit of column i of the rows. Returns 0 if there is no column i. */
 int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t size,
@@ -200,7 +201,8 @@ int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t si
 const char *pk_run_report(struct pk_run *run);
 /* Returns the messages to the user, one per line. */
 const char *pk_run_messages(const struct pk_run *run);
-/* Returns the failure of the run's parameters (see PK_FAILURE() in real.h), or 0. */
+/* Returns the failure with which the parameters of the run were refused (see PK_FAILURE() in
+ * real.h), or 0. */
 int pk_run_refused(const struct pk_run *run);
 /* Returns the processor seconds of one run without rows from the start, the least of repetitions
  * that take at least `seconds` in all; 0 if the run fails. Call it after pk_run_go(). */

@@ -41,11 +41,12 @@ struct pk_spectrum {
      * rate t */
     pk_real residual;
     pk_real resolution; /* 4 pi / (time of the samples), half the width of a spectral line */
-    pk_real nyquist;    /* pi/dt: faster lines appear as slower ones */
+    /* pi/dt: lines of higher frequency appear as lines of lower frequency */
+    pk_real nyquist;
 };
 
-/* Returns the frequency w with the largest |sum of window x exp(-i w t)|^2 between lo and hi, an
- * interval that contains one maximum. */
+/* Returns the frequency w between lo and hi at which |sum of window(t) x(t) exp(-i w t)|^2 is
+ * largest. The interval must contain only one maximum. */
 pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo, pk_real hi);
 /* Fits mean, rate and spectrum->count lines, whose frequencies are guesses on entry, and sets
  * resolution, nyquist and residual; writes x minus the fit, `count` numbers, to `left`. Returns

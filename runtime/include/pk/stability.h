@@ -39,19 +39,22 @@ void pk_stability_map(struct pk_stability *of, double h, size_t steps, size_t co
 /* Projects the state onto the constraints and normalises quaternions. Returns the status. */
 int pk_stability_project(struct pk_stability *of, double *state);
 /* Returns the quantities of `watch` in JSON, the condition number `cond` of the last step's
- * equations, and whether the method is `symmetric` or symplectic; valid until the next call. */
+ * equations, and whether the method is `symmetric` or symplectic. The text is valid until the next
+ * call. */
 const char *pk_stability_report(struct pk_stability *of);
 void pk_stability_end(struct pk_stability *of);
 
-/* Returns the equilibria found from `tries` starts in JSON, each with Newton's last correction
- * `doubt`; valid until the next call for this run. Not defined without GSL. */
+/* Returns the equilibria found from `tries` starts in JSON, each with `doubt`, the last
+ * correction by Newton's method. The text is valid until the next call for this run. Not
+ * defined without GSL. */
 const char *pk_stability_equilibria(struct pk_run *run, size_t tries);
 /* Makes a step of size h on q'' = -stiffness q - damping q'; `map` is its 2 by 2 matrix for (q, v).
  * Returns the status; PK_BAD_ARGUMENT: there is no method of that name with fixed steps. */
 int pk_stability_spring(const struct pk_run_model *model, const char *method, double stiffness,
                         double damping, double h, double *map);
-/* Returns a model's own methods (`own`), or the runtime's methods for it, in JSON: traits, required
- * facts, and stability limits on linear equations. Valid until the next call. */
+/* Returns a list of methods in JSON: with `own` those that the model defines, otherwise those of
+ * the runtime. It has their traits, the facts that they require, and their stability limits on
+ * linear equations. The text is valid until the next call. */
 const char *pk_stability_methods(const struct pk_run_model *model, int own);
 
 PK_END

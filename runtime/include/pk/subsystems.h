@@ -49,7 +49,7 @@ struct pk_subsystems {
     pk_real t;
     const pk_real *q, *v;
     enum pk_status status; /* status of the last call */
-    size_t failed;         /* 1 + index of the part that the status belongs to, 0: none */
+    size_t failed;         /* 1 + index of the part whose failure is `status`; 0: no part failed */
     struct pk_subsystem *parts;
     size_t count;
     /* Set by the caller after init, or NULL: called after each step of part number k. */

@@ -73,14 +73,15 @@ enum pk_fact {
      * no first-order variables and no constraints. */
     PK_LINEAR_DRAG = 1u << 10,  /* f = g(q, t, u) + C v with constant C */
     PK_AFFINE_RATES = 1u << 11, /* f = g(q, t, u) + C(q, t, u) v */
-    PK_FAST = 1u << 12          /* separable, and some forces are declared fast: see fast() */
+    /* the system is separable, and some forces are declared fast (see the kernel `fast`) */
+    PK_FAST = 1u << 12
 };
 
 /* A parameter: its byte offset in struct NAME_params, and the kind of its bounds. */
 struct pk_parameter {
     struct pk_quantity what;
     size_t offset; /* byte offset */
-    int follows;   /* 1: the default depends on other parameters */
+    int follows;   /* 1: the default value depends on other parameters */
     int lo_open, hi_open;
 };
 
@@ -151,10 +152,11 @@ struct pk_system {
     const unsigned char *cyclic; /* n flags: p_i is constant (dL/dq_i = 0, Q_i = 0, dD/dv_i = 0) */
 
     /* Parameters. defaults() sets all of them and calls prepare(). derive() recomputes the defaults
-     * that depend on other parameters, except where given[i] != 0 (given NULL: all). prepare()
-     * computes numbers that depend only on parameters; call it after any change. It returns 0 or a
-     * failure (PK_FAILURE_PARAMETER, PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds() writes the
-     * bounds, infinite where there is none. start() writes the start values. */
+     * that depend on other parameters; it leaves parameter i unchanged if given[i] is nonzero. With
+     * given = NULL it recomputes all of them. prepare() computes numbers that depend only on
+     * parameters; call it after any change. It returns 0 or a failure (PK_FAILURE_PARAMETER,
+     * PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds() writes the bounds, infinite where there is
+     * none. start() writes the start values. */
     void (*defaults)(void *params);
     void (*derive)(void *params, const unsigned char *given);
     int (*prepare)(void *params);
@@ -169,22 +171,25 @@ struct pk_system {
     /* writes p, then pdot, since the stages of a Gauss method need both */
     pk_kernel_2 *canonical;
     pk_kernel *gradient; /* writes dL/dq */
-    /* Jacobians for Newton's method on (p, pdot): dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
+    /* Jacobians of p and pdot for the Newton iteration of methods in (q, p): dp/dq, d(pdot)/dq,
+     * d(pdot)/dv. The fourth one, dp/dv, is M. */
     void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
     pk_kernel_number *energy;
     pk_kernel_number *kinetic, *potential; /* T and V; NULL if the model defines only L */
     pk_kernel *observe, *conserve; /* outputs of `observe`, constants of `conserve`; NULL: none */
-    /* Derivatives of r = f - M a by q, v and t at constant a and inputs; if a is the acceleration,
-     * M da/dq = r_q, and so on. Used by variational equations and implicit methods in (q, v); see
-     * pk/linear.h. NULL: not compiled in. */
+    /* Writes the derivatives r_q, r_v, r_t of r = f - M a by q, v and t, at constant a and
+     * inputs. If a is the acceleration, M da/dq = r_q, and likewise for v and t. The kernel is
+     * used by variational equations and implicit methods in (q, v); see pk/linear.h. NULL: not
+     * compiled in. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
-    /* unconstrained: like canonical() without J^T lambda; writes p = dL/dv and pdot, and for the
-     * other first-order variables their values and rates. inertia: writes dp/dv of this p. Models
-     * with rotations, constraints, impulses or momenta that depend on first-order variables have
-     * both kernels: their mass() may be the unit matrix (the model has solved M a = f itself), and
-     * then canonical() does not write the momenta. */
+    /* unconstrained() does the same as canonical(), but without the constraint forces J^T lambda:
+     * it writes p = dL/dv and pdot, and for the other first-order variables their values and rates.
+     * inertia() writes the derivative dp/dv of this p. Models with rotations, constraints, impulses
+     * or momenta that depend on first-order variables have both kernels: their mass() may be the
+     * unit matrix (the model has solved M a = f itself), and then canonical() does not write the
+     * momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
     pk_kernel *fast; /* acceleration by the forces declared fast; NULL: none */

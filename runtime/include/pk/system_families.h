@@ -30,9 +30,11 @@ struct pk_turning {
 };
 
 /* Sparsity pattern of a Jacobian by coordinates or rates: `rows` rows of a band with `width`
- * entries on either side of the diagonal, then `border` dense rows and columns. Storage: rows * (2
- * width + 1), band rows with the diagonal in the middle; rows * border, the border's columns row by
- * row; rows * border, the border's rows column by column; border * border. */
+ * entries on either side of the diagonal, then `border` dense rows and columns. The numbers are
+ * stored in four groups: rows * (2 * width + 1) numbers of the rows of the band, each with the
+ * diagonal in its middle; rows * border numbers of the columns of the border, row by row; rows *
+ * border numbers of the rows of the border, column by column; and border * border numbers of the
+ * block where both meet. */
 struct pk_pattern {
     size_t rows, width, border;
     /* 1: the matrix has no band; all coordinates, in order, belong to the border */
@@ -73,19 +75,20 @@ struct pk_part_families {
      * h v between successive kicks. Sums are not compensated. NULL: not compiled in. */
     void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
                     pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
-    /* diagonal: writes the diagonal of M. factor: factors M in the memory of params, with the
-     * failures of acceleration(). solve: solves M d = f. factor and solve are NULL if M is diagonal
-     * or constraints.factor factors it. */
+    /* diagonal() writes the diagonal of M. factor() factors M and stores the factors in the memory
+     * of params; it fails like acceleration(). solve() then solves M d = f. factor and solve are
+     * NULL if M is diagonal or constraints.factor factors it. */
     pk_kernel *diagonal;
     int (*factor)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u);
     void (*solve)(const void *params, const pk_real *f, pk_real *d);
-    /* M and the Jacobians of pk_system.jacobian, stored by a sparsity pattern; NULL: not compiled
-     * in. place() returns the coordinate at index i of the pattern. It returns a negative number
-     * for an additional unknown, such as a multiplier, an acceleration or a sum over many members,
-     * without which the Jacobians would be dense; the diagonal entry of M is then 1, or its row
-     * relates rates to each other. `closed` writes M and the derivatives of the equations of these
-     * unknowns by rates and by the unknowns. */
+    /* The matrix M, and the Jacobians that pk_system.jacobian would write, stored according to a
+     * sparsity pattern. NULL: these kernels were not compiled. place() returns the coordinate at
+     * index i of the pattern. It returns a negative number for an additional unknown, such as a
+     * multiplier, an acceleration or a sum over many members, without which the Jacobians would be
+     * dense; the diagonal entry of M is then 1, or its row relates rates to each other. closed()
+     * writes M and, for the equations of the additional unknowns, the derivatives by rates and by
+     * these unknowns. */
     void (*pattern)(const void *params, struct pk_pattern *pattern);
     ptrdiff_t (*place)(const void *params, size_t i);
     pk_kernel *mass;

@@ -21,7 +21,7 @@ enum pk_singularity_kind {
     PK_SINGULARITY_CUT
 };
 struct pk_singularity {
-    struct pk_quantity what; /* what.name is the text of the expression, such as "sin(theta)" */
+    struct pk_quantity what; /* its name is the text of the expression, such as "sin(theta)" */
     enum pk_singularity_kind kind;
 };
 
@@ -65,19 +65,20 @@ struct pk_part_events {
 enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };
 
 /* Switches: arguments s of step(s) and abs(s), and a - b of min(a, b). At their roots the equations
- * change from one smooth form to another. Side 1 selects the form for s > 0, side -1 the form for s
- * < 0, whatever s is; side 0, the default, selects the form by the sign of s. With all sides set to
- * +-1 the equations are smooth (PK_SWITCHED). A switch inside a root or a non-integer power has no
- * side, since these are undefined on one side. The n sides are pk_real at byte offset `sides` of
- * the params; pk/events.h sets them in a copy. In a system of variable size, count() returns the
- * number of switches, place() writes the expression and the members of number k, and `offset` is
- * that of a pointer to the sides.
+ * change from one smooth form to another. Each switch has a number, its side. Side 1 selects the
+ * form of the equations for s > 0, side -1 the form for s < 0, whatever the value of s is. Side 0,
+ * the default, selects the form by the sign of s. With all sides set to +-1 the equations are
+ * smooth (PK_SWITCHED). A switch inside a root or a non-integer power has no side, since these are
+ * undefined on one side. The n sides are pk_real at byte offset `sides` of the params; pk/events.h
+ * sets them in a copy. In a system of variable size, count() returns the number of switches,
+ * place() writes the expression and the members of number k, and `offset` is that of a pointer to
+ * the sides.
  *
- * impulses: for each switch, bits of enum pk_impulse if rates may jump there, because L or a
- * constraint row does; NULL: nowhere. Then `slopes` writes ds/dq (n rows by pk_system.n columns; in
- * the columns of body rates the derivative along the rotation, 0 in those of other first-order
- * variables) and ds/dt, and the system has unconstrained, inertia and energy. Only pk_events_step()
- * handles switches. */
+ * impulses: for each switch, bits of enum pk_impulse. A bit is set if rates may jump at the switch,
+ * because L or a constraint row jumps. NULL: rates jump at no switch. If a bit is set, `slopes`
+ * writes ds/dq (n rows by pk_system.n columns; in the columns of body rates the derivative along
+ * the rotation, 0 in those of other first-order variables) and ds/dt, and the system has
+ * unconstrained, inertia and energy. Only pk_events_step() handles switches. */
 struct pk_part_switches {
     size_t n;
     const struct pk_quantity *names; /* the text of each expression, "t - t0" */
@@ -89,9 +90,9 @@ struct pk_part_switches {
     void (*place)(const void *params, size_t k, struct pk_place *place);
 };
 
-/* Marks: arguments u of exp(u) and similar functions. For |u| > 36 the function is nearly constant,
- * zero or huge, so a step over the range |u| < 36 could miss a short force. The integrator monitors
- * u along each step (src/core/short_force_limiter.c). */
+/* Marks are the arguments u of exp(u) and similar functions. For |u| > 36 such a function is nearly
+ * constant, zero or huge. So a step in which u passes through the whole range |u| < 36 could miss a
+ * short force. The integrator monitors u along each step (src/core/short_force_limiter.c). */
 struct pk_part_marks {
     size_t n;
     const struct pk_quantity *names; /* the text of each call, "exp(-x^2/w^2)" */

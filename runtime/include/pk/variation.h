@@ -8,11 +8,11 @@
  *
  *     M a = f(q, v, t),   M da = (dr/dq) dq + (dr/dv) dv,   r = f - M a at constant a,
  *
- * by the kernel `linear` that pkgen generates. Any method of the runtime integrates it. A
- * Runge-Kutta method, a composition of flows or a Gauss method in (q, p), applied to this system,
- * propagates the displacements by the derivative of its own step map, not only of the flow, to
- * round-off. Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed.,
- * VI.4, lemma 4.1.
+ * by the kernel `linear` that pkgen generates. Any method of the runtime can integrate the new
+ * system. A Runge-Kutta method, a composition of flows or a Gauss method in (q, p), applied to this
+ * system, propagates the displacements by the derivative of its own step map, not only of the flow,
+ * to round-off. Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd
+ * ed., VI.4, lemma 4.1.
  *
  * The new system has kernels acceleration, mass, canonical, jacobian and linear. The kernels mass,
  * jacobian and linear omit the derivatives of the variational equations by q and v, which need

@@ -111,7 +111,8 @@ enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_re
 {
     const size_t mm = m * m;
     struct pk_pairs X[POWERS], T;
-    pk_real c[64], c_lo[64]; /* 1/k!; about 50 are needed for pairs of __float128 */
+    /* 1/k! for the terms of the series; about 50 terms are needed for pairs of __float128 */
+    pk_real c[64], c_lo[64];
     if (!pk_finite(pk_abs(h) * norm))
         return PK_NOT_FINITE;
     const int s = halvings(pk_abs(h) * norm), last = (terms(PK_C(0.5)) + POWERS) / POWERS * POWERS;

@@ -130,7 +130,7 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
 /* pk_step_choose() checks the limits of step number and progress before a step towards `limit`;
  * `limit` must differ from it->t. For fixed steps it also sets it->own->next_t and it->own->h.
  * pk_step_advance_time() updates the times after a step. */
-/* Returns whether many trials since the last check of progress were rejected. */
+/* Returns whether many trial steps since the last check of progress were rejected. */
 int pk_often_rejected(const struct pk_integrator *it);
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
 /* The next fixed step as the grid of steps requires it; events and short forces may shorten it. */

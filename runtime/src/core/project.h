@@ -108,8 +108,9 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
  * start of the step is, or may be, near a singular position. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
 void pk_project_seen(struct pk_integrator *it, struct pk_projection *w);
-/* Writes w->depends: the row as a combination x of earlier rows, with (J M^-1 J^T) x = J M^-1 row^T
- * by the factors of the leading block (row stride c); x_i is scaled by the rows' lengths. */
+/* Writes to w->depends how `row` is a linear combination of earlier rows. Its coefficients x solve
+ * (J M^-1 J^T) x = J M^-1 row^T; the factors of J M^-1 J^T in w->A have c numbers per row. x_i is
+ * then multiplied by the length of row i over that of `row`. */
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
 
 /* Projects q and v onto the constraints; low_q and low_v, their compensations, may be NULL. Sets

@@ -1,6 +1,7 @@
-/* The effect of rounding of the state on accelerations, and thus on a step: each number of a state
- * is changed by some units in its last place, several times, since a single sample may leave some
- * of many accelerations nearly unchanged; terms that cancel are rounded relative to their size. */
+/* Measures how much rounding of the state changes accelerations, and thus a step. Each number of a
+ * state is changed by some units in its last place. This is repeated several times, since a single
+ * change may leave some of many accelerations nearly unchanged. If terms cancel, their rounding is
+ * taken relative to their size. */
 #include <string.h>
 
 #include "band.h"

@@ -164,7 +164,7 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
 }
 
-/* Drops the largest values, which may come from a step that is undone. */
+/* Forgets the largest values of all numbers, since they may come from a step that is undone. */
 void pk_scale_forget(struct pk_integrator *it)
 {
     if (it->own->atol)

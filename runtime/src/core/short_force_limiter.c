@@ -1,7 +1,7 @@
 /* Detects forces shorter than a step. Marks are the arguments u of exp(u), tanh(u) and similar
- * functions, which change only for |u| < ALIVE. Perhaps no stage of a step is in this range; but u
- * is smooth along the step, often a polynomial, and is sampled finely enough to find where it
- * enters the range.
+ * functions, which change only for |u| < ALIVE. Perhaps no stage of a step has u in this range, so
+ * that the step misses the force. But u is smooth along the step, often a polynomial in time, so it
+ * is sampled finely enough to find where it enters the range.
  *
  * If u, clipped to +-ALIVE, varies by more than MOST in a step, the stages may miss the change: the
  * step is repeated up to a time where u varies less, and the next steps are limited to that length

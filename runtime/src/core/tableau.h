@@ -6,10 +6,10 @@
 #include <pk/step/tableau.h>
 
 /* An implicit Runge-Kutta method by collocation, given by nodes c and weights b (NULL: Gauss);
- * mu_ij = a_ij / b_j are computed (collocation_tables.c). These coefficients apply to q. Those for
- * p are the same, or, if `conjugate` is set, the conjugate ones, mu^_ji = 1 - mu_ij. The smaller of
- * each pair is computed from the larger, so that this relation, and symplecticity, is exact. Gauss
- * methods are self-conjugate. */
+ * mu_ij = a_ij / b_j are computed (collocation_tables.c). These coefficients apply to q. The
+ * coefficients for p are the same, or, if `conjugate` is set, the conjugate ones, mu^_ji = 1 -
+ * mu_ij. The smaller of each pair is computed from the larger, so that this relation, and
+ * symplecticity, is exact. Gauss methods are self-conjugate. */
 struct pk_gauss {
     int stages;
     const pk_real *c, *b;

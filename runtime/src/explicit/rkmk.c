@@ -82,7 +82,8 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
                 k[to.number + j * to.step] = slope[j];
         }
     }
-    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low); /* the low parts of q and of v */
+    /* the low parts of q, and of v behind them */
+    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low);
     for (size_t i = 0; i < m; i++)
         y[i] = pk_sum(it->own->state[i],
                       it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),

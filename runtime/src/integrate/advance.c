@@ -53,7 +53,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     return steps;
 }
 
-/* Makes fixed steps of full length, if no events, constraints or other checks require
+/* Makes fixed steps of full length, if no switches, constraints or other checks require
  * pk_integrator_step(). Returns the number of steps. If a step fails, pk_integrator_step() repeats
  * it and reports the failure. */
 static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned long most)

@@ -33,7 +33,7 @@ void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_rea
                      const pk_real *v);
 PK_END
 
-/* Returns a bit mask of the lanes in which any of `rows` numbers is not finite. */
+/* Returns a bit mask of the lanes in which a number is not finite; each lane has `rows` numbers. */
 static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t rows, size_t W)
 {
     pk_real sum[PK_BLOCK_MOST];
@@ -52,7 +52,8 @@ static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t
     return bits;
 }
 
-/* Computes y = y0 + h sum a_j k_j, where successive k_j are `stride` rows apart. */
+/* Computes y = y0 + h sum a_j k_j in each lane with its own h. The vectors k_j begin `stride`
+ * numbers apart. */
 static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRICT y,
                                        const pk_real *PK_RESTRICT y0, const pk_real *PK_RESTRICT h,
                                        const pk_real *a, int count, const pk_real *PK_RESTRICT k,
@@ -127,8 +128,9 @@ static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_rea
 }
 
 /* Returns the number of pk_real of work memory for s stages, the derivative at the end, and the
- * coordinates of a stage. A stage has n W rates and first-order variables, whose first n_q W are
- * slopes of coordinates, and n W accelerations. */
+ * coordinates of a stage. For each of these, memory has 2 n W numbers: the n W rates and
+ * first-order variables of the stage, of which the first n_q W are slopes of coordinates, and n W
+ * accelerations. */
 static inline size_t pk_block_reals(int stages, size_t n_q, size_t n, size_t W)
 {
     return (((size_t)stages + 1) * 2 * n + n_q) * W;

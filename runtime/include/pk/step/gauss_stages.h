@@ -42,9 +42,10 @@ struct pk_gauss_lanes {
     /* a, next_a: the current and the next iterate; q (n_q by 8), v: coordinates and rates at the
      * stages */
     pk_real *a, *next_a, *q, *v;
-    pk_real *u;      /* inputs at the stages */
-    pk_real *poly;   /* Taylor coefficients of a at the last step's end, in h */
-    pk_real *weight; /* n numbers: weights of errors in a */
+    pk_real *u; /* inputs at the stages */
+    /* coefficients of the polynomial a(t) of the last step, in powers of (t - its end)/h */
+    pk_real *poly;
+    pk_real *weight; /* weights of errors in a, n numbers */
     /* state at the start of the last step, n_q + n numbers; the n weights of that step */
     pk_real *start, *last_weight;
     /* one number each: size and convergence rate of the last step; largest theta^2 that the next
@@ -121,10 +122,10 @@ static inline pk_real pk_gauss_sum(const pk_real *PK_RESTRICT x)
 /* Results of a trial step. Norms are root mean squares relative to the tolerance. */
 struct pk_gauss_trial {
     pk_real h, hc[PK_GAUSS_S], t[PK_GAUSS_S];
-    pk_real size2, change2;       /* squared norms of a, and of its last correction */
+    pk_real size2, change2;       /* squared norms of a and of the last correction of a */
     pk_real rate;                 /* convergence rate, the ratio of successive corrections */
     pk_real theta_log, error_log; /* log of theta and of the error */
-    pk_real growth;               /* factor by which the step size may grow */
+    pk_real growth;               /* factor by which the next step may be longer than this one */
     int count;
 };
 

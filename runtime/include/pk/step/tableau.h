@@ -127,14 +127,15 @@ static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const p
         to[of_low_q + k] = low_q;
     }
     PK_LANE_LOOP
-    for (size_t k = n_q; k < n; k++) { /* the rest of v, which moves no q */
+    /* the rest of v, first-order variables, which move no coordinate */
+    for (size_t k = n_q; k < n; k++) {
         pk_real low = from[of_low_v + k];
         to[of_v + k] = pk_sum(from[of_v + k], kappa * a[k], &low);
         to[of_low_v + k] = low;
     }
 }
 
-/* Computes v += kappa a at the end of a step. */
+/* Computes v += kappa a in place: the last kick of a step. */
 static PK_INLINE void pk_kick(size_t n_q, size_t n, pk_real kappa, const pk_real *a, pk_real *to)
 {
     pk_real *v = pk_part(to, n_q, n, PK_V), *low = pk_part(to, n_q, n, PK_LOW_X);
