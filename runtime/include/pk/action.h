@@ -9,9 +9,9 @@
  * integrands are smooth and periodic in s; for a rotation they are smooth and periodic in q. Sums
  * over equidistant nodes then converge geometrically: the number of nodes is doubled until the
  * result converges. The kinetic energy at q, h - W, is computed by integrating from the ends of the
- * libration, where it is 0, so that small librations lose no digits.
+ * libration, where it is 0, so that no digits are lost for small librations.
  *
- * If L depends on time slowly, J is its adiabatic invariant.
+ * If L depends on time slowly, J is an adiabatic invariant of the motion.
  *
  * References: L. Landau, E. Lifshitz, Mechanics, 49 and 50; L. N. Trefethen, J. A. C. Weideman, The
  * exponentially convergent trapezoidal rule, SIAM Rev. 56 (2014) 385. */

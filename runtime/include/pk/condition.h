@@ -16,9 +16,9 @@
  * M^-1 J^T lambda. Then a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. Cancellation in the
  * forces is not included.
  *
- * For systems of variable size with constraints, the condition number of J M^-1 J^T is a
- * lower bound, found in O(N) from the distance of each row of J from the span of the other rows.
- * The same bound is returned as d_i/e_i.
+ * For systems of variable size with constraints, the condition number of J M^-1 J^T is a lower
+ * bound, found in O(N) from the distance of each row of J from the span of the other rows. This
+ * bound is also returned as the digit-loss ratio d_i/e_i.
  *
  * References: F. L. Bauer, Numer. Math. 5 (1963) 73; R. D. Skeel, J. ACM 26 (1979) 494; N. J.
  * Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 7.2, 7.3. */

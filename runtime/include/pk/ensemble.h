@@ -42,8 +42,8 @@ struct pk_ensemble {
     const pk_real *t;
 
     /* Results, in memory of the caller. q and v: number k of a row is at [(i * rows + row) * n +
-     * k]; only the first n_q of q are written. For each member: number of rows done, last valid
-     * time, final status. */
+     * k]; only the first n_q of q are written. For each member, `done` has the number of rows
+     * computed, last_t the last valid time, and `status` the final status. */
     pk_real *q, *v;
     size_t *done;
     pk_real *last_t;

@@ -18,10 +18,11 @@ PK_BEGIN
 struct pk_equilibria {
     size_t most; /* number of equilibria that q and v have memory for: most * n numbers each */
     double *q, *v;
-    size_t count;         /* equilibria found, the lowest energy first */
-    size_t failed;        /* number of starts from which no equilibrium was found */
-    size_t singular;      /* starts that led to a singular or indefinite M, as at the pole of
-                             spherical coordinates */
+    size_t count;  /* equilibria found, the lowest energy first */
+    size_t failed; /* number of starts from which no equilibrium was found */
+    /* number of starts from which the search met a singular or indefinite M, as at the pole of
+     * spherical coordinates */
+    size_t singular;
     int more;             /* 1: there are more equilibria than `most`, perhaps a continuum */
     unsigned char *turns; /* output, n flags, or NULL: q_i + 2 pi is the same position as q_i */
     /* output with as many numbers as q, or NULL: the last correction of q_i by Newton's method,
@@ -40,13 +41,13 @@ struct pk_equilibria {
 
 /* Searches from q0, v0 and from `tries` more starts (Halton's points, the same at each call). After
  * each solution the search is repeated from the same start until it fails; deflation of the known
- * roots keeps it from finding them again. Starts lie in a box about q0: half a turn wide for
- * angles, otherwise a multiple of the range of the motion, or of |q0|. A coordinate in which the
- * equations have the period 2 pi is returned in (-pi, pi]. First-order variables, which are in v,
- * are constant too, except quadratures, which keep their start values. Equilibria satisfy
- * constraints (equilibria_bound.c) and have no body rates; the first nonzero component of a
- * quaternion is positive. PK_REFUSED: the equations depend on time or on inputs. The search may
- * miss equilibria. */
+ * roots keeps it from finding them again. The starts lie in a box about q0. Its width is half a
+ * turn for angles; for other coordinates it is a multiple of the range of the motion, or of |q0|. A
+ * coordinate in which the equations have the period 2 pi is returned in (-pi, pi]. First-order
+ * variables, which are in v, are constant too, except quadratures, which keep their start values.
+ * Equilibria satisfy constraints (equilibria_bound.c) and have no body rates; the first nonzero
+ * component of a quaternion is positive. PK_REFUSED: the equations depend on time or on inputs. The
+ * search may miss equilibria. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
@@ -62,8 +63,8 @@ enum pk_status pk_gsl_rates(const struct pk_problem *problem, double t, const do
 enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, const double *v,
                              unsigned char *unread);
 
-/* Computes normal coordinates at an equilibrium q* of a system whose forces all come from L,
- * without terms linear in the rates there:
+/* Computes normal coordinates at an equilibrium q* of a system whose forces all come from L, if L
+ * has no terms linear in the rates at q*:
  *
  *     Q = U^T M (q - q*),  P = U^T (p - p*),  U^T M U = 1,
  *     h = h* + sum of (P^2 + omega^2 Q^2)/2 + higher-order terms.

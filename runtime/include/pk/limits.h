@@ -10,13 +10,14 @@
  * of the first interval with |R(-z)| <= 1. A limit is 0 if steps of any size amplify, infinite if
  * none does, and NaN if it is undefined: splitting methods do not apply to damping, methods of
  * variable order have no single map, and the tables of GSL's methods are private. The limit of an
- * adaptive method is that of its formula at a fixed step size.
+ * adaptive method is the limit of its formula with a fixed step size.
  *
  * For explicit Runge-Kutta and splitting methods limits are roots of polynomials made from the
  * table, accurate to about 100 PK_EPSILON. For all other methods the map is computed by steps on
- * the equation. Amplification below 1e-10 a step (1e-3 in float) is then not detected, which limits
- * the accuracy, and "infinite" means: none found up to 1e4. This is exact for A-stable methods and
- * for maps of determinant 1.
+ * the equation. Amplification by less than 1e-10 per step (1e-3 in float) is then not detected,
+ * which limits the accuracy of the limits. A limit is reported as infinite if no amplification was
+ * found up to y or z = 1e4. The limits are exact for A-stable methods and for maps of determinant
+ * 1.
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2; R. I.
  * McLachlan, S. K. Gray, Appl. Numer. Math. 25 (1997) 275. */

@@ -7,9 +7,9 @@
  *
  *     e = r' x (r x r')/k - r/|r|
  *
- * points to the pericentre, and |e| is the eccentricity. In a force of 1/r^2 it is constant; in
- * other central forces it turns, in the plane of the initial motion, by `angle`, positive in the
- * direction of the motion and without jumps of 2 pi between updates.
+ * points to the pericentre of the orbit, and |e| is its eccentricity. In a force of 1/r^2 it is
+ * constant; in other central forces it turns, in the plane of the initial motion, by `angle`,
+ * positive in the direction of the motion and without jumps of 2 pi between updates.
  *
  * Reference: H. Goldstein, C. Poole, J. Safko, Classical Mechanics, 3.9 and 3.12. */
 #ifndef PK_PARTICLES_H

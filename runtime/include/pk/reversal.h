@@ -1,7 +1,7 @@
 /* Time reversal: steps from t0 to t and the same number backward. A symmetric method returns to the
- * start except for round-off, which a chaotic motion amplifies like any displacement: it reaches 1
- * near t = ln(1/PK_EPSILON)/lambda, lambda the Lyapunov exponent. Methods that are not symmetric
- * miss the start by their own errors.
+ * start except for round-off. A chaotic motion amplifies round-off like any displacement, to about
+ * 1 at t = ln(1/PK_EPSILON)/lambda, where lambda is the Lyapunov exponent. Methods that are not
+ * symmetric miss the start by their own errors.
  *
  * The error is the largest over coordinates and rates of |x - x0| / max |x - x0|, the maximum taken
  * over the whole given time. The horizon is the time at which the error exceeds a threshold. If a

@@ -8,10 +8,11 @@
  * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary Functions"
  * (1980): pi/2 is split into parts of so few bits that k times a part is exact; these products are
  * subtracted one by one, and the rounding errors of the later subtractions are added to sin r. k
- * has 20 bits at most (10 in float), so a part may have 33 (14). With fma() the first part may have
- * all 53 (24), so that three parts suffice instead of four. The last part matters if |x| is near a
- * multiple of pi/2: the nearest double is at 2^-60 from one (29 pi/2). Above PK_SINCOS_MAX libm is
- * called; with -DPK_BOUNDED_ANGLES the results are NaN instead.
+ * has 20 bits at most (10 in float), so a part of pi/2 may have 33 bits (14 in float). With fma()
+ * the first part may have all 53 bits (24 in float), so that three parts suffice instead of four.
+ * The last part matters if |x| is near a multiple of pi/2: the double nearest to a multiple is
+ * 2^-60 away from it (29 pi/2). Above PK_SINCOS_MAX libm is called; with -DPK_BOUNDED_ANGLES the
+ * results are NaN instead.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *

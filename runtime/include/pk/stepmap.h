@@ -6,7 +6,7 @@
  * in canonical variables that all have the same unit (M = C C^T at the start: C^T dq/sqrt(tau),
  * C^-1 dp sqrt(tau), tau^-2 the norm of C^-1 (dr/dq) C^-T), so both are dimensionless. They are
  * zero for a symplectic method on a variational system; otherwise they show the error of a step, or
- * dissipation by the forces. S is exact: it comes from the variational equations under the same
+ * that forces dissipate energy. S is exact: it comes from the variational equations under the same
  * method (pk/variation.h). `rounding` bounds the error of both defect and volume. */
 #ifndef PK_STEPMAP_H
 #define PK_STEPMAP_H

@@ -4,9 +4,10 @@
  *
  *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    its square: c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
  *
- * which is rational. Increments are computed separately, so that sums may be compensated.
- * References: A. Iserles, H. Munthe-Kaas, S. P. Norsett, A. Zanna, Acta Numerica 9 (2000) 215, 8.3;
- * N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197. */
+ * which is rational. Functions named _added compute the increment of a vector or quaternion, so
+ * that the caller can add it with a compensated sum. References: A. Iserles, H. Munthe-Kaas, S. P.
+ * Norsett, A. Zanna, Acta Numerica 9 (2000) 215, 8.3; N. Bou-Rabee, J. E. Marsden, Found. Comput.
+ * Math. 9 (2009) 197. */
 #ifndef PK_ATTITUDE_H
 #define PK_ATTITUDE_H
 

@@ -1,10 +1,10 @@
 /* LU factorisation of a band matrix with a border; see band.h. Elimination of the band updates the
  * border's rows and columns and leaves a dense system for the border's unknowns. Rows are exchanged
- * only within the band, so a pivot may be small although the matrix is regular, as the last pivot
- * of a cyclic chain's band, or of a saddle point. If pivot d of column k is small, s is added to
- * it, with |s| the largest entry of the column. To correct for this, z = s x_k becomes an
- * additional unknown with column -e_k and row s e_k in a spare part of the border. This is exact,
- * and no pivot is much smaller than its column.
+ * only within the band, so a pivot may be small although the whole matrix is regular. Examples are
+ * the last pivot of the band of a cyclic chain, and pivots of saddle-point matrices. If the pivot
+ * of column k is small, a number s is added to it, where |s| is the largest entry of the column. To
+ * correct for this, z = s x_k becomes an additional unknown with column -e_k and row s e_k in a
+ * spare part of the border. This is exact, and no pivot is much smaller than its column.
  *
  * References: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.3 (band elimination
  * with pivoting); W. Govaerts, J. D. Pryce, IMA J. Numer. Anal. 13 (1993) 161, for bordered systems

@@ -3,9 +3,9 @@
  *     exp(X) = exp(X / 2^s)^(2^s),   exp of the small matrix by its Taylor series
  *
  * It works on exp - 1, so that entries small relative to 1 keep their digits: D becomes 2 D + D^2.
- * If the small matrix has norm 1/2, few terms make the series as accurate as the pairs, and the
- * scheme of Paterson and Stockmeyer sums it in few products. The usual diagonal Pade approximants
- * need a solve, which would need more code for pairs.
+ * If the small matrix has norm 1/2, a few terms of the series are as accurate as double-double
+ * numbers (pairs), and the scheme of Paterson and Stockmeyer sums it in few products. The usual
+ * diagonal Pade approximants need a solve, which would need more code for pairs.
  *
  * References: N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179; A. H. Al-Mohy, N. J. Higham,
  * SIAM J. Matrix Anal. Appl. 31 (2009) 970; M. S. Paterson, L. J. Stockmeyer, SIAM J. Comput. 2

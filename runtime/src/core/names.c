@@ -1,5 +1,5 @@
-/* Names in systems of variable size: a coordinate has the declared name with its index, a
- * singularity or switch its expression with the indices of its members. */
+/* Names in systems of variable size. The name of a coordinate is the declared name with its index,
+ * such as q[3]. The name of a singularity or switch is its expression, with numbers as indices. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* Finds a root of a function with a sign change, by the ITP method: interpolate (regula falsi),
- * truncate (towards the middle, so that both ends converge), project (so that it takes at most one
- * step more than bisection). Convergence is superlinear for smooth functions.
+ * truncate (move the point towards the middle, so that both ends of the interval converge to the
+ * root), project (keep the point so near the middle that the method takes at most one step more
+ * than bisection). Convergence is superlinear for smooth functions.
  *
  * Reference: I. F. D. Oliveira, R. H. C. Takahashi, An enhancement of the bisection method average
  * performance preserving minmax optimality, ACM Trans. Math. Softw. 47 (2020) 5, algorithm 1;

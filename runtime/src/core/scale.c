@@ -4,8 +4,8 @@
  * less than a millionth of the largest scale, so that numbers that have hardly begun to move, such
  * as the far end of a chain, do not shorten the steps.
  *
- * A number as small as its rounding error has no scale: its digits are noise, and step control must
- * not follow it. The effect of rounding of the state on accelerations is measured by changing each
+ * If a number is as small as its rounding error, its digits are noise, and step control must not
+ * follow them. The effect of rounding of the state on accelerations is measured by changing each
  * number by some units in its last place (rounding.c); errors of that size, summed over the trial
  * step, are tolerated. */
 #include <string.h>

@@ -1,13 +1,14 @@
 /* Singularities: positions where the equations are undefined, monitored at each step; see struct
  * pk_singularity.
  *
- * An expression that changes sign in a step has a root in it. An expression whose root has no sign
- * change, such as the distance in a collision, or with two roots, has the same sign at both ends of
- * the step, and the step may pass over the root. So if the tangent at either end predicts a root
- * within the step, or the change differs from both tangents, the motion is recomputed by short
- * steps (singularity_search.c). Adaptive steps are treated likewise: at a tight tolerance their
- * sizes decrease before a singularity until they underflow, and the search finds the cause; at a
- * loose tolerance they pass over it like fixed steps.
+ * An expression that changes sign in a step has a root in it. But an expression has the same sign
+ * at both ends of the step if it only touches zero, such as the distance in a collision, or if it
+ * has two roots in the step. Then the step may pass over the roots. So if the tangent at either end
+ * of the step predicts a root within it, or the change of the expression differs from both
+ * tangents, the motion is recomputed by short steps (singularity_search.c). Adaptive steps are
+ * treated likewise: at a tight tolerance their sizes decrease before a singularity until they
+ * underflow, and the search finds the cause; at a loose tolerance they pass over it like fixed
+ * steps.
  *
  * If there is a sign change, but the motion by short steps does not reach the root, the step is
  * inaccurate: PK_STEP_TOO_LONG. */

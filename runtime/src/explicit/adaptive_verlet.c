@@ -7,13 +7,13 @@
  * w is a local frequency, w^4 = ||da/dq||_F^2 + w_0^4, by the kernel `linear`: for Kepler's problem
  * 6^(1/4) r^(-3/2). So a step has about the size eps/w. eps is h ||da/dq||^(1/2) at the start if a
  * first step size h is given, else sqrt(24 rtol), with which the local frequency is accurate to
- * rtol; w_0 is eps/h_max, or 0. The same formulas from (q', v', rho') with -eps lead back, so
- * energy errors do not drift. If rho would change by a factor of 4 or more, or become negative, as
- * where da/dq passes zero without an h_max, the scheme fails with a status.
+ * rtol; w_0 is eps/h_max, or 0. The same formulas with -eps lead from (q', v', rho') back to (q, v,
+ * rho), so energy errors do not drift. If rho would change by a factor of 4 or more, or become
+ * negative, as where da/dq passes zero without an h_max, the scheme fails with a status.
  *
- * A limit, or dense output, must not change the sequence of steps: a shorter step up to that time
- * starts from the last point of the sequence (the base), and the next step starts at the base
- * again.
+ * The sequence of steps must not depend on limits and dense output. So if a limit requires a
+ * shorter step, this step starts from the last point of the sequence (the base), and so does the
+ * step after it, which again has the planned length.
  *
  * Reference: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239; Hairer, Lubich, Wanner,
  * Geometric Numerical Integration, VIII.3. */
