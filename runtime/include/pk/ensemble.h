@@ -34,9 +34,10 @@ struct pk_ensemble {
     const void *params;
     const pk_real *q0, *v0, *u;
 
-    /* `t` has the times of the `rows` results of each member, in order away from t0. Adaptive steps
-     * end at each of them. Fixed steps end only at the last one; the result at a time within a step
-     * comes from a shorter step with the same start. */
+    /* `t` has the times of the `rows` results of each member, in the order of increasing distance
+     * from t0. Adaptive steps end at each of these times. Fixed steps need not end at them, except
+     * at the last one; the result at a time within a step comes from a shorter step with the same
+     * start. */
     pk_real t0;
     size_t rows;
     const pk_real *t;

@@ -44,9 +44,9 @@
  * are smooth and every method keeps its order. The step ends at the root of a switch, and the next
  * step begins with the opposite side. At the start, and after a reset, the sides are the signs at
  * the state; a switch that is zero there gets the sign that it has just afterwards, or else 1. The
- * integrator stores the sides in a copy of the params, made from the caller's for each step; in the
- * caller's params they stay 0. If a switch stays at its root, as under dry friction at rest, the
- * status is PK_SLIDING.
+ * integrator stores the sides in a copy of the params, which it makes for each step from the params
+ * of the caller; there the sides stay 0. If a switch stays at its root, as under dry friction at
+ * rest, the status is PK_SLIDING.
  *
  * If L or a constraint jumps across a switch (system->switches.impulses), the impulse of the jump
  * is added to the momenta before the next step. If the jump of the potential is too high to pass,
@@ -120,9 +120,13 @@ struct pk_events {
     int begun;      /* flag: the first step was made, or ended at once at a limit */
     /* flag: the next step begins at the time `left`, where the last one ended */
     int kept;
-    pk_real left;  /* end time of the last step */
-    pk_real *held; /* +- rounding of g; a smaller g at the start gets this sign */
-    pk_real *off;  /* start values of limit functions that are zero to rounding */
+    pk_real left; /* end time of the last step */
+    /* for each event the rounding error of g, with a sign; if |g| at the start of the step is
+     * smaller, g gets this sign */
+    pk_real *held;
+    /* for each limit (`stop` = 2), its value of g at the start if that is zero up to rounding;
+     * it is subtracted from g */
+    pk_real *off;
     pk_real *room; /* work memory for impulses */
 };
 

@@ -55,13 +55,13 @@ enum { PK_LOOP_LEAST = 32 };
  *
  * For the series of q and of p: `rms` of the varying part; `tail`, the rms of the last eighth of
  * the harmonics (four at least); `rounding`, the tail expected from rounding of the samples. If the
- * loop is resolved, `tail` is near `rounding`. If the loop has structure too fine for the samples,
- * the harmonics decay up to the last one; if the samples have independent errors, the last
- * harmonics are equally large: `flat` is 1 if they are at least PK_LOOP_FLAT times as large as the
- * same number of harmonics before them. `size` is the area of an ellipse of the same rms in q and
- * p. `noise` is the standard deviation of the area if the last harmonics are noise, equal in every
- * harmonic. Fails with PK_BAD_ARGUMENT if pk_gsl_loop_takes(count) is 0, PK_NOT_FINITE or
- * PK_NO_MEMORY. */
+ * samples resolve the loop, `tail` is near `rounding`. Otherwise two cases differ. If the loop has
+ * structure too fine for the samples, the harmonics still decay at the last ones. If the samples
+ * have independent errors, the last harmonics are equally large. `flat` is 1 in the second case: if
+ * the last harmonics are at least PK_LOOP_FLAT times as large as the same number of harmonics
+ * before them. `size` is the area of an ellipse of the same rms in q and p. `noise` is the standard
+ * deviation of the area if the last harmonics are noise and every harmonic has as much noise. Fails
+ * with PK_BAD_ARGUMENT if pk_gsl_loop_takes(count) is 0, PK_NOT_FINITE or PK_NO_MEMORY. */
 #define PK_LOOP_FLAT 0.25
 struct pk_loop_series {
     double rms, tail, rounding;

@@ -159,9 +159,9 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
                                   const struct pk_method *method, const struct pk_options *options,
                                   pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
-/* Sets a new state at t; counters continue. q and v may be it->q and it->v: call it with these
- * after a change of parameters or a jump of an input, since methods reuse derivatives of the last
- * step. If it fails, no step is made until a later call succeeds. */
+/* Sets a new state at t; counters continue. q and v may be it->q and it->v. Call this function with
+ * these also after a change of parameters or a jump of an input, since methods reuse derivatives of
+ * the last step. If it fails, no step is made until a later reset succeeds. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
 /* Sets the step size: of a fixed-step method for all further steps, of an adaptive method for its
@@ -170,10 +170,10 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
 /* Makes one step towards `limit`, never past it; a step that would end within round-off of `limit`
  * ends exactly at it. Returns PK_DONE without a step if t is `limit`. */
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
-/* Returns the limit of the next fixed step if a result is wanted at time t: t itself if it is a
- * multiple of the step size up to rounding, otherwise `limit`; after that step
- * pk_integrator_aside() computes the result at t. pk_integrator_is_at() returns whether it->t is t
- * up to rounding. */
+/* For a caller that wants a result at time t from fixed steps: returns the limit to pass to the
+ * next step. This is t if a regular step ends there up to rounding. Otherwise it is `limit`, and
+ * after the step that passes t, pk_integrator_aside() computes the result at t.
+ * pk_integrator_is_at() returns whether it->t is t up to rounding. */
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Makes at most `steps` steps (0: no limit) towards `limit`, with the same bits as calls of

@@ -40,7 +40,8 @@ pk_real pk_method_limit(const struct pk_method *method, enum pk_axis axis);
 int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real from,
                      pk_real growth[2]);
 
-/* Computes the map of one step, y > 0. PK_REFUSED if there is no map; or a step's failure. */
+/* Computes the map of one step of size y > 0 for q'' = -q. Returns PK_REFUSED if the method has no
+ * map, or the status of the step if it fails. */
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4]);
 /* Computes the map of a step of size h > 0 for q'' = -stiffness q - damping q'. This function
  * always makes a step of the method. */

@@ -23,9 +23,9 @@ PK_BEGIN
 
 enum { PK_LYAPUNOV_MARKS = 64 };
 
-/* By megno: regular at most 3, chaotic at least 6, undecided between. PK_CHAOTIC means exponential
- * growth. It is chaos only if the motion is bounded; the motion away from an unstable equilibrium
- * has exponential growth too. */
+/* The kind of a motion, decided by its megno: PK_REGULAR if it is at most 3, PK_CHAOTIC if it is at
+ * least 6, otherwise PK_UNDECIDED. PK_CHAOTIC means exponential growth. It is chaos only if the
+ * motion is bounded; the motion away from an unstable equilibrium has exponential growth too. */
 enum pk_motion { PK_REGULAR, PK_CHAOTIC, PK_UNDECIDED };
 
 struct pk_lyapunov {

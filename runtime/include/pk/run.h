@@ -56,7 +56,7 @@ struct pk_run_value {
     double value;
 };
 
-/* A column of the rows, or of the table of an ensemble's members. */
+/* A column of the rows that a run writes, or of the table with the values of ensemble members. */
 struct pk_run_column {
     /* a letter. In the rows of a run: q, v, o for an output, e for the energy. In the table of
      * members: p for a parameter, i for an input, q, v */
@@ -102,7 +102,8 @@ struct pk_run_settings {
     double every;
     double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */
-    int fixed_point;         /* fixed-point instead of Newton iteration in implicit methods */
+    /* 1: implicit methods use fixed-point iteration instead of Newton's method */
+    int fixed_point;
     unsigned long max_steps; /* limit of steps; 0: no limit */
     /* 1: steps end at the times of rows; 0: they do not, and dense output gives the rows; -1:
      * the runtime chooses */
@@ -111,7 +112,7 @@ struct pk_run_settings {
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
     size_t n_columns; /* number of columns in addition to t; 0: all */
     const struct pk_run_column *columns;
-    size_t n_hidden; /* number of outputs without a column if n_columns is 0 */
+    size_t n_hidden; /* if n_columns is 0: number of outputs that get no column */
     const size_t *hidden;
     size_t at; /* 1 + index of an event whose occurrences are rows; 0: none */
     size_t n_expected, n_drifts;
@@ -134,7 +135,7 @@ struct pk_run_settings {
     const struct pk_run_column *member_columns;
     /* values of the member_columns: `members` rows of n_member_columns numbers */
     const double *member_values;
-    const char *member_name; /* name of the column that numbers the members; NULL: "member" */
+    const char *member_name; /* name of the column with the member numbers; NULL: "member" */
     long first_member;
     size_t threads; /* number of threads; 0: all available */
     /* 1: events of ensemble members are detected; 2: the times of their first occurrences are

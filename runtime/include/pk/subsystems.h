@@ -52,7 +52,8 @@ struct pk_subsystems {
     size_t failed;         /* 1 + index of the part whose failure is `status`; 0: no part failed */
     struct pk_subsystem *parts;
     size_t count;
-    /* Set by the caller after init, or NULL: called after each step of part number k. */
+    /* NULL, or a function that the caller sets after init: it is called after each step of part
+     * number k. */
     void (*stepped)(void *context, size_t k);
     void *context;
 

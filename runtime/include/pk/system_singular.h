@@ -8,9 +8,10 @@
 PK_BEGIN
 
 /* A singularity: an expression that the acceleration divides by or takes a root or logarithm of, or
- * an angle at whose branch cut L jumps. At its root either M is singular and other coordinates
- * could continue (the pole of a sphere), or the motion itself ends (a collision), or only the
- * expression is undefined, because the quotient has a limit. */
+ * an angle at whose branch cut L jumps. There are three cases at a root of the expression. Either M
+ * is singular, but the motion could continue in other coordinates (the pole of a sphere). Or the
+ * motion itself ends (a collision). Or only the expression of the acceleration is undefined, since
+ * it is a quotient that has a finite limit. */
 enum pk_singularity_kind {
     PK_SINGULARITY_COORDINATES,
     PK_SINGULARITY_DIVISOR,
@@ -61,7 +62,8 @@ struct pk_part_events {
     pk_kernel *values;
 };
 
-/* Kinds of jumps across a switch: of L or a holonomic constraint, or of a rolling constraint. */
+/* Kinds of jumps across a switch. PK_IMPULSE_ENERGY: L or a holonomic constraint jumps;
+ * PK_IMPULSE_ROLLING: a rolling constraint jumps. */
 enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };
 
 /* Switches: arguments s of step(s) and abs(s), and a - b of min(a, b). At their roots the equations

@@ -17,8 +17,8 @@
  * The new system has kernels acceleration, mass, canonical, jacobian and linear. The kernels mass,
  * jacobian and linear omit the derivatives of the variational equations by q and v, which need
  * second derivatives: Newton's method takes a few more iterations, and may not converge at step
- * sizes at which it barely converges for the motion alone (gauss8 for the double pendulum fails
- * from .4, not .6; radau then shortens its steps). */
+ * sizes at which it barely converges for the motion alone (for the double pendulum gauss8 fails at
+ * step sizes from .4 on instead of from .6; radau shortens its steps instead). */
 #ifndef PK_VARIATION_H
 #define PK_VARIATION_H
 

@@ -109,7 +109,8 @@ struct pk_slot {
 };
 size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
 #define PK_LAY_OUT(base, slots) pk_lay_out(base, slots, sizeof(slots) / sizeof *(slots))
-/* The number of pk_real that a struct of pk_real and int needs. */
+/* The number of pk_real whose memory is large enough for one struct of this type, which may have
+ * members of type pk_real and int. */
 #define PK_REALS_OF(type) ((sizeof(type) + sizeof(pk_real) - 1) / sizeof(pk_real))
 
 /* pk_check_params() checks the parameters before the first step; `scratch` has pk_params_reals()

@@ -5,7 +5,8 @@
 
 #include <pk/system.h>
 
-const char PK_SCALAR[] = "pk_real"; /* an address for the linker; the value is never read */
+/* the linker needs the address of this symbol; its value is never read */
+const char PK_SCALAR[] = "pk_real";
 
 /* Writes the name of number i, where i counts all members of `count` declared names. With count = 0
  * it is the name of table[i]. */

@@ -77,7 +77,8 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
  * has become shorter than it was earlier in the run. Sines do not depend on masses or units, except
  * in systems of variable size, where they are measured in the metric of M^-1. */
 void pk_project_rank(struct pk_projection *w);
-/* Computes d = M^-1 J^T mu for the factored rows, such that J d = r. */
+/* Computes d = M^-1 J^T mu and mu such that J d = r; J has only the rows that pk_project_factor()
+ * factored. */
 void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r);
 /* pk_project_mass() returns M_kk. pk_project_slopes() computes sum_k |J_ik| / sqrt(M_kk) for `rows`
  * rows of J, or for the system's rows if not `whole`; uses d as work. */

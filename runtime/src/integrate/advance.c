@@ -1,8 +1,9 @@
 /* Makes many fixed steps at once: for a splitting method in one call of the system's
  * families.advance (fused steps), or one by one without the checks of pk_integrator_step(). Steps
- * one by one give the same bits as that function; sums of fused steps are not compensated, so their
- * last bits differ. Fused steps work on a copy of the state: if they end in a state that is not
- * finite, half as many are tried, so that bisection finds the first step that fails. */
+ * made one by one give the same bits as pk_integrator_step(). The sums of fused steps are not
+ * compensated, so their last bits differ. Fused steps work on a copy of the state: if they end in a
+ * state that is not finite, half as many are tried, so that bisection finds the first step that
+ * fails. */
 #include <string.h>
 
 #include "../core/internal.h"

@@ -46,7 +46,8 @@ PK_BEGIN
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
 PK_END
 
-/* Returns the error of the step relative to the tolerance, root mean square. */
+/* Returns the root mean square, over all numbers of (q, v), of the estimated error of the step
+ * relative to the tolerance. */
 static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struct pk_tableau *table,
                                            const struct pk_embedded_work *w, pk_real h)
 {

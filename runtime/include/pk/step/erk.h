@@ -41,7 +41,7 @@ static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
     }
     PK_EACH_STAGE(PK_ERK_STAGE)
 #undef PK_ERK_STAGE
-    for (size_t i = 0; i < m; i++) { /* low parts of q and v are contiguous */
+    for (size_t i = 0; i < m; i++) { /* the low parts of q and of v are contiguous */
         low[i] = low0[i];
         y[i] = pk_sum(y0[i], h * pk_row_sum(table->b, table->stages, k, m, i), &low[i]);
     }

@@ -225,7 +225,8 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     }
 }
 
-/* Computes a in all lanes. A lane that failed is evaluated again alone, to find the cause. */
+/* Computes the acceleration a in all lanes. If it fails in a lane, it is evaluated again for this
+ * lane alone, to find the cause. */
 static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
                                                         const pk_real *q, const pk_real *v,
                                                         pk_real *u, pk_real *a)

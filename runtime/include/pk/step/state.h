@@ -138,7 +138,8 @@ static inline int pk_waits(const struct pk_integrator *it)
     return it->own->ahead && it->own->ahead->waits;
 }
 
-/* Returns the first trial step, or the next one if a lane's trial was rejected. */
+/* Returns the first trial step of a step, or, if a trial step computed in a lane was rejected, the
+ * next one. */
 static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
 {
     if (pk_waits(it))
