@@ -97,8 +97,7 @@ struct pk_events {
     int proposes; /* flag: events are located on the method's dense output */
     int dense;    /* flag: the method's dense output is as accurate as its steps */
     int by_steps; /* flag: no interpolant of this step is accurate enough */
-    /* flag: the quintic polynomial is used although the method has dense output */
-    int by_ends;
+    int by_ends;  /* flag: the quintic polynomial is used although the method has dense output */
     pk_real from; /* start time of the step */
     /* start and length of the part of the step that is searched; `at` is a time minus `from` */
     pk_real at, width;
@@ -118,9 +117,8 @@ struct pk_events {
     int brief;      /* number of successive switchings after very short steps */
     int at_switch;  /* flag: the step begins at the root of a switch */
     int begun;      /* flag: the first step was made, or ended at once at a limit */
-    /* flag: the next step begins at the time `left`, where the last one ended */
-    int kept;
-    pk_real left; /* end time of the last step */
+    int kept;       /* flag: the next step begins at the time `left`, where the last one ended */
+    pk_real left;   /* end time of the last step */
     /* for each event the rounding error of g, with a sign; if |g| at the start of the step is
      * smaller, g gets this sign */
     pk_real *held;

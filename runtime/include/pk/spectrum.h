@@ -41,8 +41,7 @@ struct pk_spectrum {
      * rate t */
     pk_real residual;
     pk_real resolution; /* 4 pi / (time of the samples), half the width of a spectral line */
-    /* pi/dt: lines of higher frequency appear as lines of lower frequency */
-    pk_real nyquist;
+    pk_real nyquist;    /* pi/dt: lines of higher frequency appear as lines of lower frequency */
 };
 
 /* Returns the frequency w between lo and hi at which |sum of window(t) x(t) exp(-i w t)|^2 is

@@ -37,8 +37,7 @@ struct pk_turning {
  * block where both meet. */
 struct pk_pattern {
     size_t rows, width, border;
-    /* 1: the matrix has no band; all coordinates, in order, belong to the border */
-    int dense;
+    int dense; /* 1: the matrix has no band; all coordinates, in order, belong to the border */
 };
 
 /* If a system has variable size, pk_system.n is n at the default sizes; coordinates, rates, momenta

@@ -37,8 +37,7 @@ struct kept {
 
 struct work {
     struct kept *kept;
-    /* the state at the base, from which steps start: q, v and their low parts */
-    pk_real *base;
+    pk_real *base; /* the state at the base, from which steps start: q, v and their low parts */
     pk_real *a, *a_q, *a_v, *a_t, *linear; /* a: acceleration of the planned step */
 };
 
