@@ -16,27 +16,22 @@ struct pk_projection {
     pk_real t;
     size_t n, m, c, h, rotation; /* rotation: index in v of the first body rate, which is n_q */
     int whole;                   /* 1: M and J are stored; 0 in systems of variable size */
-    /* the factored mass matrix, m by m; if `whole` is 0, the diagonal of the mass matrix */
-    pk_real *M;
+    pk_real *M;                  /* if `whole`: M, m by m, factored; else the diagonal of M */
     /* J: the constraint matrix; W = M^-1 J^T, stored so that row i is M^-1 J_i; A = J M^-1 J^T,
      * factored */
     pk_real *J, *W, *A;
-    /* phi: residuals of holonomic constraints; rate: residuals of J v + j0 */
-    pk_real *phi, *rate;
-    /* phi_size: sizes of the terms of phi; rate_size: sizes of the terms of J v + j0 */
-    pk_real *phi_size;
-    pk_real *rate_size;
+    pk_real *phi, *rate; /* residuals of phi (phi) and of J v + j0 (rate) */
+    pk_real *phi_size;   /* sizes of the terms of phi */
+    pk_real *rate_size;  /* sizes of the terms of J v + j0 */
     /* mu: multipliers; d: corrections of q or v, and work memory (2 n numbers) */
     pk_real *mu, *d;
     pk_real *gram; /* J J^T with scaled columns, factored */
     /* sizes: upper bounds of the largest |J_ik| so far; columns: scales of the columns of J */
     pk_real *sizes, *columns;
-    /* for each row of J, the squared sine of its angle to the span of the rows before it */
-    pk_real *sines;
+    pk_real *sines;          /* squared sine of the angle of each row to the rows before it */
     pk_real *pivots, *norms; /* if `whole` is 0: pivots and diagonal entries of J M^-1 J^T */
     pk_real *most;           /* largest squared length so far of each row of J */
-    /* if `whole` is 0: the failure of the mass matrix in pk_project_factor(), or 0 */
-    int inertia;
+    int inertia;             /* if not `whole`: failure of M in pk_project_factor(), or 0 */
     /* first number: 1 + the index of a dependent row, or 0; then the coefficients of the linear
      * combination of other rows that equals this row */
     pk_real *depends;

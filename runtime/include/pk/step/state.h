@@ -24,8 +24,8 @@ struct pk_grid {
 /* Progress of the integration, for the checks in src/integrate/grid.c. */
 struct pk_progress {
     pk_real passed; /* sum of the lengths of all steps since init */
-    /* values at the last check of progress: of `passed`, of t, and (next two) of the numbers of
-     * trials and of rejections */
+    /* values at the last check of progress: of `passed` and of t, and, in the next line, of the
+     * numbers of trial steps and of rejections */
     pk_real judged_passed, judged_t;
     unsigned long judged, judged_rejections;
     pk_real longest;                  /* longest rejected step */
@@ -219,8 +219,8 @@ int pk_all_finite(const pk_real *x, size_t count);
  * inputs are 0. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
-/* These functions do the same, but with the function `feedback` of the problem, at the state (t, q,
- * v). */
+/* pk_feedback() writes the inputs at the state (t, q, v) to u, pk_eval_feedback() to it->own->u.
+ * Both call the function `feedback` of the problem. */
 void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                  pk_real *u);
 const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
