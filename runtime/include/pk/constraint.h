@@ -3,8 +3,8 @@
  *
  * Callers of an integrator need not use these functions: pk_integrator_init() and
  * pk_integrator_reset() refuse a start that violates a constraint by more than 1e-8 of the size of
- * its terms, or whose quaternion is not of unit length; every step, and dense output, ends on the
- * constraints to round-off. */
+ * its terms, or whose quaternion is not of unit length; the end of every step, and dense output,
+ * satisfy the constraints to round-off. */
 #ifndef PK_CONSTRAINT_H
 #define PK_CONSTRAINT_H
 

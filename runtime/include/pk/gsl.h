@@ -30,10 +30,10 @@ PK_BEGIN
 const struct pk_method *pk_gsl_method_find(const char *name);
 const struct pk_method *pk_gsl_method_at(size_t index);
 
-/* Finds mean, rate and at most `lines` (<= PK_LINES) spectral lines of `count` samples at intervals
- * dt; count >= PK_SPECTRUM_LEAST; see pk/spectrum.h. The block has pk_gsl_spectrum_size(count)
- * bytes, aligned for double. Returns fewer lines if no more can be distinguished. Allocates
- * nothing. */
+/* Finds mean, rate and at most `lines` (<= PK_LINES) spectral lines of `count` samples at
+ * intervals dt; count >= PK_SPECTRUM_LEAST; see pk/spectrum.h. The block has
+ * pk_gsl_spectrum_size(count) bytes, aligned for double. Finds fewer lines if no more can be
+ * distinguished. Allocates nothing. */
 size_t pk_gsl_spectrum_size(size_t count);
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines, void *block, size_t block_size);

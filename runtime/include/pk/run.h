@@ -43,9 +43,10 @@ struct pk_run_model {
 /* The result of a run, also used as the exit code of a program. */
 enum pk_run_code {
     PK_RUN_DONE = 0,
-    PK_RUN_USAGE = 2,        /* wrong settings, or output that cannot be written */
-    PK_RUN_FAILED = 4,       /* a numerical failure, or a number in the rows is not finite */
-    PK_RUN_LEFT = 75,        /* `poll` ended the run with a checkpoint, from which it can resume */
+    PK_RUN_USAGE = 2,  /* wrong settings, or output that cannot be written */
+    PK_RUN_FAILED = 4, /* a numerical failure, or a number in the rows is not finite */
+    /* `poll` ended the run; a checkpoint was written, from which it can resume */
+    PK_RUN_LEFT = 75,
     PK_RUN_INTERRUPTED = 130 /* interrupted by `poll` */
 };
 

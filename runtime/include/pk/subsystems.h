@@ -52,8 +52,8 @@ struct pk_subsystems {
     size_t failed;         /* 1 + index of the part whose failure is `status`; 0: no part failed */
     struct pk_subsystem *parts;
     size_t count;
-    /* NULL, or a function that the caller sets after init: it is called after each step of part
-     * number k. */
+    /* NULL, or a function that the caller sets after init: it is called after each step, with the
+     * number k of the part that made it. */
     void (*stepped)(void *context, size_t k);
     void *context;
 

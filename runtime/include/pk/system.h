@@ -131,9 +131,9 @@ struct pk_system {
     size_t n_parameters, n_inputs, n_observed, n_conserved;
     size_t params_size; /* sizeof (struct NAME_params) */
 
-    /* Number of first-order variables, n - n_q: the last entries of v. `rates` has their names. The
-     * Lagrangian and the energy treat them as given functions of time. `energy` is NULL in a model
-     * without coordinates. */
+    /* Number of first-order variables, n - n_q. They are the last entries of v, and `rates` has
+     * their names. The Lagrangian and the energy treat first-order variables as given functions of
+     * time. `energy` is NULL in a model without coordinates. */
     size_t n_first_order;
     /* Number of quadratures: first-order variables on which no rate depends. They are the last
      * numbers of v. The equations that implicit methods solve by Newton's method omit them. 0 in a

@@ -205,7 +205,8 @@ static int are_numbers(const struct pk_integrator *it)
 }
 
 /* Makes a step and its projection. If the projection fails and the method can repeat the step, the
- * step is retried with a quarter of its length; an underflow after that is PK_NO_PROJECTION. */
+ * step is retried with a quarter of its length. If the step size underflows after such a retry, the
+ * status is PK_NO_PROJECTION. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
     enum { CUTS = 12 };
