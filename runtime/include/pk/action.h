@@ -9,9 +9,9 @@
  * integrands are smooth and periodic in s; for a rotation they are smooth and periodic in q. Sums
  * over equidistant nodes then converge geometrically: the number of nodes is doubled until the
  * result converges. The kinetic energy at q, h - W, is computed by integrating from the ends of the
- * libration, where it is 0, so that small librations lose no digits.
+ * libration, where it is 0, so that no digits are lost for small librations.
  *
- * If L depends on time slowly, J is its adiabatic invariant.
+ * If L depends on time slowly, J is an adiabatic invariant of the motion.
  *
  * References: L. Landau, E. Lifshitz, Mechanics, 49 and 50; L. N. Trefethen, J. A. C. Weideman, The
  * exponentially convergent trapezoidal rule, SIAM Rev. 56 (2014) 385. */
@@ -39,13 +39,14 @@ struct pk_action {
     enum pk_orbit orbit;
     pk_real action, period;
     pk_real lo, hi; /* the two positions between which a libration oscillates */
-    pk_real error;  /* relative error of action and period: their change at the last doubling of
-                       the nodes; near a separatrix also the rounding of the energy */
+    /* estimated relative error of action and period: their change when the number of nodes was
+     * doubled last; near a separatrix it includes the effect of rounding of the energy */
+    pk_real error;
     size_t nodes;
 };
 
 /* Computes action and period of the motion through (q, v) at t. u: inputs, or NULL. PK_REFUSED: the
- * motion has no action, and found->orbit is the reason. */
+ * action of this motion is not defined or cannot be computed; found->orbit is the reason. */
 enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u);
 const char *pk_orbit_text(enum pk_orbit orbit);

@@ -12,7 +12,7 @@
  * An integrator takes the step made ahead for it if that step has the start and the end that its
  * own step would have. The integrator handles events, rejected steps and failures as usual, and
  * makes a step itself if none was made ahead or if that one failed. So with -ffp-contract=off
- * results have the same bits as without lanes, whatever the other lanes hold.
+ * results have the same bits as without lanes, whatever states are in the other lanes.
  *
  * Lanes serve explicit Runge-Kutta methods, also adaptive ones, and splitting methods. They do not
  * serve systems with constraints, whose steps are mostly projection. Inputs must be constant. */
@@ -29,12 +29,14 @@ struct pk_lane {
     struct pk_integrator *it; /* NULL: the lane is empty */
     struct pk_events *events; /* the events to detect in the steps; NULL: none */
     pk_real limit;
-    /* Steps that end before this time need no check for events, so a call may make many fixed
-     * steps. free = it->t: every step is checked. */
+    /* The caller guarantees that no event occurs before the time `free`. So a call may make many
+     * fixed steps up to that time without checks for events. With free = it->t every step is
+     * checked. */
     pk_real free;
 };
 
-/* Private to the runtime: checks of event functions and switches along the steps. */
+/* Private to the runtime: data of the test whether an event function or a switch changes its sign
+ * in a step. */
 struct pk_screen {
     size_t functions;
     pk_real *a0, *a1, *a_between, *bends, *trial, *g, *one;
@@ -52,18 +54,21 @@ struct pk_lanes {
     struct pk_block b;
     struct pk_ahead ahead[PK_BLOCK_MOST];
     struct pk_screen screen;
-    unsigned long long loaded; /* bits of lanes with finite numbers */
-    unsigned long long single; /* bits of lanes that hold one step and its start state */
-    unsigned long long idle;   /* bits of lanes whose integrators make no step in this call */
+    unsigned long long loaded; /* bit mask of lanes that were filled with a finite state */
+    /* bit mask of lanes whose last result is one step, stored with its start state */
+    unsigned long long single;
+    unsigned long long idle; /* bit mask of lanes whose integrators make no step in this call */
 };
 
-/* Return the number of lanes, and the bytes of the block, aligned for pk_real. */
+/* pk_lanes_count() returns the number of lanes, pk_lanes_size() the bytes of the block, which must
+ * be aligned for pk_real. */
 size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method);
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method);
 void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,
                    const struct pk_method *method, void *block, size_t size);
 void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes);
-/* Discards the lane's step for an integrator, which then makes its steps itself. */
+/* Discards the step that a lane made ahead for `it`. After this call `it` computes its own
+ * steps. */
 void pk_lanes_leave(struct pk_integrator *it);
 
 PK_END

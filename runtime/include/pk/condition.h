@@ -1,11 +1,14 @@
 /* How well the equations of a motion can be solved in this precision: the condition numbers of M,
  * of J M^-1 J^T and of the matrix of a step's equations, and how much rounding is magnified in the
- * accelerations. The condition number of A is the least over all units of unknowns and equations,
+ * accelerations. Here M is the mass matrix, J the matrix of the constraint rows, a the
+ * accelerations, and lambda the Lagrange multipliers. The condition number of a matrix A is the
+ * least that any choice of units of unknowns and equations gives,
  *
  *     min over diagonal D1, D2 of cond(D1 A D2) = rho(|A^-1| |A|)    (in the maximum norm),
  *
  * independent of units (rho: spectral radius). If M is exact up to its last bit, and lambda is
- * computed from such a J M^-1 J^T, accelerations have errors, in units of rounding, of
+ * computed with the matrix J M^-1 J^T made from it, accelerations have errors, in units of
+ * rounding, of
  *
  *     d = |M^-1| |M| |a| + |M^-1 J^T| |(J M^-1 J^T)^-1| |J M^-1 J^T| |lambda|.
  *
@@ -13,9 +16,9 @@
  * M^-1 J^T lambda. Then a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. Cancellation in the
  * forces is not included.
  *
- * For systems of variable size with constraints, the condition number of J M^-1 J^T is a
- * lower bound, found in O(N) from the distance of each row of J from the span of the other rows.
- * The same bound is returned as d_i/e_i.
+ * For systems of variable size with constraints, the condition number of J M^-1 J^T is a lower
+ * bound, found in O(N) from the distance of each row of J from the span of the other rows. This
+ * bound is also returned as the digit-loss ratio d_i/e_i.
  *
  * References: F. L. Bauer, Numer. Math. 5 (1963) 73; R. D. Skeel, J. ACM 26 (1979) 494; N. J.
  * Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 7.2, 7.3. */
@@ -26,7 +29,8 @@
 
 PK_BEGIN
 
-/* The largest condition number so far, and its time; 0: no matrix, infinite: singular. */
+/* x: the largest value so far, for example of a condition number; t: the time at which it occurred.
+ * x is 0 if there is no such matrix, infinite if the matrix was singular. */
 struct pk_condition_most {
     pk_real x, t;
 };
@@ -38,12 +42,15 @@ struct pk_condition {
     unsigned long looks;
 };
 
-/* The largest number of unknowns examined; the time grows with its cube. */
+/* Matrices of more unknowns are not examined, since the computing time grows with the cube of this
+ * number. */
 enum { PK_CONDITION_MOST = 128 };
 
-/* Returns the bytes of the block, aligned for pk_real; 0 if M is not available or too large. */
+/* Returns the bytes of the block, aligned for pk_real; 0 if the system has no kernel for M or M has
+ * too many unknowns. */
 size_t pk_condition_size(const struct pk_problem *problem, const struct pk_method *method);
-/* Examines a state. it: the integrator whose last step ended there, or NULL. */
+/* Updates the largest condition numbers at the state (t, q, v). `it` is the integrator whose last
+ * step ended at this state, or NULL. */
 void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
                        struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        void *block);

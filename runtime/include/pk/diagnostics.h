@@ -5,9 +5,9 @@
  *     S     = the largest of max |X|, max |X| of the vector's other components, and a tenth of
  *             the scale of X, since X may vanish;  for the energy  max (|v.p| + |L|),  L = v.p - h
  *
- * The scale of X is the root of the sum of (y_i dX/dy_i)^2 over all numbers y_i of the state;
- * components of one vector have names that differ in the last letter, x, y or z. The growth law is
- * the exponent e of
+ * Here p are the momenta and h is the energy. The scale of X is the root of the sum of (y_i
+ * dX/dy_i)^2 over all numbers y_i of the state; components of one vector have names that differ in
+ * the last letter, x, y or z. The growth law is the exponent e of
  *
  *     max over [0, t] of |X - X(0)|  ~  t^e
  *
@@ -23,15 +23,18 @@
 
 PK_BEGIN
 
-enum { PK_DRIFT_MARKS = 13 }; /* number of half-octave ends in six octaves */
+/* number of ends of half octaves in six octaves of time (an octave: t doubles) */
+enum { PK_DRIFT_MARKS = 13 };
 
 struct pk_drift {
     unsigned long samples;
     pk_real first, scale, max, final;   /* max and final before division by S */
     pk_real mean_t, mean_x, var_t, cov; /* Welford's sums for the slope */
-    pk_real start, edge;                /* first time; time from there to the half octave's end */
-    pk_real marks[PK_DRIFT_MARKS];      /* ring buffer of max |X - X(0)| at half octaves */
-    unsigned long n_marks;              /* number of completed half octaves */
+    /* start: time of the first sample; edge: time from `start` to the end of the current half
+     * octave */
+    pk_real start, edge;
+    pk_real marks[PK_DRIFT_MARKS]; /* ring buffer of max |X - X(0)| at the ends of half octaves */
+    unsigned long n_marks;         /* number of completed half octaves */
 };
 
 /* Kinds of growth; pk_growth_text() returns the texts. */
@@ -51,16 +54,16 @@ enum pk_growth { PK_GROWTHS(PK_EACH_NAME) PK_GROWTH_COUNT };
 
 void pk_drift_init(struct pk_drift *drift);
 void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x);
-/* Like pk_drift_update(), with `scale` in place of |x| in S. */
+/* Does the same as pk_drift_update(), but S is the largest `scale` instead of the largest |x|. */
 void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale);
 pk_real pk_drift_max(const struct pk_drift *drift);
 pk_real pk_drift_final(const struct pk_drift *drift);
-pk_real pk_drift_slope(const struct pk_drift *drift); /* slope, per unit of time */
+pk_real pk_drift_slope(const struct pk_drift *drift); /* the slope above, per unit of time */
 /* Returns the kind of growth. Writes the exponent, and as `spread` the difference between its
  * values for the earlier and the later three octaves; either pointer may be NULL. Both numbers are
  * 0 if no fit is possible (ZERO, CONSTANT, SHORT), NaN if X is not finite. ROUND_OFF: errors are as
- * small as the round-off of X, or as a random walk of roundings. Only errors above the round-off of
- * X are fitted. */
+ * small as the round-off of X, or as a random walk of roundings. The fit of the exponent uses only
+ * errors above the round-off of X. */
 enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, pk_real *spread);
 const char *pk_growth_text(enum pk_growth growth);
 
@@ -70,7 +73,9 @@ struct pk_monitor {
     struct pk_problem problem;
     int has_energy; /* 1: the energy of the system is conserved */
     struct pk_drift energy;
-    struct pk_drift *momenta;   /* n drifts, of cyclic coordinates only; NULL: none is cyclic */
+    /* n drifts, of which only those of cyclic coordinates are used; NULL: no coordinate is
+     * cyclic */
+    struct pk_drift *momenta;
     struct pk_drift *conserved; /* one drift for each conserved quantity */
     pk_real *work;
 };

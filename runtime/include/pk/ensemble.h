@@ -28,21 +28,23 @@ struct pk_ensemble {
     struct pk_options options; /* options.stop ends members with status PK_STOPPED_USER */
     size_t members;
 
-    /* Member i has params_size bytes of prepared params number i, q0[i * n], v0[i * n], and
-     * constant inputs u[i * n_inputs] (NULL: zero). n is the same for all members. */
+    /* Arrays with the data of all members. Member i has the params at byte i * params_size, after
+     * prepare(); its start values begin at q0[i * n] and v0[i * n], and its constant inputs at u[i
+     * * n_inputs]. If u is NULL, inputs are zero. n is the same for all members. */
     const void *params;
     const pk_real *q0, *v0, *u;
 
-    /* `t` has the times of the `rows` results of each member, in order away from t0. Adaptive steps
-     * end at each of them. Fixed steps end only at the last one; the result at a time within a step
-     * comes from a shorter step with the same start. */
+    /* `t` has the times of the `rows` results of each member, in the order of increasing distance
+     * from t0. Adaptive steps end at each of these times. Fixed steps need not end at them, except
+     * at the last one; the result at a time within a step comes from a shorter step with the same
+     * start. */
     pk_real t0;
     size_t rows;
     const pk_real *t;
 
     /* Results, in memory of the caller. q and v: number k of a row is at [(i * rows + row) * n +
-     * k]; only the first n_q of q are written. For each member: number of rows done, last valid
-     * time, final status. */
+     * k]; only the first n_q of q are written. For each member, `done` has the number of rows
+     * computed, last_t the last valid time, and `status` the final status. */
     pk_real *q, *v;
     size_t *done;
     pk_real *last_t;
@@ -70,7 +72,8 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
                        char *text, size_t size);
 
 /* Runs all members in `threads` OpenMP threads (libpk_omp.a, compiled with -fopenmp; without
- * OpenMP, one member after the other). The block for all has threads * pk_ensemble_size() bytes. */
+ * OpenMP, one member after the other). One block serves all threads; it has threads *
+ * pk_ensemble_size() bytes. */
 enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
                                        size_t size);
 /* Calls work(context, 0), ..., work(context, count - 1) in `threads` threads, in any order. */

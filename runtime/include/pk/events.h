@@ -8,11 +8,13 @@
  *     events.found = my_function;                                  (if it is to be called)
  *     status = pk_events_to(&events, &it, 10);     PK_STOPPED_EVENT: it.t, it.q, it.v are there
  *
- * Location of roots. After each step g is sampled at 9 or 17 points of an interpolant: the method's
- * dense output, else the quintic Hermite polynomial through q, v and accelerations, or, if the
- * second derivatives of the cubic through q and v differ from the accelerations, states reached by
- * shorter steps. Adaptive Runge-Kutta methods try the quintic first: if |g| on it is at least twice
- * the variation of g, dense output is not computed. The step is bisected repeatedly until the
+ * Location of roots. After each step g is sampled at 9 or 17 points of an interpolant of the
+ * motion. This is the method's dense output, or, without dense output, the quintic Hermite
+ * polynomial through q, v and the accelerations at the ends of the step. If that polynomial is
+ * inaccurate (the second derivatives of the cubic one through q and v differ from the
+ * accelerations), g is sampled at states that shorter steps reach. Adaptive Runge-Kutta methods
+ * first try the quintic polynomial: if all samples of |g| on it are at least twice the variation of
+ * g, there is no root, and dense output is not computed. The step is bisected repeatedly until the
  * polynomial through the samples is far from zero, or its last coefficients are so small that it
  * represents g. Where the polynomial crosses zero, or comes within 1/32 of its variation, g is
  * recomputed at a state that a second integrator reaches by one shorter step from the start of the
@@ -21,29 +23,30 @@
  * much longer than all steps before it, such as the first, the step does not resolve the start of
  * g, and is repeated with an eighth of its length.
  *
- * At least one root is found if a step has an odd number; a pair of roots is found if the
- * interpolant comes close to zero between them. If g is not resolved by 1/4096 of a step, roots may
- * be missed, and doubtful() is called. A feature of g that lies between two samples is missed. A
- * root without a sign change is no event, unless g is exactly zero at the end of a step. The
- * reported state is just after the root, where g has its new sign or is zero, within about four
- * units in the last place of t.
+ * If a step contains an odd number of roots, at least one is found. A pair of roots is found if g
+ * on the interpolant comes close to zero between them. If intervals of 1/4096 of a step do not
+ * resolve g, roots may be missed, and doubtful() is called. A feature of g that lies between two
+ * samples is missed. A root without a sign change is no event, unless g is exactly zero at the end
+ * of a step. The reported state is just after the root, where g has its new sign or is zero, within
+ * about four units in the last place of t.
  *
  * Before a singularity, where a step fails (PK_SINGULAR_TIME, PK_SINGULAR_COORDINATES), steps of
  * half the remaining time each approach it, and roots in them are found.
  *
  * If g is exactly zero at the start, or stays zero, that is no event: an event occurs when g
  * reaches zero from another value. A sign change between steps, by pk_integrator_reset(), is no
- * event. For limits (`stop` = 2) a first step that begins beyond the limit, or on it in the outward
- * direction, ends at once; a later step that begins on it in the outward direction crosses it.
+ * event. An event with `stop` = 2 is a limit of the motion. If the first step begins beyond the
+ * limit, or on it with the motion directed outward, the run ends at once. If a later step begins so
+ * on the limit, it crosses it.
  *
  * Switches of the system (struct pk_part_switches) are located like events. The side of a switch,
  * the sign of its function that the equations use, is constant within a step, so that the equations
  * are smooth and every method keeps its order. The step ends at the root of a switch, and the next
  * step begins with the opposite side. At the start, and after a reset, the sides are the signs at
  * the state; a switch that is zero there gets the sign that it has just afterwards, or else 1. The
- * integrator stores the sides in a copy of the params, made from the caller's for each step; in the
- * caller's params they stay 0. If a switch stays at its root, as under dry friction at rest, the
- * status is PK_SLIDING.
+ * integrator stores the sides in a copy of the params, which it makes for each step from the params
+ * of the caller; there the sides stay 0. If a switch stays at its root, as under dry friction at
+ * rest, the status is PK_SLIDING.
  *
  * If L or a constraint jumps across a switch (system->switches.impulses), the impulse of the jump
  * is added to the momenta before the next step. If the jump of the potential is too high to pass,
@@ -67,10 +70,10 @@ struct pk_events {
     pk_real t;
     const pk_real *q, *v;
 
-    /* Called at each root whose direction the event was declared with, in the order of the motion,
-     * for equal times in the order of declaration. It returns nonzero to stop there, as an event
-     * declared with `stop` does. It may call no function of the integrator but
-     * pk_integrator_dense(). NULL (the default): not called. */
+    /* Called at each root at which g changes its sign in the direction that the event was declared
+     * with. Calls are in the order of times, and for equal times in the order of declaration. It
+     * returns nonzero to stop there, as an event declared with `stop` does. It may call no function
+     * of the integrator but pk_integrator_dense(). NULL (the default): not called. */
     int (*found)(void *context, const struct pk_events *events);
     void *context;
 
@@ -78,44 +81,51 @@ struct pk_events {
      * system->switches. It may call no function of the integrator but pk_integrator_dense(). */
     void (*switched)(void *context, const struct pk_events *events);
 
-    /* Called if a function oscillates so fast after t that roots may be missed; `which` is the
-     * index of the event, or n_events + the index of the switch. */
+    /* Called if the function of an event or of a switch oscillates so fast after time t that its
+     * roots may be missed. `which` is the index of the event, or n_events + the index of the
+     * switch. */
     void (*doubtful)(void *context, const struct pk_events *events);
 
-    unsigned long doubts;     /* number of parts of steps in which roots may be missed */
-    unsigned long count;      /* number of events reported */
+    unsigned long doubts; /* number of intervals, parts of steps, in which roots may be missed */
+    unsigned long count;  /* number of events reported */
     unsigned long switchings; /* number of roots of switches passed */
     unsigned long tries;      /* number of states computed to locate roots */
 
     /* Private to the runtime. */
     struct pk_integrator scout;
     size_t n_q, n, n_events, n_switches;
-    int proposes;      /* flag: events are located on the method's dense output */
-    int dense;         /* flag: dense output is as accurate as the steps */
-    int by_steps;      /* flag: no interpolant of this step is accurate enough */
-    int by_ends;       /* flag: the quintic is used although there is dense output */
-    pk_real from;      /* start time of the step */
-    pk_real at, width; /* the examined part of the step, relative to `from` */
+    int proposes; /* flag: events are located on the method's dense output */
+    int dense;    /* flag: the method's dense output is as accurate as its steps */
+    int by_steps; /* flag: no interpolant of this step is accurate enough */
+    int by_ends;  /* flag: the quintic polynomial is used although the method has dense output */
+    pk_real from; /* start time of the step */
+    /* start and length of the part of the step that is searched; `at` is a time minus `from` */
+    pk_real at, width;
     pk_real *q0, *v0, *trial, *trial_v, *u, *g, *ends, *list, *at_near, *at_last;
     pk_real *a0, *a1, *a_between; /* accelerations at both ends and at a quarter of the step */
     pk_real *bend;                /* errors of the cubic Hermite interpolants */
     struct pk_shape *shapes;
     int cut; /* flag: the step ends early, at an event or a switch */
     size_t listed, most_listed;
-    pk_real near;             /* time just after the first switch in the step */
-    pk_real near_known, last; /* times of at_near and at_last; -1: none */
-    void *params;             /* copy of the problem's params; `sides` points into it */
+    pk_real near; /* time just after the first switch in the step */
+    /* times of the states at_near and at_last; -1: the state is not known */
+    pk_real near_known, last;
+    void *params; /* copy of the problem's params; `sides` points into it */
     pk_real *sides;
     pk_real *fresh; /* flags: the switch is zero at the start, so its side is a guess */
     int again;      /* flag: a guessed side was wrong, and the step is repeated */
     int brief;      /* number of successive switchings after very short steps */
     int at_switch;  /* flag: the step begins at the root of a switch */
     int begun;      /* flag: the first step was made, or ended at once at a limit */
-    int kept;       /* flag: the step starts at the time `left` */
+    int kept;       /* flag: the next step begins at the time `left`, where the last one ended */
     pk_real left;   /* end time of the last step */
-    pk_real *held;  /* +- rounding of g; a smaller g at the start gets this sign */
-    pk_real *off;   /* start values of limit functions that are zero to rounding */
-    pk_real *room;  /* work memory for impulses */
+    /* for each event the rounding error of g, with a sign; if |g| at the start of the step is
+     * smaller, g gets this sign */
+    pk_real *held;
+    /* for each limit (`stop` = 2), its value of g at the start if that is zero up to rounding;
+     * it is subtracted from g */
+    pk_real *off;
+    pk_real *room; /* work memory for impulses */
 };
 
 /* Returns the bytes of the block for pk_events_init(), aligned for pk_real; 0 if

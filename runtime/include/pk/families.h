@@ -11,7 +11,7 @@
 
 PK_BEGIN
 
-/* Returns the number of pk_real of work memory, for the slopes of all stages. */
+/* Returns the number of pk_real of work memory, which stores the slopes of all stages. */
 size_t pk_erk_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);
 enum pk_status pk_erk_step(struct pk_integrator *it, pk_real limit);
 

@@ -30,37 +30,38 @@ PK_BEGIN
 const struct pk_method *pk_gsl_method_find(const char *name);
 const struct pk_method *pk_gsl_method_at(size_t index);
 
-/* Finds mean, rate and at most `lines` (<= PK_LINES) spectral lines of `count` samples at intervals
- * dt; count >= PK_SPECTRUM_LEAST; see pk/spectrum.h. The block has pk_gsl_spectrum_size(count)
- * bytes, aligned for double. Returns fewer lines if no more can be distinguished. Allocates
- * nothing. */
+/* Finds mean, rate and at most `lines` (<= PK_LINES) spectral lines of `count` samples at
+ * intervals dt; count >= PK_SPECTRUM_LEAST; see pk/spectrum.h. The block has
+ * pk_gsl_spectrum_size(count) bytes, aligned for double. Finds fewer lines if no more can be
+ * distinguished. Allocates nothing. */
 size_t pk_gsl_spectrum_size(size_t count);
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines, void *block, size_t block_size);
 
-/* Computes the eigenvalues of C a = lambda B a in ascending order, for the first `modes` of the
- * found->modes modes of each coordinate: n * modes numbers. Writes the eigenvector a of the least
- * eigenvalue to `lowest` unless it is NULL, with a.B a = 1. Fails with PK_SINGULAR_MASS or
- * PK_NO_MEMORY. GSL allocates and frees memory. */
+/* Computes the eigenvalues lambda of C a = lambda B a (C, B: see pk/least_action.h) in ascending
+ * order, n * modes numbers. Only the first `modes` of the found->modes modes of each coordinate are
+ * used. Writes the eigenvector a of the least eigenvalue to `lowest` unless it is NULL, with a.B a
+ * = 1. Fails with PK_SINGULAR_MASS or PK_NO_MEMORY. GSL allocates and frees memory. */
 enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t modes,
                                    double *lambda, double *lowest);
 
 enum { PK_LOOP_LEAST = 32 };
 
-/* Computes the closed integral of p dq round a loop of `count` samples, equidistant in a parameter
- * also from the last to the first, by Fourier series, which converge the faster the smoother the
+/* Computes the closed integral of p dq round a closed curve (loop) in the plane of q and p, given
+ * by `count` samples. The samples must be equidistant in a parameter, and the last one is followed
+ * by the first at the same distance. The Fourier series used converge the faster the smoother the
  * loop is. `winding`: the increase of q in one turn (for an angle a multiple of 2 pi). Both arrays
  * are overwritten.
  *
  * For the series of q and of p: `rms` of the varying part; `tail`, the rms of the last eighth of
  * the harmonics (four at least); `rounding`, the tail expected from rounding of the samples. If the
- * loop is resolved, `tail` is near `rounding`. If the loop has structure too fine for the samples,
- * the harmonics decay up to the last one; if the samples have independent errors, the last
- * harmonics are equally large: `flat` is 1 if they are at least PK_LOOP_FLAT times as large as the
- * same number of harmonics before them. `size` is the area of an ellipse of the same rms in q and
- * p. `noise` is the standard deviation of the area if the last harmonics are noise, equal in every
- * harmonic. Fails with PK_BAD_ARGUMENT if pk_gsl_loop_takes(count) is 0, PK_NOT_FINITE or
- * PK_NO_MEMORY. */
+ * samples resolve the loop, `tail` is near `rounding`. Otherwise two cases differ. If the loop has
+ * structure too fine for the samples, the harmonics still decay at the last ones. If the samples
+ * have independent errors, the last harmonics are equally large. `flat` is 1 in the second case: if
+ * the last harmonics are at least PK_LOOP_FLAT times as large as the same number of harmonics
+ * before them. `size` is the area of an ellipse of the same rms in q and p. `noise` is the standard
+ * deviation of the area if the last harmonics are noise and every harmonic has as much noise. Fails
+ * with PK_BAD_ARGUMENT if pk_gsl_loop_takes(count) is 0, PK_NOT_FINITE or PK_NO_MEMORY. */
 #define PK_LOOP_FLAT 0.25
 struct pk_loop_series {
     double rms, tail, rounding;

@@ -29,7 +29,7 @@ PK_BEGIN
  * without prepare(). `input` writes the n_inputs numbers u at time t, in the order and units of
  * system->inputs; it must be a function of t, since methods call it for any t within a step in any
  * order. NULL: inputs are 0. `feedback`, or NULL, writes u at a state and replaces `input` for
- * accelerations and events. With it, only explicit methods keep their order. */
+ * accelerations and events. With `feedback`, only explicit methods have their full order. */
 struct pk_problem {
     const struct pk_system *system;
     const void *params;
@@ -56,26 +56,37 @@ struct pk_words {
 };
 
 struct pk_options {
-    pk_real h;    /* fixed step size, or first step size of an adaptive method (0: automatic);
+    pk_real h; /* fixed step size, or first step size of an adaptive method (0: automatic);
                      positive and finite also for integration backward in time */
-    pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| per step, root mean square over q and
-                     v; finite, not both 0. Below about 10 PK_EPSILON it gains nothing, and gauss
-                     uses at least 2 PK_EPSILON. */
-    pk_real atol; /* PK_ATOL_OF_MOTION: for each coordinate or rate, rtol times its largest value
-                     so far, or 1e-6 rtol times the largest value of all numbers of the same
-                     unit, if that is larger */
-    pk_real h_min; /* smallest adaptive step size; a smaller one is PK_STEP_UNDERFLOW */
-    pk_real h_max; /* for adaptive methods and inner steps of respa; 0: no limit. The last step may
-                      be 1% longer. */
-    unsigned long max_steps; /* 0: no limit. PK_NO_PROGRESS ends a run early if, at the mean
-                                length of the last half of the steps, more than max_steps (1e9 if
-                                it is 0) steps would be needed to reach the limit or to double
-                                the time passed so far, whichever is less. */
+    /* relative tolerance of adaptive methods: the error of each number y of q and v in a step is
+     * compared with atol + rtol |y|, and the root mean square of these ratios is at most 1. rtol
+     * and atol must be finite and not both 0. An rtol below about 10 PK_EPSILON does not reduce
+     * errors further; gauss uses at least 2 PK_EPSILON. */
+    pk_real rtol;
+    /* absolute tolerance. PK_ATOL_OF_MOTION: each coordinate or rate has its own tolerance,
+     * which is rtol times its largest value so far, or 1e-6 rtol times the largest value of all
+     * numbers of the same unit, if that is larger */
+    pk_real atol;
+    /* smallest step size of an adaptive method; if it needs a smaller one, the step fails with
+     * PK_STEP_UNDERFLOW */
+    pk_real h_min;
+    /* largest step size of adaptive methods, and of the inner steps of respa; 0: no limit. The
+     * last step before the limit may be 1% longer. */
+    pk_real h_max;
+    /* largest number of steps; 0: no limit. A run ends earlier, with PK_NO_PROGRESS, if its
+     * steps have become too short. The runtime extrapolates with the mean length of the last
+     * half of the steps: the run ends if it would take more than max_steps further steps (1e9 if
+     * max_steps is 0) to reach the limit, and also to double the time passed so far. */
+    unsigned long max_steps;
     enum pk_iteration iteration;
-    pk_real newton_tol; /* relative correction, < 1, at which an iteration stops. 0: it stops if
-                           the next correction is expected far below round-off, best for long
-                           runs; in gauss, if the expected iteration error is below its tolerance */
-    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point iteration, 30 for gauss */
+    /* relative size, < 1, of a correction at which the iteration of an implicit method stops. 0,
+     * best for long runs: the iteration stops when its next correction would be far below
+     * round-off; that of gauss stops when its estimated error is below the tolerance of the
+     * method */
+    pk_real newton_tol;
+    /* largest number of iterations in a step; 0: 50 for Newton's method, 1000 for fixed-point
+     * iteration, 30 for gauss */
+    int max_iterations;
     /* Called before each step. If it returns nonzero, the step is not made, the status is
      * PK_STOPPED_USER, and only pk_integrator_reset() can continue. NULL: not called. */
     int (*stop)(void *context);
@@ -85,14 +96,16 @@ struct pk_options {
 
 struct pk_counters {
     unsigned long steps, rejections;
-    unsigned long evaluations; /* number of evaluations of the acceleration, or of (p, pdot) */
+    /* number of evaluations of the acceleration, or, by methods in (q, p), of the momenta p and
+     * their rates pdot */
+    unsigned long evaluations;
     unsigned long jacobians, factorisations, iterations;
     unsigned long held; /* number of `gauss` steps shortened because of slow convergence */
 };
 
 /* Steps so long that they may miss a short force: fixed steps, or adaptive steps that cannot be
  * shortened because of the round-off of t. count: number of these steps; t: time of the first;
- * which: index of the mark missed first, in system->marks. */
+ * which: index in system->marks of the force that may be missed first. */
 struct pk_passed_over {
     unsigned long count;
     size_t which;
@@ -127,7 +140,7 @@ struct pk_integrator {
     struct pk_problem problem;
     const struct pk_method *method;
     struct pk_options options;
-    struct pk_integrator_private *own; /* in the block, or NULL if it was refused */
+    struct pk_integrator_private *own; /* memory in the block; NULL if the block was refused */
 };
 
 struct pk_options pk_options_default(void);
@@ -146,20 +159,21 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
                                   const struct pk_method *method, const struct pk_options *options,
                                   pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
-/* Sets a new state at t; counters continue. q and v may be it->q and it->v: call it with these
- * after a change of parameters or a jump of an input, since methods reuse derivatives of the last
- * step. If it fails, no step is made until a later call succeeds. */
+/* Sets a new state at t; counters continue. q and v may be it->q and it->v. Call this function with
+ * these also after a change of parameters or a jump of an input, since methods reuse derivatives of
+ * the last step. If it fails, no step is made until a later reset succeeds. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
-/* Sets the fixed, or the next adaptive, step size. Fails with PK_BAD_ARGUMENT. */
+/* Sets the step size: of a fixed-step method for all further steps, of an adaptive method for its
+ * next step. Fails with PK_BAD_ARGUMENT. */
 enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
 /* Makes one step towards `limit`, never past it; a step that would end within round-off of `limit`
  * ends exactly at it. Returns PK_DONE without a step if t is `limit`. */
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
-/* Returns the limit of the next fixed step if a result is wanted at time t: t itself if it is a
- * multiple of the step size up to rounding, otherwise `limit`; after that step
- * pk_integrator_aside() computes the result at t. pk_integrator_is_at() returns whether it->t is t
- * up to rounding. */
+/* For a caller that wants a result at time t from fixed steps: returns the limit to pass to the
+ * next step. This is t if a regular step ends there up to rounding. Otherwise it is `limit`, and
+ * after the step that passes t, pk_integrator_aside() computes the result at t.
+ * pk_integrator_is_at() returns whether it->t is t up to rounding. */
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Makes at most `steps` steps (0: no limit) towards `limit`, with the same bits as calls of

@@ -32,7 +32,9 @@ struct pk_keep {
     unsigned char *to;
     const unsigned char *from;
     size_t size, used; /* used: number of bytes so far, which may exceed `size` */
-    int wrong;         /* 1: `size` is too small, or a stored size differs */
+    /* 1: `size` is too small for the data, or a size in the bytes read differs from that of the
+     * integrator */
+    int wrong;
 };
 
 /* Writes, reads or counts the `size` bytes at `what`. */
@@ -41,10 +43,12 @@ void pk_keep(struct pk_keep *k, void *what, size_t size);
 void pk_keep_same(struct pk_keep *k, unsigned long long number);
 
 /* Returns PK_DONE, PK_REFUSED if the memory of the method is opaque (methods of pk/gsl.h except
- * Runge-Kutta methods), or PK_BLOCK_TOO_SMALL if k->wrong, after which an integrator being restored
- * must be initialised again. Must not be called within a step. */
+ * Runge-Kutta methods), or PK_BLOCK_TOO_SMALL if k->wrong is set. After PK_BLOCK_TOO_SMALL, an
+ * integrator that was to be restored must be initialised again. This function must not be called
+ * within a step. */
 enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k);
-/* These functions save or restore private data of a struct; pk_events_keep() not its integrator. */
+/* Each of these functions saves or restores the private data of its struct. pk_events_keep() does
+ * not include the integrator whose events are located; save that separately. */
 enum pk_status pk_events_keep(struct pk_events *events, struct pk_keep *k);
 enum pk_status pk_subsystems_keep(struct pk_subsystems *apart, struct pk_keep *k);
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k);

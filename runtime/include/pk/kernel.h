@@ -19,13 +19,13 @@ struct pk_quantity {
 /* Writes `out` at (t, q, v, u). */
 typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u, pk_real *out);
-/* Writes two arrays. */
+/* Does the same with two output arrays. */
 typedef void pk_kernel_2(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                          const pk_real *u, pk_real *out, pk_real *second);
-/* Writes three arrays. */
+/* Does the same with three output arrays. */
 typedef void pk_kernel_3(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                          const pk_real *u, pk_real *out, pk_real *second, pk_real *third);
-/* Returns a number. */
+/* Returns one number, computed at (t, q, v, u). */
 typedef pk_real pk_kernel_number(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                                  const pk_real *u);
 

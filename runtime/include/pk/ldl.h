@@ -40,10 +40,11 @@ PK_INLINE static pk_real *pk_ldl_entry(const struct pk_ldl *A, ptrdiff_t i, ptrd
                  : A->corner + (i - n) * A->across + j - n;
 }
 
-/* Row i: the entry in column j is row[j * step] if j < rows, otherwise corner[j]. */
+/* Pointers to one row of the matrix, with A->rows rows in the band: the entry in column j is row[j
+ * * step] if j < A->rows, otherwise corner[j]. */
 struct pk_ldl_parts {
     pk_real *row, *corner;
-    ptrdiff_t step, from, to; /* range of stored columns < rows: from .. to - 1 */
+    ptrdiff_t step, from, to; /* stored columns of the band: from .. to - 1 */
 };
 PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdiff_t i)
 {
@@ -59,7 +60,7 @@ PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdif
     return of;
 }
 
-/* Transforms the entries of a row in columns < A->rows to those of L D. */
+/* Replaces the entries of a row in the columns before A->rows by the entries of L D. */
 PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrdiff_t step,
                                       ptrdiff_t from, ptrdiff_t to)
 {
@@ -74,7 +75,8 @@ PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrd
     }
 }
 
-/* Divides an entry x of L D by D, to that of L. Returns the amount to subtract from the pivot. */
+/* Replaces *x, an entry of L D, by the entry of L, its product with `inverse` = 1/D. Returns the
+ * product of both entries, which is to be subtracted from the pivot of the row. */
 PK_INLINE static pk_real pk_ldl_scale(pk_real *x, pk_real inverse)
 {
     const pk_real scaled = *x;
@@ -82,8 +84,9 @@ PK_INLINE static pk_real pk_ldl_scale(pk_real *x, pk_real inverse)
     return scaled * *x;
 }
 
-/* Transforms row i to L, after all rows before it. Returns its pivot. *added: the sum of the
- * positive terms subtracted from the diagonal entry. */
+/* Replaces row i by the row of L; all rows before it must have been replaced. Returns the pivot of
+ * row i: its diagonal entry less a sum of terms. *added is the sum of the positive ones of these
+ * terms. */
 PK_INLINE static pk_real pk_ldl_pivot(const struct pk_ldl *A, ptrdiff_t i, pk_real *added)
 {
     const ptrdiff_t n = A->rows;

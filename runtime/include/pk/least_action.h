@@ -23,19 +23,21 @@ PK_BEGIN
 enum { PK_CONJUGATE_MOST = 64 };
 
 struct pk_least_action {
-    struct pk_integrator it; /* integrator of the path and of displacements */
+    struct pk_integrator it; /* integrator of the motion and of small displacements from it */
     pk_real action, size;    /* S; the integral of |p.v| + |h|, the scale of round-off of S */
-    pk_real slope;           /* max |dS/da_ik|, each relative to the sum of |terms| of dS/da_ik */
-    size_t n, modes;         /* number of coordinates, number of modes */
-    const pk_real *C, *B;    /* n modes by n modes, row-major, in the block */
-    size_t n_conjugate;      /* number of conjugate points; the first are in conjugate[] */
+    /* max |dS/da_ik|, each divided by the sum of the absolute values of its terms; near 0 for a
+     * motion */
+    pk_real slope;
+    size_t n, modes;      /* number of coordinates, number of modes */
+    const pk_real *C, *B; /* n modes by n modes, row-major, in the block */
+    size_t n_conjugate;   /* number of conjugate points; the first are in conjugate[] */
     pk_real conjugate[PK_CONJUGATE_MOST];
 
     /* Private to the runtime. */
     struct pk_variation variation;
     pk_real t0, time;
     size_t nodes;
-    const pk_real *path; /* q and v at each node */
+    const pk_real *path; /* q and v of the motion at each node of the quadrature */
     pk_real *scratch;
 };
 
@@ -44,16 +46,18 @@ struct pk_least_action {
 size_t pk_least_action_size(const struct pk_problem *problem, const struct pk_method *method,
                             size_t panels, size_t modes);
 /* Integrates from t0 to t0 + time, time > 0. PK_REFUSED: not all forces come from L (no
- * PK_VARIATIONAL), or pk_variation_init() refuses the system. An interval should be at most half a
- * wave of mode number `modes`. */
+ * PK_VARIATIONAL), or pk_variation_init() refuses the system. An interval of the quadrature should
+ * be no longer than half a wavelength of the shortest mode, k = modes. */
 enum pk_status pk_least_action_find(struct pk_least_action *found, const struct pk_problem *problem,
                                     const struct pk_method *method,
                                     const struct pk_options *options, pk_real t0, const pk_real *q0,
                                     const pk_real *v0, pk_real time, size_t panels, size_t modes,
                                     void *block, size_t size);
-/* Returns S of the neighbouring path with coefficients a, n by modes, not only to second order. */
+/* Returns the action S(a) of the neighbouring path with the coefficients a, n by modes: the
+ * integral itself, not its expansion to second order in a. */
 pk_real pk_least_action_at(const struct pk_least_action *found, const pk_real *a);
-void pk_least_action_free(struct pk_least_action *found); /* as pk_integrator_free() */
+/* frees memory like pk_integrator_free() */
+void pk_least_action_free(struct pk_least_action *found);
 
 PK_END
 

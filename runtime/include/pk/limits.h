@@ -10,13 +10,14 @@
  * of the first interval with |R(-z)| <= 1. A limit is 0 if steps of any size amplify, infinite if
  * none does, and NaN if it is undefined: splitting methods do not apply to damping, methods of
  * variable order have no single map, and the tables of GSL's methods are private. The limit of an
- * adaptive method is that of its formula at a fixed step size.
+ * adaptive method is the limit of its formula with a fixed step size.
  *
  * For explicit Runge-Kutta and splitting methods limits are roots of polynomials made from the
  * table, accurate to about 100 PK_EPSILON. For all other methods the map is computed by steps on
- * the equation. Amplification below 1e-10 a step (1e-3 in float) is then not detected, which limits
- * the accuracy, and "infinite" means: none found up to 1e4. This is exact for A-stable methods and
- * for maps of determinant 1.
+ * the equation. Amplification by less than 1e-10 per step (1e-3 in float) is then not detected,
+ * which limits the accuracy of the limits. A limit is reported as infinite if no amplification was
+ * found up to y or z = 1e4. The limits are exact for A-stable methods and for maps of determinant
+ * 1.
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2; R. I.
  * McLachlan, S. K. Gray, Appl. Numer. Math. 25 (1997) 275. */
@@ -32,15 +33,18 @@ enum pk_axis { PK_AXIS_IMAGINARY, PK_AXIS_REAL };
 pk_real pk_method_limit(const struct pk_method *method, enum pk_axis axis);
 
 /* Writes the first interval with lower end >= from in which steps amplify, infinite numbers if
- * there is none; with from = 0 its lower end is the limit. The interval may be short: blanes_moan6
- * amplifies by 4e-4 a step from 3.14143 to 3.14232, where two steps are one period, and then only
- * from 6.3479. Returns 0 if the limit is NaN. */
+ * there is no such interval. With from = 0 the lower end of the interval is the limit on the
+ * imaginary axis. The interval may be short: blanes_moan6 amplifies by 4e-4 a step from 3.14143 to
+ * 3.14232, where two steps are one period, and then only from 6.3479. Returns 0 if the limit is
+ * NaN. */
 int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real from,
                      pk_real growth[2]);
 
-/* Computes the map of one step, y > 0. PK_REFUSED if there is no map; or a step's failure. */
+/* Computes the map of one step of size y > 0 for q'' = -q. Returns PK_REFUSED if the method has no
+ * map, or the status of the step if it fails. */
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4]);
-/* Computes the map for q'' = -stiffness q - damping q', h > 0, always by a step of the method. */
+/* Computes the map of a step of size h > 0 for q'' = -stiffness q - damping q'. This function
+ * always makes a step of the method. */
 enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness, pk_real damping,
                                 pk_real h, pk_real map[4]);
 /* Computes R(-z) for u' = -u, z > 0. Returns the statuses of pk_method_oscillator(). */

@@ -1,5 +1,6 @@
-/* The acceleration and its derivatives at a state, from the kernel `linear`: M (da/dq) = dr/dq for
- * r = f - M a at constant a, and likewise for v and t. Inputs are constant. */
+/* The acceleration and its derivatives at a state, from the kernel `linear`. The equations of
+ * motion are M a = f; with r = f - M a at constant a, M (da/dq) = dr/dq, and likewise for v and t.
+ * Inputs are constant. */
 #ifndef PK_LINEAR_H
 #define PK_LINEAR_H
 

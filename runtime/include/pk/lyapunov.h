@@ -6,11 +6,11 @@
  *     megno    = time average of 2 (G(t) - time average of G over [0, t])
  *
  * The first tenth of the time, in which the displacement turns towards the direction of fastest
- * growth, is left out. `error` is the standard error of the exponent by the method of batch means:
- * of the growth rates in 14 to 58 equal intervals of the remaining time. On a regular motion a
- * displacement grows like t, G like ln t, so the exponent is about 2.6/T and keeps falling. The
- * kind of motion is decided by megno: it tends to 2 on a regular motion (0 on a harmonic one) and
- * grows as exponent T/2 on a chaotic one.
+ * growth, is left out. `error` is the standard error of the exponent by the method of batch means.
+ * The batches are the growth rates in 14 to 58 equal intervals of the remaining time. On a regular
+ * motion a displacement grows like t, G like ln t, so the exponent is about 2.6/T and keeps
+ * falling. The kind of motion is decided by megno: it tends to 2 on a regular motion (0 on a
+ * harmonic one) and grows as exponent T/2 on a chaotic one.
  *
  * References: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9; P. M.
  * Cincotta, C. Simo, Astron. Astrophys. Suppl. 147 (2000) 205 (megno). */
@@ -23,20 +23,22 @@ PK_BEGIN
 
 enum { PK_LYAPUNOV_MARKS = 64 };
 
-/* By megno: regular at most 3, chaotic at least 6, undecided between. PK_CHAOTIC means exponential
- * growth. It is chaos only if the motion is bounded; the motion away from an unstable equilibrium
- * has exponential growth too. */
+/* The kind of a motion, decided by its megno: PK_REGULAR if it is at most 3, PK_CHAOTIC if it is at
+ * least 6, otherwise PK_UNDECIDED. PK_CHAOTIC means exponential growth. It is chaos only if the
+ * motion is bounded; the motion away from an unstable equilibrium has exponential growth too. */
 enum pk_motion { PK_REGULAR, PK_CHAOTIC, PK_UNDECIDED };
 
 struct pk_lyapunov {
     struct pk_variation variation;
-    struct pk_integrator it; /* the motion (first n_q coordinates) and the displacement */
-    pk_real t0, block;       /* start time; time between normalisations */
-    unsigned long blocks;    /* number of completed blocks */
-    pk_real growth;          /* current value of G, the log of the growth */
-    pk_real sum_G, sum_Y;    /* integrals over t of G and of 2 (G - mean G), trapezoidal */
-    pk_real Y;               /* the current value of 2 (G - mean G) */
-    /* G after every `stride` blocks; if the array is full, every second value is dropped. */
+    /* integrates the motion (the first n_q coordinates) together with the displacement */
+    struct pk_integrator it;
+    pk_real t0, block;    /* start time; time between normalisations */
+    unsigned long blocks; /* number of completed blocks */
+    pk_real growth;       /* current value of G, the log of the growth */
+    pk_real sum_G, sum_Y; /* integrals over t of G and of 2 (G - mean G), trapezoidal */
+    pk_real Y;            /* the current value of 2 (G - mean G) */
+    /* Values of G, one after every `stride` blocks. When the array is full, every second value is
+     * dropped and `stride` is doubled. */
     pk_real marks[PK_LYAPUNOV_MARKS];
     unsigned long n_marks, stride;
     size_t metric_n; /* metric for lengths of displacements; see src/diagnose/metric.h */

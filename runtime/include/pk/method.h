@@ -10,8 +10,9 @@
 #include <pk/status.h>
 #include <pk/system.h>
 
-/* Step sizes come from pow, exp and log, whose last bits differ between processors. PK_PORTABLE
- * rounds step sizes to float, whose bits are then the same on all processors. */
+/* Adaptive step sizes are computed with pow, exp and log, whose results differ between processors
+ * in the last bits. With PK_PORTABLE step sizes are rounded to float, so that they have the same
+ * bits on all processors. */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
 #else
@@ -45,7 +46,9 @@ struct pk_method {
     const char *name;
     const char *doc; /* description in one line, and citation */
     int order;       /* order of the method; 0: variable */
-    int stages;      /* evaluations per step, not counting one reused in the next; 0: variable */
+    /* evaluations of the acceleration in a step; one that the next step reuses is not counted.
+     * 0: variable */
+    int stages;
     int dense_order; /* order of the dense output; 0: no dense output */
     unsigned traits; /* bits of enum pk_trait */
     unsigned needs;  /* bits of enum pk_fact (`requires` is a keyword of C++20) */
@@ -53,7 +56,8 @@ struct pk_method {
     const struct pk_method *formula; /* the method that an adaptive method becomes at a fixed
                                         step size, for pk/limits.h; NULL: the method itself */
 
-    /* Returns the pk_real of work memory for n = length of v. NULL: pk_splitting_size(). */
+    /* Returns the number of pk_real of work memory if v has length n. NULL: the function
+     * pk_splitting_size() is used. */
     size_t (*size)(const struct pk_method *method, const struct pk_problem *problem, size_t n);
     enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing to initialise */
     /* Computes a step that does not pass `limit`; writes the state to it->own->next, the time to
@@ -61,10 +65,12 @@ struct pk_method {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
     /* Interpolates within the last step; NULL: the method is not PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-    /* Returns the longest step in which no event is missed; NULL: steps of any length. */
+    /* Returns the longest step in which events are located reliably; NULL: a step may have any
+     * length. */
     pk_real (*resolved)(const struct pk_integrator *it);
-    /* Returns the LU factors (pk_lu_factor()) of the last step's equations in `stages` times n
-     * unknowns, or NULL if the step solved none. NULL: the method solves no such equations. */
+    /* Returns the LU factors (pk_lu_factor()) of the linear equations that the last step solved, in
+     * stages * n unknowns; it returns NULL if the step solved none. The member is NULL for a method
+     * that solves no such equations. */
     const pk_real *(*equations)(struct pk_integrator *it);
     /* For methods of foreign libraries that allocate; NULL for all others. keep() saves or restores
      * their memory (pk/keep.h), or returns PK_REFUSED if that memory is opaque. */

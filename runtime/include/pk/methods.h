@@ -58,7 +58,8 @@
     X(A, boris6, 6, 9, 0, PK_SYMMETRIC | PK_LINEAR, kahan_li6,                                     \
       "nine steps of boris; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Compositions of respa steps, `table` as for boris. Stages are counted for ten inner steps. */
+/* Compositions of respa steps; `table` is the splitting method with the same composition. Stages
+ * are counted for ten inner steps. */
 #define PK_NEEDS_RESPA (PK_MASS_CONSTANT | PK_SEPARABLE | PK_FAST)
 #define PK_METHODS_RESPA(X, A)                                                                     \
     X(A, respa, 2, 12, 0, PK_TRAITS_SYMPLECTIC, verlet,                                            \
@@ -130,7 +131,8 @@
       "the exact flow of an affine system, by the exponential of its matrix, scaled and "          \
       "squared; N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179")
 
-/* Methods for rotations and constraints; `table` is the splitting method composed likewise. */
+/* Methods for rotations and constraints; `table` is the splitting method that has the same
+ * composition. */
 #define PK_TRAITS_VARIATIONAL                                                                      \
     (PK_TRAITS_SYMPLECTIC | PK_IMPLICIT | PK_HOLONOMIC | PK_GROUP)
 #define PK_NEEDS_LIE_MIDPOINT 0

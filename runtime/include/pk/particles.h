@@ -7,9 +7,9 @@
  *
  *     e = r' x (r x r')/k - r/|r|
  *
- * points to the pericentre, and |e| is the eccentricity. In a force of 1/r^2 it is constant; in
- * other central forces it turns, in the plane of the initial motion, by `angle`, positive in the
- * direction of the motion and without jumps of 2 pi between updates.
+ * points to the pericentre of the orbit, and |e| is its eccentricity. In a force of 1/r^2 it is
+ * constant; in other central forces it turns, in the plane of the initial motion, by `angle`,
+ * positive in the direction of the motion and without jumps of 2 pi between updates.
  *
  * Reference: H. Goldstein, C. Poole, J. Safko, Classical Mechanics, 3.9 and 3.12. */
 #ifndef PK_PARTICLES_H
@@ -31,12 +31,14 @@ void pk_angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_
 struct pk_lrl {
     pk_real k;
     pk_real e[3], eccentricity, angle; /* values at the last update */
-    pk_real rate; /* |e'| |r|/|r'|, computed from the acceleration: 0 if e is constant */
+    /* |de/dt| |r|/|r'|, the dimensionless rate of change of e, from the acceleration; 0 if e is
+     * constant */
+    pk_real rate;
     pk_real along[3], across[3]; /* unit vectors: e at the start, e turned by 90 degrees */
 };
 
-/* PK_REFUSED: the particle is not attracted to the origin. On a circle e is round-off, and `angle`
- * is meaningless. */
+/* PK_REFUSED: the particle is not attracted to the origin. On a circular orbit e is only round-off,
+ * so that `angle` is meaningless. */
 enum pk_status pk_lrl_init(struct pk_lrl *lrl, const pk_real r[3], const pk_real v[3],
                            const pk_real a[3]);
 void pk_lrl_update(struct pk_lrl *lrl, const pk_real r[3], const pk_real v[3], const pk_real a[3]);

@@ -1,11 +1,11 @@
 /* Time reversal: steps from t0 to t and the same number backward. A symmetric method returns to the
- * start except for round-off, which a chaotic motion amplifies like any displacement: it reaches 1
- * near t = ln(1/PK_EPSILON)/lambda, lambda the Lyapunov exponent. Methods that are not symmetric
- * miss the start by their own errors.
+ * start except for round-off. A chaotic motion amplifies round-off like any displacement, to about
+ * 1 at t = ln(1/PK_EPSILON)/lambda, where lambda is the Lyapunov exponent. Methods that are not
+ * symmetric miss the start by their own errors.
  *
  * The error is the largest over coordinates and rates of |x - x0| / max |x - x0|, the maximum taken
- * over the whole given time. The horizon is the time at which the error exceeds a threshold: a
- * longer run has no memory of its start. */
+ * over the whole given time. The horizon is the time at which the error exceeds a threshold. If a
+ * run is longer, its start cannot be recovered from its end. */
 #ifndef PK_REVERSAL_H
 #define PK_REVERSAL_H
 
@@ -16,13 +16,19 @@ PK_BEGIN
 enum { PK_REVERSAL_TIMES = 24 };
 
 struct pk_reversal {
-    size_t count; /* number of times tried: halvings, ascending, then bisections */
+    /* number of entries of at[]: first the times t_end/2^k in ascending order, then those of the
+     * bisection */
+    size_t count;
     struct {
-        pk_real t, error, absolute; /* t - t0 > 0; relative error; max |x - x0| in the unit of x */
+        /* t: time from the start, > 0; error: the relative error; absolute: max |x - x0|, in the
+         * unit of x */
+        pk_real t, error, absolute;
     } at[PK_REVERSAL_TIMES];
     pk_real threshold;
-    int passed;                     /* 1: the error exceeds the threshold at a time tried */
-    pk_real horizon_lo, horizon_hi; /* last time with error below, first time above the threshold */
+    int passed; /* 1: the error exceeds the threshold at a time tried */
+    /* the horizon lies between: latest time tried with an error below the threshold, earliest
+     * with one above */
+    pk_real horizon_lo, horizon_hi;
 };
 
 /* Returns the bytes of the block, aligned for pk_real. */

@@ -43,44 +43,53 @@ struct pk_run_model {
 /* The result of a run, also used as the exit code of a program. */
 enum pk_run_code {
     PK_RUN_DONE = 0,
-    PK_RUN_USAGE = 2,        /* wrong settings, or output that cannot be written */
-    PK_RUN_FAILED = 4,       /* a numerical failure, or a number in the rows is not finite */
-    PK_RUN_LEFT = 75,        /* `poll` ended the run with a checkpoint, from which it can resume */
+    PK_RUN_USAGE = 2,  /* wrong settings, or output that cannot be written */
+    PK_RUN_FAILED = 4, /* a numerical failure, or a number in the rows is not finite */
+    /* `poll` ended the run; a checkpoint was written, from which it can resume */
+    PK_RUN_LEFT = 75,
     PK_RUN_INTERRUPTED = 130 /* interrupted by `poll` */
 };
 
-/* A value of a parameter, size, input or coordinate. member: number in an indexed name, from 0. */
+/* A value of a parameter, size, input or coordinate. For an indexed name such as q[1..N], `member`
+ * is the position in the index range, from 0. */
 struct pk_run_value {
     size_t index, member;
     double value;
 };
 
-/* A column of the rows, or of the table of an ensemble's members. */
+/* A column of the rows that a run writes, or of the table with the values of ensemble members. */
 struct pk_run_column {
-    char kind;            /* in rows: q, v, o for an output, e for the energy; of members: p for
-                             a parameter, i for an input, q, v */
-    size_t index, member; /* member: number of an indexed parameter's member, from 0 */
+    /* a letter. In the rows of a run: q, v, o for an output, e for the energy. In the table of
+     * members: p for a parameter, i for an input, q, v */
+    char kind;
+    /* member: for an indexed parameter, the position in its index range, from 0 */
+    size_t index, member;
 };
 
 /* A relation between columns to check: |a - b| <= within, a < b, or a > b. */
 struct pk_run_expected {
-    char relation;                     /* the relation: '=', '<' or '>' */
-    char when;                         /* r: in all rows, t: at time `at`, e: at an event */
-    struct pk_run_column a, b, within; /* `within` is the tolerance of =; kind 0: none */
+    char relation; /* the relation: '=', '<' or '>' */
+    /* when the relation must hold. r: in all rows, t: at the time `at`, e: at each occurrence of
+     * event number `event` */
+    char when;
+    /* `within` is the tolerance of the relation =; within.kind = 0: there is no tolerance */
+    struct pk_run_column a, b, within;
     double at;
     size_t event;
 };
 
-/* The method of one block of coordinates; NULL or 0: that of the whole model. */
+/* The method and options of one independent block of coordinates. A member that is NULL or 0 has
+ * the value set for the whole model. */
 struct pk_run_part {
     const char *method;
     double step, rtol, h_max;
 };
 
-/* A number stored for each ensemble member. `what`: f final, M largest, m smallest, a mean value of
- * a column; n number of occurrences of an event; t time of its first occurrence; d a drift of
- * `drifts`; x whether a relation of `expected` held (1 or 0); l the largest Lyapunov exponent. n, t
- * and l require `watch`. */
+/* A number stored for each ensemble member. The letter `what` says which. For a column of the rows,
+ * f is the final, M the largest, m the smallest and a the mean value. For an event, n is the number
+ * of its occurrences and t the time of the first one. d is one of the `drifts`; x is 1 if a
+ * relation in `expected` held, else 0; l is the largest Lyapunov exponent. The letters n, t and l
+ * require that `watch` is set. */
 struct pk_run_reduced {
     char what;
     size_t index; /* index of a column (not counting t), event, drift or relation */
@@ -89,52 +98,64 @@ struct pk_run_reduced {
 struct pk_run_settings {
     const char *method;
     double until; /* end time of the run, > 0 */
-    double every; /* interval of rows; 0: each step; < 0: until/1000, or events only if `at` */
+    /* time between two rows; 0: a row after each step; < 0: until/1000, or, if `at` is set, rows
+     * only at the event */
+    double every;
     double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */
-    int fixed_point;         /* fixed-point instead of Newton iteration in implicit methods */
+    /* 1: implicit methods use fixed-point iteration instead of Newton's method */
+    int fixed_point;
     unsigned long max_steps; /* limit of steps; 0: no limit */
-    int land; /* steps end at the times of rows: 1 yes, 0 no (dense output), -1 automatic */
+    /* 1: steps end at the times of rows; 0: they do not, and dense output gives the rows; -1:
+     * the runtime chooses */
+    int land;
     size_t n_sizes, n_parameters, n_inputs, n_q, n_v;
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
     size_t n_columns; /* number of columns in addition to t; 0: all */
     const struct pk_run_column *columns;
-    size_t n_hidden; /* number of outputs without a column if n_columns is 0 */
+    size_t n_hidden; /* if n_columns is 0: number of outputs that get no column */
     const size_t *hidden;
     size_t at; /* 1 + index of an event whose occurrences are rows; 0: none */
     size_t n_expected, n_drifts;
     const struct pk_run_expected *expected;
-    const struct pk_run_column *drifts; /* drifts of outputs (kind o) and energy (e) to compute */
-    unsigned diagnose;                  /* diagnostics to compute: bits of pk_run_diagnostic() */
-    size_t n_parts;                     /* n_parts of the model, or 0 */
+    /* quantities whose drift is computed: outputs (kind o) and the energy (kind e) */
+    const struct pk_run_column *drifts;
+    unsigned diagnose; /* diagnostics to compute: bits of pk_run_diagnostic() */
+    size_t n_parts;    /* number of blocks integrated separately: n_parts of the model, or 0 */
     const struct pk_run_part *parts;
-    int bare;     /* only steps: no events, no check by a second method; `every` < 0: the only
-                     row is the final state */
-    int compared; /* for comparison with other runs: no check by a second method; if event `at`
-                     never occurred, start and end are rows */
-    double cap;   /* limit in processor seconds; 0: no limit */
+    /* 1: the run makes only its steps; it detects no events and makes no check by a second
+     * method. With `every` < 0 the only row is the final state */
+    int bare;
+    /* 1: the run is compared with other runs. It makes no check by a second method, and if event
+     * `at` never occurs, the start and the end are rows */
+    int compared;
+    double cap; /* limit in processor seconds; 0: no limit */
 
     size_t members; /* number of ensemble members; 0: one trajectory */
     size_t n_member_columns;
     const struct pk_run_column *member_columns;
-    const double *member_values; /* parameters of members: `members` rows of n_member_columns */
-    const char *member_name;     /* name of the column that numbers the members; NULL: "member" */
+    /* values of the member_columns: `members` rows of n_member_columns numbers */
+    const double *member_values;
+    const char *member_name; /* name of the column with the member numbers; NULL: "member" */
     long first_member;
     size_t threads; /* number of threads; 0: all available */
-    int watch;      /* 1: detect events of members, 2: also report their first times; < 0 (also for
-                       one trajectory): compute only the drifts in `drifts` */
+    /* 1: events of ensemble members are detected; 2: the times of their first occurrences are
+     * also reported; < 0: no drifts but those in `drifts` are computed, also in a run of one
+     * trajectory */
+    int watch;
     size_t n_reduced;
     const struct pk_run_reduced *reduced; /* the numbers that pk_run_members() returns */
     int no_rows;                          /* 1: no rows are stored */
     int lenient;                          /* 1: refused parameters of a member do not end the run */
 
-    const char *checkpoint;         /* checkpoint file; NULL: none */
-    const char *checkpoint_note;    /* text stored in the checkpoint, or NULL */
-    double checkpoint_every;        /* seconds between checkpoints; 0: only if `poll` ends the
+    const char *checkpoint;      /* checkpoint file; NULL: none */
+    const char *checkpoint_note; /* text stored in the checkpoint, or NULL */
+    double checkpoint_every;     /* seconds between checkpoints; 0: only if `poll` ends the
                                        run */
-    unsigned long checkpoint_after; /* the run ends with a checkpoint after this many steps (rows
-                                       with parts, batches of an ensemble); 0: never */
-    int resume;                     /* 1: the run resumes from the checkpoint file */
+    /* the run ends with a checkpoint after this number of steps; 0: never. For a model in parts
+     * rows are counted instead, for an ensemble batches of members */
+    unsigned long checkpoint_after;
+    int resume; /* 1: the run resumes from the checkpoint file */
 
     /* Function of the caller that computes inputs. compute() finds t as argument and q and v in
      * `seen`, and writes all inputs to `computed`; it returns nonzero to end the run. NULL:
@@ -160,19 +181,20 @@ struct pk_run_settings pk_run_defaults(void);
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings);
 /* Runs to the end. Rows up to the last valid time are stored also if the run fails. */
 enum pk_run_code pk_run_go(struct pk_run *run);
-/* pk_run_begin() and pk_run_advance() replace pk_run_go() for a run step by step, without rows and
- * report. pk_run_advance() integrates to t, or one step towards it, with constant inputs u, and
- * writes t, q and v to `state`. It returns an enum pk_status: negative on failure, PK_STOPPED_EVENT
- * at an event that ends the run. */
+/* pk_run_begin() and pk_run_advance() are used instead of pk_run_go() if the caller makes the run
+ * step by step; such a run stores no rows and no report. pk_run_advance() integrates to t, or one
+ * step towards it, with constant inputs u, and writes t, q and v to `state`. It returns an enum
+ * pk_status: negative on failure, PK_STOPPED_EVENT at an event that ends the run. */
 enum pk_run_code pk_run_begin(struct pk_run *run);
 int pk_run_advance(struct pk_run *run, double t, int one_step, const double *u, double *state);
 /* Returns the number of rows in memory, each of *columns numbers, t first. If pk_real has more
  * digits than double, a value is rows[i] + low[i]; otherwise *low is NULL. */
 size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,
                    size_t *columns);
-/* Returns the number of members; 0 if neither `reduced` nor `no_rows` is set. Each has *columns = 2
- * + n_reduced numbers: its final enum pk_status, its last valid time, and the numbers of `reduced`,
- * which are NaN for a failed member and for the time of an event that did not occur. */
+/* Returns the number of ensemble members for which `numbers` has a row; 0 if neither `reduced` nor
+ * `no_rows` is set. The row of a member has *columns = 2 + n_reduced numbers: its final enum
+ * pk_status, its last valid time, and the numbers of `reduced`, which are NaN for a failed member
+ * and for the time of an event that did not occur. */
 size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *columns);
 /* Writes the name and the unit of column i of the rows. Returns 0 if there is no column i. */
 int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t size,
@@ -181,7 +203,8 @@ int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t si
 const char *pk_run_report(struct pk_run *run);
 /* Returns the messages to the user, one per line. */
 const char *pk_run_messages(const struct pk_run *run);
-/* Returns the failure of the run's parameters (see PK_FAILURE() in real.h), or 0. */
+/* Returns the failure with which the parameters of the run were refused (see PK_FAILURE() in
+ * real.h), or 0. */
 int pk_run_refused(const struct pk_run *run);
 /* Returns the processor seconds of one run without rows from the start, the least of repetitions
  * that take at least `seconds` in all; 0 if the run fails. Call it after pk_run_go(). */
@@ -189,18 +212,19 @@ double pk_run_laps(struct pk_run *run, double seconds);
 /* Evaluates a kernel at `count` states, with the run's parameters: "acceleration", "force",
  * "momenta" (n numbers per state), "free momenta" (those without constraints), "mass" (n by n),
  * "energy" (1), "outputs", "jacobian" (da/dq, then da/dv, n by n each), "momentum jacobian" (dp/dq,
- * d(pdot)/dq, d(pdot)/dv), "constraint jacobian" (J, a row of n each) or "constraint rates" (J v +
- * j0). Per state: t has 1 number, q and v have n each, u has n_inputs (u NULL: the run's inputs),
- * out has pk_run_width() numbers. Returns how many states failed because M is singular; their
- * results are NaN. */
+ * d(pdot)/dq, d(pdot)/dv), "constraint jacobian" (J: n numbers for each constraint row) or
+ * "constraint rates" (J v + j0). Per state: t has 1 number, q and v have n each, u has n_inputs (u
+ * NULL: the run's inputs), out has pk_run_width() numbers. Returns how many states failed because M
+ * is singular; their results are NaN. */
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, const double *u, double *out);
 size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown kernel name */
 /* Returns parameters and start values in JSON. */
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);
-/* 1: all runs and integrations of this library, in all threads, end as soon as possible, and new
- * ones end at once; 0: runs are possible again. May be called in a signal handler. */
+/* pk_run_stop(1) ends all runs and integrations of this library, in all threads, as soon as
+ * possible; new ones end at once. pk_run_stop(0) makes runs possible again. The function may be
+ * called in a signal handler. */
 void pk_run_stop(int whether);
 
 /* Returns the size of pk_run_settings, _expected, _part or _reduced for `which` = 0, 1, 2 or 3. */

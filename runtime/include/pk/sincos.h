@@ -8,10 +8,11 @@
  * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary Functions"
  * (1980): pi/2 is split into parts of so few bits that k times a part is exact; these products are
  * subtracted one by one, and the rounding errors of the later subtractions are added to sin r. k
- * has 20 bits at most (10 in float), so a part may have 33 (14). With fma() the first part may have
- * all 53 (24), so that three parts suffice instead of four. The last part matters if |x| is near a
- * multiple of pi/2: the nearest double is at 2^-60 from one (29 pi/2). Above PK_SINCOS_MAX libm is
- * called; with -DPK_BOUNDED_ANGLES the results are NaN instead.
+ * has 20 bits at most (10 in float), so a part of pi/2 may have 33 bits (14 in float). With fma()
+ * the first part may have all 53 bits (24 in float), so that three parts suffice instead of four.
+ * The last part matters if |x| is near a multiple of pi/2: the double nearest to a multiple is
+ * 2^-60 away from it (29 pi/2). Above PK_SINCOS_MAX libm is called; with -DPK_BOUNDED_ANGLES the
+ * results are NaN instead.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -104,7 +105,8 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 #endif
 }
 
-/* Results are arbitrary unless |x| <= PK_SINCOS_MAX. A pointer may be NULL: not needed. */
+/* Computes sine and cosine of x. The results are arbitrary unless |x| <= PK_SINCOS_MAX. `sine` or
+ * `cosine` may be NULL if that result is not needed. */
 PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
 {
     const pk_real rounded = PK_SINCOS_FMA(x, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND);
@@ -112,9 +114,9 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     pk_bits j, s_bits, c_bits, differ;
     pk_real z, s, c;
 
-    /* x - k pi/2 = r + lost, where `lost` is the rounding of r. With fma() the cosine ignores it,
-     * an error of 0.4 units. For sin(-0) = -0, `lost` must be -0 there and r z must be +0, so 0 is
-     * added to it. */
+    /* x - k pi/2 = r + lost, where `lost` is the rounding of r. With fma() the cosine ignores
+     * `lost`, which causes an error of 0.4 units in the last place. To make sin(-0) = -0, `lost`
+     * must be -0 at x = -0 and r z must be +0, so 0 is added to r z. */
 #ifdef PK_SINCOS_HAS_FMA
     const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
     const pk_real r = r1 - k * PK_SINCOS_P2;
@@ -136,7 +138,8 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
 #endif
 
-    /* j mod 4 is k mod 4. If k is odd, sine and cosine are exchanged. */
+    /* The bits j of `rounded` end with those of k, so j mod 4 is k mod 4. If k is odd, sine and
+     * cosine are exchanged. */
     memcpy(&j, &rounded, sizeof j);
     memcpy(&s_bits, &s, sizeof s_bits);
     memcpy(&c_bits, &c, sizeof c_bits);
@@ -157,8 +160,8 @@ PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 
 #endif
 
-/* Has no branch unless `pass` is PK_CAREFULLY. Returns nonzero if the results are invalid; after a
- * careful pass they are always valid. */
+/* Computes sine and cosine of x, without branches unless `pass` is PK_CAREFULLY. Returns nonzero if
+ * the results are invalid; after a careful pass they are always valid. */
 PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
                                         pk_real *cosine)
 {
@@ -181,7 +184,8 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
     return 0;
 }
 
-/* pk_sincos_pass() for two angles. Outside of SIMD lanes a loop packs them into one vector. */
+/* Does the same as pk_sincos_pass() for two angles. If pass is PK_ONCE, the compiler turns the loop
+ * over both angles into operations on one vector. */
 PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
                                           pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
 {

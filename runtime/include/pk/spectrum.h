@@ -5,9 +5,9 @@
  * Frequencies are angular, per unit of time. Lines are found one by one, each where the windowed
  * Fourier integral of the remainder is largest, by the fast Fourier transform of GSL
  * (pk_gsl_spectrum() in pk/gsl.h), and refined to the maximum of that integral. Then all lines are
- * fitted together by least squares with the same window, frequencies included, so that lines do not
- * bias one another, nor a frequency by its own negative. The window is Hann's, 1 + cos, over the
- * whole time of the samples.
+ * fitted together by least squares with the same window, frequencies included, so that neither the
+ * lines bias one another, nor the line at -frequency that at +frequency. The window is Hann's, 1 +
+ * cos, over the whole time of the samples.
  *
  * `error` is the change of the frequency if only the first or the second half of the time is
  * fitted. For a regular motion that bounds the error of the whole fit (8 to 16 times smaller); for
@@ -26,7 +26,8 @@
 
 PK_BEGIN
 
-enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* maximum of lines, minimum of samples */
+/* PK_LINES: largest number of lines; PK_SPECTRUM_LEAST: smallest number of samples */
+enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 };
 
 struct pk_line {
     pk_real frequency, amplitude, phase, error;
@@ -36,16 +37,18 @@ struct pk_spectrum {
     pk_real mean, rate;
     size_t count; /* number of lines, in order of decreasing amplitude */
     struct pk_line lines[PK_LINES];
-    pk_real residual;   /* root mean square, windowed, relative to that of x - mean - rate t */
+    /* root mean square of the residual, weighted with the window, relative to that of x - mean -
+     * rate t */
+    pk_real residual;
     pk_real resolution; /* 4 pi / (time of the samples), half the width of a spectral line */
-    pk_real nyquist;    /* pi/dt: faster lines appear as slower ones */
+    pk_real nyquist;    /* pi/dt: lines of higher frequency appear as lines of lower frequency */
 };
 
-/* Returns the frequency w with the largest |sum of window x exp(-i w t)|^2 between lo and hi, an
- * interval that contains one maximum. */
+/* Returns the frequency w between lo and hi at which |sum of window(t) x(t) exp(-i w t)|^2 is
+ * largest. The interval must contain only one maximum. */
 pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo, pk_real hi);
 /* Fits mean, rate and spectrum->count lines, whose frequencies are guesses on entry, and sets
- * resolution, nyquist and residual; writes the remainder of x to `left`, `count` numbers. Returns
+ * resolution, nyquist and residual; writes x minus the fit, `count` numbers, to `left`. Returns
  * PK_NO_CONVERGENCE if lines cannot be distinguished, or PK_NOT_FINITE. */
 enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, size_t count,
                                pk_real dt, pk_real *left);

@@ -6,7 +6,7 @@
  * in canonical variables that all have the same unit (M = C C^T at the start: C^T dq/sqrt(tau),
  * C^-1 dp sqrt(tau), tau^-2 the norm of C^-1 (dr/dq) C^-T), so both are dimensionless. They are
  * zero for a symplectic method on a variational system; otherwise they show the error of a step, or
- * dissipation by the forces. S is exact: it comes from the variational equations under the same
+ * that forces dissipate energy. S is exact: it comes from the variational equations under the same
  * method (pk/variation.h). `rounding` bounds the error of both defect and volume. */
 #ifndef PK_STEPMAP_H
 #define PK_STEPMAP_H
@@ -17,8 +17,8 @@ PK_BEGIN
 
 struct pk_stepmap {
     pk_real defect, volume;
-    pk_real rounding; /* bound of the rounding errors of defect and volume */
-    pk_real h;        /* the actual step size */
+    pk_real rounding; /* upper bound of the rounding errors of `defect` and of `volume` */
+    pk_real h;        /* the size of the step that was made */
 };
 
 /* Returns the bytes of the block, aligned for pk_real. */

@@ -18,8 +18,8 @@
 
 PK_BEGIN
 
-/* A part: its system, and for each of its coordinates and first-order variables the index in the
- * whole system. */
+/* A part: its own system; for each coordinate and first-order variable of the part, `coordinates`
+ * has its index in the whole system. */
 struct pk_part {
     const struct pk_system *system;
     const size_t *coordinates;
@@ -34,8 +34,9 @@ struct pk_choice {
 /* A part during integration; read-only for callers. */
 struct pk_subsystem {
     struct pk_part of;
-    struct pk_integrator it, aside;    /* the part's integrator, and one for times within its
-                                          steps */
+    /* it: the integrator of the part; aside: a second one, which computes states within the
+     * steps of `it` */
+    struct pk_integrator it, aside;
     const struct pk_integrator *there; /* `it` or `aside`, whichever is at the common time */
     void *params;
     const struct pk_subsystems *apart;
@@ -48,10 +49,11 @@ struct pk_subsystems {
     pk_real t;
     const pk_real *q, *v;
     enum pk_status status; /* status of the last call */
-    size_t failed;         /* 1 + index of the part that the status belongs to, 0: none */
+    size_t failed;         /* 1 + index of the part whose failure is `status`; 0: no part failed */
     struct pk_subsystem *parts;
     size_t count;
-    /* Set by the caller after init, or NULL: called after each step of part number k. */
+    /* NULL, or a function that the caller sets after init: it is called after each step, with the
+     * number k of the part that made it. */
     void (*stepped)(void *context, size_t k);
     void *context;
 
@@ -72,9 +74,10 @@ enum pk_status pk_subsystems_init(struct pk_subsystems *apart, const struct pk_p
                                   const struct pk_part *parts, const struct pk_choice *choices,
                                   size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
                                   void *block, size_t block_size);
-/* Integrates each part to t in turn. Fixed steps may pass t; only `limit` shortens them. If a part
- * fails, the state remains at the last t that all parts reached, though parts before it have been
- * integrated to the new t, and later calls make no step. */
+/* Integrates each part to t in turn. Fixed steps are not shortened to end at t, only to end at
+ * `limit`; the state at t is computed within the step. If a part fails, the state remains at the
+ * last t that all parts reached, though parts before it have been integrated to the new t, and
+ * later calls make no step. */
 enum pk_status pk_subsystems_to(struct pk_subsystems *apart, pk_real t, pk_real limit);
 /* Writes the last status as text, with the part's coordinates and last valid time. Returns the
  * length as snprintf() does. */

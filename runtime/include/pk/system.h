@@ -67,18 +67,21 @@ enum pk_fact {
     PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
     PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
     PK_AFFINE = 1u << 8,       /* a = A q + B v + c with constant A, B, c; no inputs */
-    PK_SWITCHED = 1u << 9,     /* smooth if the sides of all switches are constant */
-    /* The next two facts also imply constant M, no first-order variables and no constraints. */
+    /* the equations are smooth as long as the sides of all switches are constant */
+    PK_SWITCHED = 1u << 9,
+    /* The facts PK_LINEAR_DRAG and PK_AFFINE_RATES also imply that M is constant and that there are
+     * no first-order variables and no constraints. */
     PK_LINEAR_DRAG = 1u << 10,  /* f = g(q, t, u) + C v with constant C */
     PK_AFFINE_RATES = 1u << 11, /* f = g(q, t, u) + C(q, t, u) v */
-    PK_FAST = 1u << 12          /* separable, and some forces are declared fast: see fast() */
+    /* the system is separable, and some forces are declared fast (see the kernel `fast`) */
+    PK_FAST = 1u << 12
 };
 
 /* A parameter: its byte offset in struct NAME_params, and the kind of its bounds. */
 struct pk_parameter {
     struct pk_quantity what;
     size_t offset; /* byte offset */
-    int follows;   /* 1: the default depends on other parameters */
+    int follows;   /* 1: the default value depends on other parameters */
     int lo_open, hi_open;
 };
 
@@ -99,15 +102,16 @@ struct pk_block_stepper {
     /* Computes accelerations at block->t. All three return a bit mask of the lanes that failed. */
     unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,
                                   pk_real *a);
-    /* Computes event functions, then switches, at block->t: number k of lane l is g[k * lanes + l].
-     * NULL: not compiled in. */
+    /* Computes the functions of all events, then those of all switches, at block->t. Number k of
+     * lane l is g[k * lanes + l]. NULL: the function was not compiled. */
     void (*values)(const struct pk_block *block, const pk_real *q, const pk_real *v, pk_real *g);
 };
 
 /* The optional parts of a system; the members of an absent part are zero. */
 
-/* The n particles with T = sum of m/2 |r'|^2, where T is the terms of L of second degree in the
- * rates. at() writes the masses m, and x, y, z (0 in a plane) of each r, r' and r''; a is q''. */
+/* The n particles of the system. Their kinetic energy, the sum of m/2 |r'|^2, is the terms of L of
+ * second degree in the rates. at() writes the masses m, and the components x, y, z (z = 0 in a
+ * plane) of each r, r' and r''; its argument a is q''. */
 struct pk_part_particles {
     size_t n;
     void (*at)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
@@ -115,9 +119,11 @@ struct pk_part_particles {
 };
 
 struct pk_system {
-    unsigned abi;       /* PK_ABI when the model was compiled */
-    unsigned size;      /* sizeof (struct pk_system) when the model was compiled */
-    const char *scalar; /* the symbol PK_SCALAR, missing in a library of another type; or NULL */
+    unsigned abi;  /* PK_ABI when the model was compiled */
+    unsigned size; /* sizeof (struct pk_system) when the model was compiled */
+    /* address of the symbol PK_SCALAR, which libraries for other scalar types do not have; or
+     * NULL */
+    const char *scalar;
     const char *name;
     const char *source_hash; /* SHA-256 of the model's source, in hexadecimal */
     unsigned facts;          /* bits of enum pk_fact */
@@ -125,12 +131,13 @@ struct pk_system {
     size_t n_parameters, n_inputs, n_observed, n_conserved;
     size_t params_size; /* sizeof (struct NAME_params) */
 
-    /* Number of first-order variables, n - n_q: the last entries of v. `rates` has their names. The
-     * Lagrangian and the energy treat them as given functions of time. `energy` is NULL in a model
-     * without coordinates. */
+    /* Number of first-order variables, n - n_q. They are the last entries of v, and `rates` has
+     * their names. The Lagrangian and the energy treat first-order variables as given functions of
+     * time. `energy` is NULL in a model without coordinates. */
     size_t n_first_order;
-    /* Number of quadratures: first-order variables on which no rate depends, the last ones in v.
-     * Newton's equations omit them. 0 in a system of variable size. */
+    /* Number of quadratures: first-order variables on which no rate depends. They are the last
+     * numbers of v. The equations that implicit methods solve by Newton's method omit them. 0 in a
+     * system of variable size. */
     size_t n_unread;
     /* Number of rotations: attitudes R in SO(3), body to space. The first 3 n_rotations first-order
      * variables are the body rates, omega(R).x, .y, .z of each rotation; the next 4 n_rotations are
@@ -145,10 +152,11 @@ struct pk_system {
     const unsigned char *cyclic; /* n flags: p_i is constant (dL/dq_i = 0, Q_i = 0, dD/dv_i = 0) */
 
     /* Parameters. defaults() sets all of them and calls prepare(). derive() recomputes the defaults
-     * that depend on other parameters, except where given[i] != 0 (given NULL: all). prepare()
-     * computes numbers that depend only on parameters; call it after any change. It returns 0 or a
-     * failure (PK_FAILURE_PARAMETER, PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds() writes the
-     * bounds, infinite where there is none. start() writes the start values. */
+     * that depend on other parameters; it leaves parameter i unchanged if given[i] is nonzero. With
+     * given = NULL it recomputes all of them. prepare() computes numbers that depend only on
+     * parameters; call it after any change. It returns 0 or a failure (PK_FAILURE_PARAMETER,
+     * PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds() writes the bounds, infinite where there is
+     * none. start() writes the start values. */
     void (*defaults)(void *params);
     void (*derive)(void *params, const unsigned char *given);
     int (*prepare)(void *params);
@@ -160,24 +168,28 @@ struct pk_system {
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
     pk_kernel *mass, *force;
-    pk_kernel_2 *canonical; /* p, then pdot: the stages of a Gauss method need both */
-    pk_kernel *gradient;    /* writes dL/dq */
-    /* Jacobians for Newton's method on (p, pdot): dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
+    /* writes p, then pdot, since the stages of a Gauss method need both */
+    pk_kernel_2 *canonical;
+    pk_kernel *gradient; /* writes dL/dq */
+    /* Jacobians of p and pdot for the Newton iteration of methods in (q, p): dp/dq, d(pdot)/dq,
+     * d(pdot)/dv. The fourth one, dp/dv, is M. */
     void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
     pk_kernel_number *energy;
     pk_kernel_number *kinetic, *potential; /* T and V; NULL if the model defines only L */
     pk_kernel *observe, *conserve; /* outputs of `observe`, constants of `conserve`; NULL: none */
-    /* Derivatives of r = f - M a by q, v and t at constant a and inputs; if a is the acceleration,
-     * M da/dq = r_q, and so on. Used by variational equations and implicit methods in (q, v); see
-     * pk/linear.h. NULL: not compiled in. */
+    /* Writes the derivatives r_q, r_v, r_t of r = f - M a by q, v and t, at constant a and
+     * inputs. If a is the acceleration, M da/dq = r_q, and likewise for v and t. The kernel is
+     * used by variational equations and implicit methods in (q, v); see pk/linear.h. NULL: not
+     * compiled in. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
-    /* unconstrained: like canonical() without J^T lambda; writes p = dL/dv and pdot, and for the
-     * other first-order variables their values and rates. inertia: writes dp/dv of this p. Models
-     * with rotations, constraints, impulses or momenta that depend on first-order variables have
-     * both kernels: their mass() may be the unit matrix (the model has solved M a = f itself), and
-     * then canonical() does not write the momenta. */
+    /* unconstrained() does the same as canonical(), but without the constraint forces J^T lambda:
+     * it writes p = dL/dv and pdot, and for the other first-order variables their values and rates.
+     * inertia() writes the derivative dp/dv of this p. Models with rotations, constraints, impulses
+     * or momenta that depend on first-order variables have both kernels: their mass() may be the
+     * unit matrix (the model has solved M a = f itself), and then canonical() does not write the
+     * momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
     pk_kernel *fast; /* acceleration by the forces declared fast; NULL: none */
@@ -190,7 +202,8 @@ struct pk_system {
                                 const pk_real *v, const pk_real *u, pk_real *a);
     unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
                                   const pk_real *v, const pk_real *u, pk_real *a);
-    /* Compiled steps, or NULL. Set both to NULL in a copy of a system with other kernels. */
+    /* Steps compiled together with the kernels of this system, or NULL. If you copy the system and
+     * replace a kernel, set both to NULL in the copy. */
     const struct pk_stepper *steppers;
     const struct pk_block_stepper *block_steppers;
 
@@ -241,7 +254,8 @@ static inline struct pk_turning pk_system_turning(const struct pk_system *system
     return system->families.turning ? system->families.turning(params, r) : found;
 }
 
-/* Returns the sparsity pattern of Jacobians by q or v, without quadratures; dense: no band. */
+/* Returns the sparsity pattern of Jacobians by q or v, without rows and columns of quadratures. If
+ * `dense` is set, the matrix has no band. */
 static inline struct pk_pattern pk_system_pattern(const struct pk_system *system,
                                                   const void *params)
 {
@@ -251,7 +265,8 @@ static inline struct pk_pattern pk_system_pattern(const struct pk_system *system
     return pattern;
 }
 
-/* Returns the index range of declared name number k, a coordinate, output and so on. */
+/* Returns the index range of declared name number k among the coordinates, parameters, constraint
+ * rows or outputs, as `of` says. */
 static inline struct pk_range pk_system_range(const struct pk_system *system, const void *params,
                                               enum pk_range_of of, size_t k)
 {
@@ -261,7 +276,7 @@ static inline struct pk_range pk_system_range(const struct pk_system *system, co
     return range;
 }
 
-/* Returns the number of constraint rows, or of holonomic rows. */
+/* Returns the number of constraint rows, or, if `holonomic` is nonzero, of holonomic rows. */
 static inline size_t pk_system_rows(const struct pk_system *system, const void *params,
                                     int holonomic)
 {
@@ -276,7 +291,8 @@ static inline size_t pk_system_singularity_count(const struct pk_system *system,
                                        : system->singularities.n;
 }
 
-/* Returns the index and the member of the singularity of value number k. */
+/* Returns, for value number k of the singularities, the index of its expression and the indices i
+ * and j in it. */
 static inline struct pk_place pk_system_singularity(const struct pk_system *system,
                                                     const void *params, size_t k)
 {
@@ -292,7 +308,7 @@ static inline size_t pk_system_switch_count(const struct pk_system *system, cons
     return system->switches.count ? system->switches.count(params) : system->switches.n;
 }
 
-/* Returns the index and the member of the expression of switch number k. */
+/* Returns, for switch number k, the index of its expression and the indices i and j in it. */
 static inline struct pk_place pk_system_switch(const struct pk_system *system, const void *params,
                                                size_t k)
 {
@@ -302,7 +318,8 @@ static inline struct pk_place pk_system_switch(const struct pk_system *system, c
     return place;
 }
 
-/* Writes the name of the singularity of value k, with its indices as numbers: "x[8] - x[7]". */
+/* Writes the expression of value number k of the singularities, with numbers in place of the
+ * indices i and j: "x[8] - x[7]". */
 int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
                                char *text, size_t size);
 

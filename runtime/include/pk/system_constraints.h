@@ -20,17 +20,20 @@ struct pk_part_constraints {
     /* Writes the sizes of the terms of phi and of J v + j0; a residual of a few PK_EPSILON times
      * them is rounding. */
     pk_kernel_2 *scale;
-    pk_kernel *multipliers; /* writes the multipliers lambda */
-    /* Redundant rows: they follow from previous rows at the model's start and have no multiplier.
-     * `redundant` writes the residuals of their phi, then of their J v + j0, then the sizes of the
-     * terms of each residual, then their J. A run fails if these residuals are not zero later. */
+    pk_kernel *multipliers; /* writes the Lagrange multipliers lambda */
+    /* Redundant constraint rows. At the start of the model they follow from previous rows, so they
+     * have no multiplier. `redundant` writes the residuals of their phi, then of their J v + j0,
+     * then the sizes of the terms of each residual, then their J. A run fails if these residuals
+     * are not zero later. */
     size_t n_redundant, n_redundant_holonomic;
     const struct pk_quantity *redundant_names;
     pk_kernel_3 *redundant;
-    /* Functions of a system of variable size in place of `jacobian`, each in O(N). n and
-     * n_holonomic are then the numbers of rows at the default sizes, names has n_declared entries,
-     * and count() returns the number of rows. Rows must be independent. */
-    size_t (*count)(const void *params, int holonomic); /* number of rows; NULL: n, n_holonomic */
+    /* The following functions replace `jacobian` in a system of variable size; each takes a time of
+     * O(N). In such a system n and n_holonomic are the numbers of rows at the default sizes,
+     * `names` has n_declared entries, and count() returns the actual number of rows. Rows must be
+     * independent. */
+    /* returns the number of rows, or of holonomic rows; NULL: these are n and n_holonomic */
+    size_t (*count)(const void *params, int holonomic);
     size_t n_declared;
     pk_kernel *rates; /* writes J v + j0 */
     void (*spread)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
@@ -38,10 +41,10 @@ struct pk_part_constraints {
     void (*pull)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                  const pk_real *u, const pk_real *x, pk_real *out); /* adds J^T x to out */
     /* factor() factors [M J^T; J 0] in the memory of params, with all rows or only holonomic rows.
-     * It has the failures of acceleration(). It writes each row's pivot, and in `norms` the pivot
-     * that the row would have without other rows. solve() then solves M d - J^T mu = f, J d = r; f
-     * = 0 if NULL. If the pivot of `row` was zero, shares() writes x with x J = 0 and x[row] =
-     * 1. */
+     * It fails like acceleration(). It writes the pivot of each row to `pivots`, and to `norms` the
+     * pivot that the row would have if it were the only one. Then solve() solves M d - J^T mu = f,
+     * J d = r for d and mu; f NULL means f = 0. If the pivot of `row` was zero, shares() writes the
+     * row vector x with x J = 0 and x[row] = 1. */
     int (*factor)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, int holonomic, pk_real *pivots, pk_real *norms);
     void (*solve)(const void *params, const pk_real *f, const pk_real *r, pk_real *d, pk_real *mu);

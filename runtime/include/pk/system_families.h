@@ -23,19 +23,21 @@ struct pk_range {
     int is_family;
 };
 
-/* Indices of a rotation in v: of its first body rate and of the first component of its quaternion.
- * The other components are at distances `step`. */
+/* Indices in v of the numbers of a rotation. `rate` is the index of its first body rate, `number`
+ * that of the first component of its quaternion; further components follow at distances `step`. */
 struct pk_turning {
     size_t rate, number, step;
 };
 
 /* Sparsity pattern of a Jacobian by coordinates or rates: `rows` rows of a band with `width`
- * entries on either side of the diagonal, then `border` dense rows and columns. Storage: rows * (2
- * width + 1), band rows with the diagonal in the middle; rows * border, the border's columns row by
- * row; rows * border, the border's rows column by column; border * border. */
+ * entries on either side of the diagonal, then `border` dense rows and columns. The numbers are
+ * stored in four groups: rows * (2 * width + 1) numbers of the rows of the band, each with the
+ * diagonal in its middle; rows * border numbers of the columns of the border, row by row; rows *
+ * border numbers of the rows of the border, column by column; and border * border numbers of the
+ * block where both meet. */
 struct pk_pattern {
     size_t rows, width, border;
-    int dense; /* 1: no band; the border has all coordinates, in order */
+    int dense; /* 1: the matrix has no band; all coordinates, in order, belong to the border */
 };
 
 /* If a system has variable size, pk_system.n is n at the default sizes; coordinates, rates, momenta
@@ -44,21 +46,25 @@ struct pk_pattern {
  * Before defaults(), call set_sizes(), set other sizes if wanted, and call attach() with a block of
  * block_size() bytes, aligned for pk_real (0: no block is needed, or a size is too small). */
 struct pk_part_families {
-    size_t (*count)(const void *params); /* Returns the length of v. NULL: it is pk_system.n. */
+    /* Returns the length of v. NULL: the length is pk_system.n. */
+    size_t (*count)(const void *params);
     size_t n_sizes;
     const struct pk_size *sizes;
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* declared names; the last n_states are first-order variables */
+    /* number of declared names of coordinates and first-order variables; the last n_states are
+     * names of first-order variables */
+    size_t n_coordinates;
     size_t n_states;
     size_t (*first_order)(const void *params); /* NULL: use pk_system.n_first_order */
-    /* The number of rotations, and the indices of rotation r in v. NULL: there are no rotations. */
+    /* rotations() returns the number of rotations, turning() the indices of rotation r in v. Both
+     * are NULL if there are no rotations. */
     size_t (*rotations)(const void *params);
     struct pk_turning (*turning)(const void *params, size_t r);
-    /* The number of outputs, if some outputs have a value for each member: n_observed is then their
-     * number at the default sizes, and `observed` has n_outputs names. NULL: n_observed is the
-     * number. */
+    /* Returns the number of outputs, if some declared outputs have a value for each member of a
+     * family. In this case n_observed is the number of outputs at the default sizes, and `observed`
+     * has n_outputs declared names. NULL: the number of outputs is n_observed. */
     size_t (*outputs)(const void *params);
     size_t n_outputs;
     /* Writes the index range of declared coordinate, parameter, constraint or output number k. */
@@ -68,23 +74,24 @@ struct pk_part_families {
      * h v between successive kicks. Sums are not compensated. NULL: not compiled in. */
     void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
                     pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
-    /* diagonal: writes the diagonal of M. factor: factors M in the memory of params, with the
-     * failures of acceleration(). solve: solves M d = f. factor and solve are NULL if M is diagonal
-     * or constraints.factor factors it. */
+    /* diagonal() writes the diagonal of M. factor() factors M and stores the factors in the memory
+     * of params; it fails like acceleration(). solve() then solves M d = f. factor and solve are
+     * NULL if M is diagonal or constraints.factor factors it. */
     pk_kernel *diagonal;
     int (*factor)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u);
     void (*solve)(const void *params, const pk_real *f, pk_real *d);
-    /* M and the Jacobians of pk_system.jacobian, stored by a sparsity pattern; NULL: not compiled
-     * in. place() returns the coordinate at index i of the pattern. It returns a negative number
-     * for an additional unknown, such as a multiplier, an acceleration or a sum over many members,
-     * without which the Jacobians would be dense; the diagonal entry of M is then 1, or its row
-     * relates rates to each other. `closed` writes M and the derivatives of the equations of these
-     * unknowns by rates and by the unknowns. */
+    /* The matrix M, and the Jacobians that pk_system.jacobian would write, stored according to a
+     * sparsity pattern. NULL: these kernels were not compiled. place() returns the coordinate at
+     * index i of the pattern. It returns a negative number for an additional unknown, such as a
+     * multiplier, an acceleration or a sum over many members, without which the Jacobians would be
+     * dense; the diagonal entry of M is then 1, or its row relates rates to each other. closed()
+     * writes M and, for the equations of the additional unknowns, the derivatives by rates and by
+     * these unknowns. */
     void (*pattern)(const void *params, struct pk_pattern *pattern);
     ptrdiff_t (*place)(const void *params, size_t i);
     pk_kernel *mass;
-    pk_kernel *closed; /* NULL: there are no additional unknowns */
+    pk_kernel *closed; /* NULL if there are no additional unknowns */
     pk_kernel_3 *jacobian;
 };
 

@@ -8,17 +8,17 @@
  *
  *     M a = f(q, v, t),   M da = (dr/dq) dq + (dr/dv) dv,   r = f - M a at constant a,
  *
- * by the kernel `linear` that pkgen generates. Any method of the runtime integrates it. A
- * Runge-Kutta method, a composition of flows or a Gauss method in (q, p), applied to this system,
- * propagates the displacements by the derivative of its own step map, not only of the flow, to
- * round-off. Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed.,
- * VI.4, lemma 4.1.
+ * by the kernel `linear` that pkgen generates. Any method of the runtime can integrate the new
+ * system. A Runge-Kutta method, a composition of flows or a Gauss method in (q, p), applied to this
+ * system, propagates the displacements by the derivative of its own step map, not only of the flow,
+ * to round-off. Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd
+ * ed., VI.4, lemma 4.1.
  *
  * The new system has kernels acceleration, mass, canonical, jacobian and linear. The kernels mass,
  * jacobian and linear omit the derivatives of the variational equations by q and v, which need
  * second derivatives: Newton's method takes a few more iterations, and may not converge at step
- * sizes at which it barely converges for the motion alone (gauss8 for the double pendulum fails
- * from .4, not .6; radau then shortens its steps). */
+ * sizes at which it barely converges for the motion alone (for the double pendulum gauss8 fails at
+ * step sizes from .4 on instead of from .6; radau shortens its steps instead). */
 #ifndef PK_VARIATION_H
 #define PK_VARIATION_H
 
@@ -33,7 +33,8 @@ struct pk_variation {
     struct pk_problem of;      /* the problem of the motion alone */
     struct pk_system system;
     size_t n_q, n, columns;
-    pk_real *work, *v, *a, *b; /* n numbers each: v, a, right-hand side */
+    /* work memory of n numbers each: v, the acceleration a, a right-hand side b */
+    pk_real *work, *v, *a, *b;
 };
 
 /* Returns the bytes of the block for pk_variation_init(), aligned for pk_real; 0 if the system has
@@ -47,8 +48,9 @@ size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
  * the new system, since kernels work in the block. */
 enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk_problem *of,
                                  size_t columns, void *block, size_t block_size);
-/* pk_variation_place() returns the index in V of number i of v (k = 0) or of dv_k. The others copy
- * all n numbers from V or to V. */
+/* pk_variation_place() returns the index in V of number i of v (if k = 0) or of dv_k.
+ * pk_variation_take() copies the n numbers of v or dv_k from V, pk_variation_put() copies them to
+ * V. */
 size_t pk_variation_place(const struct pk_variation *variation, size_t k, size_t i);
 void pk_variation_take(const struct pk_variation *variation, const pk_real *V, size_t k,
                        pk_real *v);

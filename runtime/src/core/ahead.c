@@ -7,7 +7,8 @@ static void copy(const struct pk_ahead *a, pk_real *to, const pk_real *from, siz
         to[i] = from[i * a->lanes];
 }
 
-/* Takes all of the fixed steps that a lane made at once; they become one last step, up to it->t. */
+/* Takes all of the fixed steps that a lane made at once; they count as one last step that ends at
+ * it->t. */
 void pk_ahead_all(struct pk_integrator *it)
 {
     struct pk_ahead *a = it->own->ahead;
@@ -40,7 +41,8 @@ void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages)
 {
     const struct pk_ahead *a = it->own->ahead;
     const size_t n_q = it->n_q, n = it->n;
-    for (size_t i = 0; i < (size_t)stages; i++, to += n_q + n) { /* memory as in pk_block_reals() */
+    /* the slopes of a lane are laid out as in pk_block_reals() */
+    for (size_t i = 0; i < (size_t)stages; i++, to += n_q + n) {
         copy(a, to, a->slopes + 2 * i * n * a->lanes, n_q);
         copy(a, to + n_q, a->slopes + (2 * i + 1) * n * a->lanes, n);
     }

@@ -4,9 +4,10 @@
  *
  *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    its square: c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
  *
- * which is rational. Increments are computed separately, so that sums may be compensated.
- * References: A. Iserles, H. Munthe-Kaas, S. P. Norsett, A. Zanna, Acta Numerica 9 (2000) 215, 8.3;
- * N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197. */
+ * which is rational. Functions named _added compute the increment of a vector or quaternion, so
+ * that the caller can add it with a compensated sum. References: A. Iserles, H. Munthe-Kaas, S. P.
+ * Norsett, A. Zanna, Acta Numerica 9 (2000) 215, 8.3; N. Bou-Rabee, J. E. Marsden, Found. Comput.
+ * Math. 9 (2009) 197. */
 #ifndef PK_ATTITUDE_H
 #define PK_ATTITUDE_H
 
@@ -25,7 +26,8 @@ static inline void pk_cross(const pk_real *a, const pk_real *b, pk_real *out)
     out[1] = y;
 }
 
-/* Computes the quaternion product out = Q (s, u). */
+/* Computes out = Q (s, u), the product of Q and the quaternion with scalar part s and vector part
+ * u. */
 static inline void pk_quaternion_times(const pk_real *Q, pk_real s, const pk_real *u, pk_real *out)
 {
     const pk_real w = s * Q[0] - (Q[1] * u[0] + Q[2] * u[1] + Q[3] * u[2]);
@@ -47,7 +49,8 @@ static inline void pk_turn_added(pk_real s, const pk_real *u, const pk_real *p, 
         d[i] = 2 * (s * one[i] + two[i]);
 }
 
-/* Computes out = cay(2 y) p, the rotation by the quaternion c above; sign = -1: its inverse. */
+/* Rotates p by the Cayley quaternion c (see above), out = cay(2 y) p; with sign = -1 by its
+ * inverse. */
 static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, pk_real *out)
 {
     const pk_real weight = 2 / (1 + pk_dot3(y, y));
@@ -58,8 +61,9 @@ static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, 
         out[i] = p[i] + weight * ((sign > 0 ? one[i] : -one[i]) + two[i]);
 }
 
-/* Computes the increment of Q by exp(theta), theta a rotation vector. It needs sin(a)/a and cos(a)
- * - 1 with a half the angle; cos(a) - 1 is computed from sin(a/2), without cancellation. */
+/* Computes the increment of Q by exp(theta), theta a rotation vector. With a half the angle of
+ * rotation, it needs sin(a)/a and cos(a) - 1; cos(a) - 1 is computed from sin(a/2), without
+ * cancellation. */
 static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, pk_real *d)
 {
     const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2;
@@ -88,7 +92,7 @@ static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, p
         out[i] = omega[i] + one[i] / 2 + weight * two[i];
 }
 
-/* Copies `count` numbers at distances `step`. */
+/* Copies `count` numbers from[0], from[step], from[2 step], ... */
 static inline void pk_gather(pk_real *to, const pk_real *from, size_t count, size_t step)
 {
     for (size_t k = 0; k < count; k++)

@@ -1,10 +1,10 @@
 /* LU factorisation of a band matrix with a border; see band.h. Elimination of the band updates the
  * border's rows and columns and leaves a dense system for the border's unknowns. Rows are exchanged
- * only within the band, so a pivot may be small although the matrix is regular, as the last pivot
- * of a cyclic chain's band, or of a saddle point. If pivot d of column k is small, s is added to
- * it, with |s| the largest entry of the column. To correct for this, z = s x_k becomes an
- * additional unknown with column -e_k and row s e_k in a spare part of the border. This is exact,
- * and no pivot is much smaller than its column.
+ * only within the band, so a pivot may be small although the whole matrix is regular. Examples are
+ * the last pivot of the band of a cyclic chain, and pivots of saddle-point matrices. If the pivot
+ * of column k is small, a number s is added to it, where |s| is the largest entry of the column. To
+ * correct for this, z = s x_k becomes an additional unknown with column -e_k and row s e_k in a
+ * spare part of the border. This is exact, and no pivot is much smaller than its column.
  *
  * References: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.3 (band elimination
  * with pivoting); W. Govaerts, J. D. Pryce, IMA J. Numer. Anal. 13 (1993) 161, for bordered systems
@@ -15,7 +15,8 @@
 
 #include <pk/ldl.h>
 
-/* A pivot smaller by this factor than its column would cost a quarter of the digits. */
+/* A pivot that is smaller than SMALL times the largest entry of its column would cost a quarter of
+ * the digits. */
 #define SMALL PK_F(sqrt)(PK_F(sqrt)(PK_EPS))
 
 static size_t stride(const struct pk_band *b)
@@ -110,7 +111,8 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
     }
 }
 
-/* Makes the pivot of column k as large as its column, by an additional unknown. */
+/* Makes the pivot of column k as large as the largest entry of the column, by an additional
+ * unknown. */
 static void mend(const struct pk_band *b, size_t k)
 {
     const size_t width = stride(b), z = pk_index(*b->used, width);
@@ -126,7 +128,8 @@ static void mend(const struct pk_band *b, size_t k)
 int pk_band_factor(const struct pk_band *b)
 {
     const size_t n = b->rows, width = stride(b);
-    size_t filled = 0, used = b->border; /* the rows so far are 0 from column `filled` on */
+    /* filled: all rows up to the current one are 0 from this column on */
+    size_t filled = 0, used = b->border;
     *b->used = (pk_real)used;
     measure_columns(b);
     for (size_t k = 0; k < n; k++) {
@@ -168,8 +171,8 @@ int pk_band_factor(const struct pk_band *b)
                 b->corner[c * width + e] -= l * right[e];
         }
     }
-    for (size_t c = 0; c < used && width > used; c++) /* moves rows together, without spare
-                                                         columns */
+    /* removes the unused spare columns: the rows become contiguous */
+    for (size_t c = 0; c < used && width > used; c++)
         memmove(b->corner + c * used, b->corner + c * width, used * sizeof *b->corner);
     return pk_lu_factor(b->corner, b->pivot + n, used);
 }

@@ -6,7 +6,8 @@
 
 #include "internal.h"
 
-/* The largest number of band rows without a usable pivot. */
+/* The number of spare columns: the largest number of columns of the band whose pivot may be too
+ * small. */
 enum { PK_BAND_SPARE = 4 };
 
 /* There are rows + border unknowns; row i of the band has columns i - below .. i + above. A dense
@@ -14,22 +15,27 @@ enum { PK_BAND_SPARE = 4 };
 struct pk_band {
     size_t rows, below, above, border;
     int pivoting; /* 1: memory for pk_band_factor() is available */
-    /* entries: rows of the band, below + 1 + above numbers each, and `below` more for fill-in if
-     * pivoting. right: columns of the border, row by row. bottom: rows of the border, column by
-     * column. corner: row-major. */
+    /* entries: the rows of the band, each of below + 1 + above numbers, and, if `pivoting`, `below`
+     * more for fill-in. right: the columns of the border beside the band, stored row by row.
+     * bottom: the rows of the border below the band, column by column. corner: the block where rows
+     * and columns of the border meet, row-major. */
     pk_real *entries, *right, *bottom, *corner;
-    pk_real *pivot, *column, *rest; /* memory for pivoting only */
-    pk_real *used; /* only with pivoting: number of border columns, plus spare columns in use */
+    pk_real *pivot, *column, *rest; /* work memory, used only if `pivoting` */
+    /* one number, used only if `pivoting`: number of columns of the border and of spare columns
+     * in use */
+    pk_real *used;
 };
 
-/* Returns the number of entries in a kernel's matrix with this pattern, without pivoting. */
+/* Returns the number of entries of a matrix with this pattern, as kernels write it: without memory
+ * for pivoting. */
 static inline size_t pk_pattern_numbers(const struct pk_pattern *p)
 {
     return p->rows * (2 * p->width + 1) + (2 * p->rows + p->border) * p->border;
 }
 
-/* Assigns the memory at `base` to a matrix with the shape in `band`, entries, right, bottom and
- * corner first. Returns the number of pk_real; base NULL: assigns nothing. */
+/* Divides the memory at `base` among the arrays of a matrix whose shape is set in `band`; entries,
+ * right, bottom and corner come first. Returns the number of pk_real that are needed. If base is
+ * NULL, it only counts. */
 size_t pk_band_lay_out(struct pk_band *band, pk_real *base);
 /* Sets all entries to 0; needed before entries are set, also after a factorisation. */
 void pk_band_clear(const struct pk_band *band);
@@ -44,8 +50,8 @@ int pk_band_factor(const struct pk_band *band);
 /* Computes x = A^-1 x with the factors of A. */
 void pk_band_solve(const struct pk_band *band, pk_real *x);
 /* Factors A = L D L^T in place, A symmetric; entries above the diagonal and `right` are not read.
- * Returns 0, or 1 + i if pivot i is not positive, as pk_ldl_factor(). If place[i] < 0, row i
- * belongs to no coordinate and its pivot may be negative; place may be NULL. */
+ * Returns 0, or 1 + i if pivot i is not positive, as pk_ldl_factor(). If place[i] < 0, unknown i is
+ * no coordinate but an additional unknown, whose pivot may be negative. place may be NULL. */
 size_t pk_band_ldl_factor(const struct pk_band *band, const pk_real *place);
 void pk_band_ldl_solve(const struct pk_band *band, pk_real *x);
 

@@ -36,7 +36,8 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method)
 {
     unsigned facts = system->facts;
-    facts |= facts & PK_SEPARABLE ? PK_LINEAR_DRAG : 0; /* each fact implies the following fact */
+    /* in this list each fact implies the next one */
+    facts |= facts & PK_SEPARABLE ? PK_LINEAR_DRAG : 0;
     facts |= facts & PK_LINEAR_DRAG ? PK_AFFINE_RATES : 0;
     const unsigned missing = method->needs & ~facts;
     return system->facts & PK_SWITCHED ? missing & ~(unsigned)PK_SMOOTH : missing;
@@ -108,7 +109,7 @@ enum pk_status pk_check_options(struct pk_integrator *it)
     if (adaptive &&
         (!(o->rtol >= 0) || !(atol >= 0) || !(o->rtol + atol > 0) || !pk_finite(o->rtol + atol)))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TOLERANCE);
-    /* A relative correction of 1 would mean no convergence at all. */
+    /* newton_tol must be < 1, since a relative correction of 1 would mean no convergence at all. */
     if (!(o->newton_tol >= 0 && o->newton_tol < 1) || o->max_iterations < 0 ||
         o->max_iterations == INT_MAX ||
         (o->iteration != PK_NEWTON && o->iteration != PK_FIXED_POINT))

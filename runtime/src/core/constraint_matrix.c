@@ -4,8 +4,9 @@
 
 #include "project.h"
 
-enum { SWEEPS = 3 };      /* iterations of row and column scaling */
-#define COUNTS PK_C(1e-3) /* smaller relative entries of a row may be errors */
+enum { SWEEPS = 3 }; /* number of iterations of the scaling of rows and columns */
+/* an entry of a row that is smaller than this, relative to the largest one, may be an error */
+#define COUNTS PK_C(1e-3)
 
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
@@ -72,12 +73,14 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n)
     const struct pk_system *system = problem->system;
     if (system->constraints.n)
         return pk_project_room(problem, n);
-    return system->n_rotations || system->families.rotations ? 2 * n : 0; /* for quaternions */
+    /* work memory for the normalisation of quaternions */
+    return system->n_rotations || system->families.rotations ? 2 * n : 0;
 }
 
 int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    const struct pk_system *system = w->system; /* M comes from `inertia`, or else `mass` */
+    /* M comes from the kernel `inertia`, or from `mass` if the system has no `inertia` */
+    const struct pk_system *system = w->system;
     if (!w->whole) {
         system->families.diagonal(w->params, w->t, q, v, w->u, w->M);
         for (size_t k = 0; k < w->m; k++) /* checks that the diagonal is positive */
@@ -86,7 +89,7 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
         return 0;
     }
     (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
-    for (size_t i = 1; i < w->m; i++) /* removes columns without momenta */
+    for (size_t i = 1; i < w->m; i++) /* removes the columns of variables that have no momenta */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
     const size_t pivot = pk_ldl_factor(w->M, w->m);
     return pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;
@@ -167,7 +170,8 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
         x[i] *= PK_F(sqrt)(length2(w, i) / (length2(w, row) + PK_TINY));
 }
 
-/* Records a dependent row, and the coefficients of the other rows in it. Returns 1 + the row. */
+/* Records in w->depends that `row` depends on the other rows, with the coefficients of this linear
+ * combination. Returns 1 + row. */
 static size_t lost(struct pk_projection *w, size_t row)
 {
     w->system->constraints.shares(w->params, row, w->depends + 1);
@@ -205,8 +209,9 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
     return failed;
 }
 
-/* Computes column scales that equilibrate the largest |J_ik| so far. Scales from current entries
- * would hide that the independent part of a row vanishes. Reference: D. Ruiz, RAL-TR-2001-034. */
+/* Computes column scales that equilibrate the largest |J_ik| so far. Scales computed from the
+ * current entries would hide a small part of a row by which it differs from the other rows.
+ * Reference: D. Ruiz, RAL-TR-2001-034. */
 static void scale_columns(struct pk_projection *w)
 {
     int grown = 0;
@@ -233,9 +238,9 @@ static void scale_columns(struct pk_projection *w)
     }
 }
 
-/* Returns the larger of two squared ratios by which a row has shrunk: that of its length, which is
- * independent of the row's direction, and the largest of its significant entries, which is
- * independent of units. */
+/* Returns how much row i has shrunk since it was largest, as the larger of two squared ratios. One
+ * is the ratio of lengths of the row, which does not depend on its direction. The other is the
+ * largest ratio of a significant entry to the size it had, which does not depend on units. */
 static pk_real shrunk(struct pk_projection *w, size_t i)
 {
     const pk_real *sizes = w->sizes + i * w->n;
@@ -310,7 +315,8 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
         pk_project_rows(&w, q, v);
         const size_t row = pk_project_factor(&w, w.c, q, v);
         it->reason.index = row ? row - 1 : it->reason.index;
-        if (!row && w.whole) /* the dependence was found only by the acceleration */
+        /* the kernel `acceleration` has found the dependent row, but this factorisation has not */
+        if (!row && w.whole)
             pk_project_explain(&w, w.c, it->reason.index);
     }
     return PK_NO_PROJECTION;

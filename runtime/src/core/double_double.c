@@ -3,9 +3,9 @@
  *     exp(X) = exp(X / 2^s)^(2^s),   exp of the small matrix by its Taylor series
  *
  * It works on exp - 1, so that entries small relative to 1 keep their digits: D becomes 2 D + D^2.
- * If the small matrix has norm 1/2, few terms make the series as accurate as the pairs, and the
- * scheme of Paterson and Stockmeyer sums it in few products. The usual diagonal Pade approximants
- * need a solve, which would need more code for pairs.
+ * If the small matrix has norm 1/2, a few terms of the series are as accurate as double-double
+ * numbers (pairs), and the scheme of Paterson and Stockmeyer sums it in few products. The usual
+ * diagonal Pade approximants need a solve, which would need more code for pairs.
  *
  * References: N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179; A. H. Al-Mohy, N. J. Higham,
  * SIAM J. Matrix Anal. Appl. 31 (2009) 970; M. S. Paterson, L. J. Stockmeyer, SIAM J. Comput. 2
@@ -78,8 +78,9 @@ static void divide(pk_real *c, pk_real *c_lo, int k)
     *c = pk_pair_sum(hi, (left + *c_lo) / d, c_lo);
 }
 
-/* halvings() returns how often |h| norm must be halved to be at most 1/2. terms() returns the
- * number of terms of the series for a norm, down to the round-off of double-double numbers. */
+/* halvings() returns how often `size` must be halved to be at most 1/2. terms() returns the number
+ * of terms that the series of exp needs for a matrix of the given norm, so that the rest is below
+ * the round-off of double-double numbers. */
 static int halvings(pk_real size)
 {
     int s = 0;
@@ -110,7 +111,8 @@ enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_re
 {
     const size_t mm = m * m;
     struct pk_pairs X[POWERS], T;
-    pk_real c[64], c_lo[64]; /* 1/k!; about 50 are needed for pairs of __float128 */
+    /* 1/k! for the terms of the series; about 50 terms are needed for pairs of __float128 */
+    pk_real c[64], c_lo[64];
     if (!pk_finite(pk_abs(h) * norm))
         return PK_NOT_FINITE;
     const int s = halvings(pk_abs(h) * norm), last = (terms(PK_C(0.5)) + POWERS) / POWERS * POWERS;

@@ -16,7 +16,8 @@ struct pk_pairs {
 #ifdef PK_HAVE_FMA
 #define PK_PAIR_REST(a, b, p) PK_F(fma)(a, b, -(p))
 #else
-/* 2^k + 1, where k is half the number of digits, rounded up. */
+/* 2^k + 1, where k is half the number of bits of a pk_real, rounded up. It splits a number into two
+ * halves. */
 #if defined PK_FLOAT
 #define PK_PAIR_SPLIT PK_C(4097.0)
 #elif defined PK_FLOAT128 || (defined PK_LONG_DOUBLE && LDBL_MANT_DIG == 113)
@@ -39,8 +40,8 @@ static inline pk_real pk_pair_rest(pk_real a, pk_real b, pk_real p)
 #define PK_PAIR_REST(a, b, p) pk_pair_rest(a, b, p)
 #endif
 
-/* Computes (hi, lo) += (a, a_lo) (b, b_lo). lo accumulates the rounding of hi; pk_pairs_settle()
- * makes it small relative to hi again. */
+/* Computes (hi, lo) += (a, a_lo) (b, b_lo). `lo` accumulates the rounding errors of `hi` and may
+ * become large; pk_pairs_settle() makes it small relative to `hi` again. */
 static inline void pk_pair_add(pk_real *hi, pk_real *lo, pk_real a, pk_real a_lo, pk_real b,
                                pk_real b_lo)
 {
@@ -62,9 +63,9 @@ void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, 
 size_t pk_expm_room(size_t m);
 enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
                        pk_real *room);
-/* The series of x exp(s piece L) in s, |s| <= 1, for a row vector x and a power of two, `piece`,
- * with piece |L| <= PK_EXPM_PIECE. pk_expm_series() writes its terms as rows after x, in
- * PK_EXPM_TERMS rows of memory; pk_expm_sum() sums them to y. room: 2 m numbers. */
+/* The power series in s, |s| <= 1, of x exp(s piece L) for a row vector x and a matrix L. `piece`
+ * is a power of two with piece |L| <= PK_EXPM_PIECE. pk_expm_series() writes its terms as rows
+ * after x, in PK_EXPM_TERMS rows of memory; pk_expm_sum() sums them to y. room: 2 m numbers. */
 enum { PK_EXPM_TERMS = 80 }; /* largest number of terms; 71 for pairs of __float128 */
 #define PK_EXPM_PIECE PK_C(2.0)
 void pk_expm_series(struct pk_pairs x, struct pk_pairs L, pk_real piece, size_t m, pk_real *room);

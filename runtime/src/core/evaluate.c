@@ -64,10 +64,10 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
     return generic_acceleration(it, t, q, v, a);
 }
 
-/* Returns the pivot of coordinate `last` in M = L D L^T relative to its diagonal entry, when the
- * other coordinates are eliminated first: 1 if it is not coupled to them, 0 if M is singular in its
- * direction. If an earlier pivot is rounding, returns the ratio of that pivot. NaN: M is unknown or
- * too large. */
+/* Returns the ratio of a pivot in M = L D L^T to its diagonal entry. It is the pivot of coordinate
+ * `last` if the other coordinates are eliminated first: the ratio is 1 if coordinate `last` is not
+ * coupled to them, 0 if M is singular in its direction. If an earlier pivot is only rounding, the
+ * ratio of that pivot is returned. NaN: M is not available or too large. */
 static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_real *q,
                            const pk_real *v, size_t last)
 {
@@ -85,7 +85,8 @@ static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_r
     for (size_t k = 0; k < n; k++) {
         const size_t row = order[k] * n, at = row + order[k];
         const pk_real diagonal = M[at];
-        for (size_t j = 0; j < k; j++) /* entries of L below the diagonal, D on it */
+        /* M now has the entries of L below the diagonal and those of D on the diagonal */
+        for (size_t j = 0; j < k; j++)
             M[at] -= M[row + order[j]] * M[row + order[j]] * M[order[j] * n + order[j]];
         ratio = diagonal > 0 ? M[at] / diagonal : diagonal < 0 ? -PK_C(1.0) : PK_C(0.0);
         if (!(ratio > PK_PIVOT_MIN))
@@ -104,7 +105,7 @@ static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_r
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed)
 {
-    /* If the state diverged, M is NaN, and the state is the cause to report. */
+    /* If the state is not finite, M is not either: the state is the cause to report. */
     if (!pk_all_finite(q, it->n_q) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
     it->reason = PK_WHY(.index = (size_t)PK_FAILURE_AT(failed), .time = t);
@@ -165,8 +166,9 @@ pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real 
     return pk_min(it->options.h > 0 ? it->options.h : h, span);
 }
 
-/* The cause is the failure of a trial step just ahead, or otherwise a singular M on the straight
- * line from the state: step sizes may shrink before a singular M without reaching it. */
+/* The cause of the underflow is the failure of an earlier trial step if that failed just ahead of
+ * the state. Otherwise a singular M is looked for on the straight line along which the state moves,
+ * since step sizes may shrink before a singular M without reaching it. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
     const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);

@@ -29,9 +29,9 @@ enum {
     BAD_SCALE
 };
 
-/* Kinds for PK_NO_CONVERGENCE, and `value`: the last correction of a fixed-point iteration; the
- * longest step for which Newton's method converged; the last correction when rates are computed
- * from momenta. */
+/* Kinds for PK_NO_CONVERGENCE, with the meaning of `value`. PK_BY_FIXED_POINT: the last correction
+ * of the fixed-point iteration. PK_BY_NEWTON: the longest step for which Newton's method converged.
+ * PK_OF_RATES: the last correction of the iteration that computes rates from momenta. */
 enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
 /* Kinds for PK_OFF_CONSTRAINTS and PK_NO_PROJECTION, with the meaning of `index`: */
 enum {
@@ -40,8 +40,10 @@ enum {
     PK_REASON_QUATERNION,
     PK_REASON_REDUNDANT, /* `index` is a redundant row */
     PK_REASON_REDUNDANT_RATE,
-    PK_REASON_BRANCH, /* at `time` row `index` is singular, and the next branch undetermined */
-    PK_REASON_NO_ROW  /* the same with an unknown row */
+    /* at `time` constraint row `index` depends on other rows, and it is not determined on which
+     * branch the motion continues */
+    PK_REASON_BRANCH,
+    PK_REASON_NO_ROW /* as PK_REASON_BRANCH, but the dependent row is not known */
 };
 /* Kinds for PK_STEP_UNDERFLOW: the step size, or the time scale of adaptive_verlet, changes too
  * fast. */
@@ -66,7 +68,8 @@ static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_stat
     return status;
 }
 
-/* Exchanges state and next: the new state becomes current, the old state remains available. */
+/* Exchanges it->own->state and it->own->next: the new state becomes current, and the old state
+ * remains available in `next`. */
 static inline void pk_commit_step(struct pk_integrator *it)
 {
     pk_real *const left_behind = it->own->state;
@@ -98,22 +101,24 @@ static inline int pk_ready(const struct pk_integrator *it) { return it->own && i
 int pk_say(const struct pk_integrator *it, char *text, size_t size, const char *format, ...)
     PK_FORMAT(4, 5);
 
-/* Assigns consecutive parts of memory to pointers. Returns the number of pk_real; base NULL:
- * assigns nothing. */
+/* pk_lay_out() divides the memory at `base` into consecutive parts, one for each slot, and sets the
+ * pointers. It returns the number of pk_real of all parts. If base is NULL, it only counts. */
 struct pk_slot {
     pk_real **part;
     size_t count;
 };
 size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
 #define PK_LAY_OUT(base, slots) pk_lay_out(base, slots, sizeof(slots) / sizeof *(slots))
-/* The number of pk_real that a struct of pk_real and int needs. */
+/* The number of pk_real whose memory is large enough for one struct of this type, which may have
+ * members of type pk_real and int. */
 #define PK_REALS_OF(type) ((sizeof(type) + sizeof(pk_real) - 1) / sizeof(pk_real))
 
-/* Checks before the first step; `scratch` has pk_params_reals() numbers. */
+/* pk_check_params() checks the parameters before the first step; `scratch` has pk_params_reals()
+ * numbers. */
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
-/* Returns the index that describes a failure of prepare(): the parameter; n_parameters if it is no
- * single parameter, n_parameters + 1 if it is a size. */
+/* Returns the index that describes the failure `outside` of prepare(): the index of the refused
+ * parameter; n_parameters if no single parameter is the cause; n_parameters + 1 if a size is. */
 size_t pk_refused_parameter(const struct pk_system *system, int outside);
 enum pk_status pk_check_options(struct pk_integrator *it);
 /* Returns the facts that a method needs and the system lacks. pk_sides_missing() returns whether a
@@ -123,12 +128,13 @@ int pk_sides_missing(const struct pk_integrator *it);
 /* Returns the name of a kernel that a method needs and the system lacks; NULL: none. */
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method);
 
-/* pk_step_choose() checks limits before a step towards `limit`, which is not it->t; for fixed steps
- * it sets it->own->next_t and it->own->h. pk_step_advance_time() updates the times after a step. */
-/* Returns whether many trials since the last check of progress were rejected. */
+/* pk_step_choose() checks the limits of step number and progress before a step towards `limit`;
+ * `limit` must differ from it->t. For fixed steps it also sets it->own->next_t and it->own->h.
+ * pk_step_advance_time() updates the times after a step. */
+/* Returns whether many trial steps since the last check of progress were rejected. */
 int pk_often_rejected(const struct pk_integrator *it);
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
-/* The next fixed step without limits by events or short forces. */
+/* The next fixed step as the grid of steps requires it; events and short forces may shorten it. */
 struct pk_planned {
     pk_real h, end;
     int off_grid;
@@ -147,37 +153,40 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
-/* Absolute tolerances, it->own->atol: number of pk_real; initialisation at a start; update after a
- * step; reset after a step is undone. pk_scale_attempt() (pk/step/state.h) updates them before each
- * trial. */
+/* Absolute tolerances, it->own->atol. pk_scale_size() returns the number of pk_real of their
+ * memory; pk_scale_start() initialises them at a start; pk_scale_step() updates them after a step;
+ * pk_scale_forget() resets them after a step is undone. pk_scale_attempt() (pk/step/state.h)
+ * updates them before each trial step. */
 size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
                      size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
 void pk_scale_forget(struct pk_integrator *it);
-/* Called after an underflow: the scale of a coordinate that never moved, but accelerates at t + h,
- * becomes the distance that it moves in h; returns 1 if there is one. Without this a force that
- * starts with a jump could never be integrated from rest, since the error is as large as the
- * motion. */
+/* Called after the step size underflowed. If a coordinate has never moved, but accelerates at t +
+ * h, its scale becomes the distance that it moves in the time h. Returns 1 if there is such a
+ * coordinate. Without this a force that starts with a jump could never be integrated from rest,
+ * since the error is as large as the motion. */
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
-/* Monitor the singularities of system->singularities along the steps: number of pk_real;
- * initialisation at a start; whether one is zero at the state; check of a trial step, still in
- * it->own->next; whether one is the cause of a failed step. */
+/* These functions monitor the singularities of system->singularities. _size() returns the number of
+ * pk_real of their memory; _start() initialises it at a start; _here() checks whether a singularity
+ * is zero at the state; _step() checks the trial step in it->own->next; _cause() finds out whether
+ * a singularity is the cause of a failed step. */
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n);
 void pk_singularity_start(struct pk_integrator *it);
 enum pk_status pk_singularity_here(struct pk_integrator *it);
 enum pk_status pk_singularity_step(struct pk_integrator *it);
 enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
-/* Forces that may be shorter than a step (short_force_limiter.c): number of pk_real; the limit of a
- * trial step; whether the step may miss such a force and must be repeated up to a nearer limit;
- * update after an accepted step. */
+/* Forces that may act for a time shorter than a step (short_force_limiter.c). _size() returns the
+ * number of pk_real of their memory; _limit() returns the limit of a trial step; _reject() returns
+ * whether the step may miss such a force and must be repeated up to a nearer limit; _accept()
+ * updates the memory after an accepted step. */
 size_t pk_short_force_size(const struct pk_system *system, size_t n_q, size_t n);
 pk_real pk_short_force_limit(const struct pk_integrator *it, pk_real limit);
 int pk_short_force_reject(struct pk_integrator *it);
 void pk_short_force_accept(struct pk_integrator *it);
-/* q, v and a at the end of a step. */
+/* q, v and the acceleration a at one end of a step. */
 struct pk_knot {
     const pk_real *q, *v, *a;
 };

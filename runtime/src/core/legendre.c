@@ -5,7 +5,7 @@
 
 enum { MOST = 8 }; /* the largest number of corrections of a node; about 5 suffice in __float128 */
 
-/* Adds up the differences P_k+1 - P_k, which are small near the ends of [0, 1]. */
+/* Computes P_k by adding the differences P_k+1 - P_k, which are small near the ends of [0, 1]. */
 void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integral)
 {
     const int mirrored = x < rest; /* P_k(1 - x) = (-1)^k P_k(x) */

@@ -40,7 +40,8 @@ int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m)
 
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x)
 {
-    for (size_t k = 0; k < m; k++) { /* all row exchanges precede the substitution */
+    /* all row exchanges are made before the forward substitution */
+    for (size_t k = 0; k < m; k++) {
         const size_t best = pk_index(pivot[k], m);
         const pk_real swap = x[k];
         x[k] = x[best];

@@ -1,13 +1,15 @@
-/* Names in systems of variable size: a coordinate has the declared name with its index, a
- * singularity or switch its expression with the indices of its members. */
+/* Names in systems of variable size. The name of a coordinate is the declared name with its index,
+ * such as q[3]. The name of a singularity or switch is its expression, with numbers as indices. */
 #include <stdio.h>
 #include <string.h>
 
 #include <pk/system.h>
 
-const char PK_SCALAR[] = "pk_real"; /* an address for the linker; the value is never read */
+/* the linker needs the address of this symbol; its value is never read */
+const char PK_SCALAR[] = "pk_real";
 
-/* Writes name number i of all members of `count` declared names; count = 0: table[i]. */
+/* Writes the name of number i, where i counts all members of `count` declared names. With count = 0
+ * it is the name of table[i]. */
 static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,
                    size_t count, const struct pk_quantity *table, size_t i, char *text, size_t size)
 {

@@ -1,6 +1,7 @@
 /* Finds a root of a function with a sign change, by the ITP method: interpolate (regula falsi),
- * truncate (towards the middle, so that both ends converge), project (so that it takes at most one
- * step more than bisection). Convergence is superlinear for smooth functions.
+ * truncate (move the point towards the middle, so that both ends of the interval converge to the
+ * root), project (keep the point so near the middle that the method takes at most one step more
+ * than bisection). Convergence is superlinear for smooth functions.
  *
  * Reference: I. F. D. Oliveira, R. H. C. Takahashi, An enhancement of the bisection method average
  * performance preserving minmax optimality, ACM Trans. Math. Softw. 47 (2020) 5, algorithm 1;
@@ -12,7 +13,7 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
                        pk_real width)
 {
     const pk_real kappa = PK_C(0.2) / (*b - *a);
-    pk_real reach = width / 2; /* "epsilon 2^(n_max - j)" of the reference */
+    pk_real reach = width / 2; /* the quantity that the reference calls epsilon 2^(n_max - j) */
     while (2 * reach < *b - *a)
         reach *= 2;
     reach *= 2;
@@ -22,7 +23,7 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
         const pk_real towards = middle < chord ? PK_C(-1.0) : PK_C(1.0);
         const pk_real cut = kappa * (*b - *a) * (*b - *a), most = reach - half;
         pk_real x = cut <= pk_abs(middle - chord) ? chord + towards * cut : middle;
-        if (!(pk_abs(x - middle) <= most)) /* the chord may be NaN, where f is tiny at both ends */
+        if (!(pk_abs(x - middle) <= most)) /* `chord` may be NaN if f is tiny at both ends */
             x = middle - towards * most;
         if (!(x > *a && x < *b))
             x = middle;

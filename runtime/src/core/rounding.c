@@ -1,6 +1,7 @@
-/* The effect of rounding of the state on accelerations, and thus on a step: each number of a state
- * is changed by some units in its last place, several times, since a single sample may leave some
- * of many accelerations nearly unchanged; terms that cancel are rounded relative to their size. */
+/* Measures how much rounding of the state changes accelerations, and thus a step. Each number of a
+ * state is changed by some units in its last place. This is repeated several times, since a single
+ * change may leave some of many accelerations nearly unchanged. If terms cancel, their rounding is
+ * taken relative to their size. */
 #include <string.h>
 
 #include "band.h"
@@ -26,9 +27,9 @@ static int is_up(unsigned long *random)
     return (*random & 0x40000000ul) != 0;
 }
 
-/* Computes the error of v in M v = p, where p has the rounding of sum_j |M_ij v_j|. The error of
- * v_i is at least that rounding over M_ii, and larger if M is ill-conditioned: M is also solved
- * with right-hand sides of random signs. M is banded. */
+/* Computes the error of v if M v = p is solved for v, M is banded, and p_i has a rounding error r_i
+ * proportional to sum_j |M_ij v_j|. The error of v_i is at least r_i/M_ii. It is larger if M is
+ * ill-conditioned; therefore M x = +-r is also solved, with random signs. */
 static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_real *M,
                             pk_real *by_p)
 {
@@ -61,7 +62,8 @@ static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_re
 }
 
 /* Methods with momenta solve M v = p, so that v has the rounding of p. With constraints this
- * rounding does not move the state, and the error of v is rtol times its terms. */
+ * rounding does not move the state. The error of v_i is then taken as rtol times the sum of |M_ij
+ * v_j|, over M_ii, and no equations are solved. */
 static void look_at_momenta(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -104,8 +106,9 @@ static void shake(const struct pk_integrator *it, pk_real share, unsigned long r
         state[i] *= 1 + (is_up(&random) ? share : -share);
 }
 
-/* Computes the acceleration at the state changed by the relative amount `aside`, and the largest
- * change of the acceleration by rounding. Returns 0 if there is no acceleration. */
+/* Changes each number of the state by the relative amount `aside`. Computes the acceleration `a` at
+ * this state, and `noise`, the largest changes of the acceleration if the state is also changed by
+ * rounding. Returns 0 if an acceleration cannot be computed. */
 static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real *noise)
 {
     const size_t n = it->n;
@@ -124,9 +127,9 @@ static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real
     return 1;
 }
 
-/* Forces on a body held by constraints cancel, perhaps exactly, so that changes of the state do not
- * show their rounding: the error of a is at least the rounding of the terms (M^-1 J^T)_ki
- * lambda_i. */
+/* Forces on a body that constraints hold at rest cancel, perhaps exactly, so that the rounding of
+ * these forces does not show if the state is changed. So the error of a_k is taken as at least the
+ * rounding of the terms (M^-1 J^T)_ki lambda_i, the accelerations by the constraint forces. */
 static void look_at_rows(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -154,8 +157,8 @@ static void look_at_rows(struct pk_integrator *it)
     }
 }
 
-/* Uses the smaller noise of two nearby states: where a force starts like sqrt(x), rounding is
- * amplified, but only over a range much shorter than a step. */
+/* Takes the smaller of the noises measured at two nearby states. Where a force starts like sqrt(x),
+ * rounding is amplified, but only over a range much shorter than a step, which must not count. */
 void pk_scale_look(struct pk_integrator *it)
 {
     const size_t n = it->n;

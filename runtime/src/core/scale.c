@@ -4,8 +4,8 @@
  * less than a millionth of the largest scale, so that numbers that have hardly begun to move, such
  * as the far end of a chain, do not shorten the steps.
  *
- * A number as small as its rounding error has no scale: its digits are noise, and step control must
- * not follow it. The effect of rounding of the state on accelerations is measured by changing each
+ * If a number is as small as its rounding error, its digits are noise, and step control must not
+ * follow them. The effect of rounding of the state on accelerations is measured by changing each
  * number by some units in its last place (rounding.c); errors of that size, summed over the trial
  * step, are tolerated. */
 #include <string.h>
@@ -14,10 +14,11 @@
 #include "scale.h"
 
 #define SHARE PK_C(1e-6)
-#define LEAST (PK_C(1e4) * PK_EPS) /* relative to t: least time over which motion defines a scale */
+/* shortest time, relative to t, over which the distance moved defines a scale */
+#define LEAST (PK_C(1e4) * PK_EPS)
 #define LONGER PK_C(4.0)
 #define LEAST_SCALE PK_F(sqrt)(PK_TINY) /* least scale of a number */
-enum { OFTEN = 64 };                    /* steps between measurements of rounding */
+enum { OFTEN = 64 };                    /* number of steps between two measurements of rounding */
 
 size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
                      size_t n)
@@ -28,8 +29,9 @@ size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *m
     return method->traits & PK_ADAPTIVE ? parts_before(n_q, n, PARTS) + matrix : 0;
 }
 
-/* Returns the index of number i in copy c. Copies have length `one`; the first `moving` numbers of
- * all copies come first. */
+/* Returns the index of number i of copy c in the vector of a variational system, which has `copies`
+ * copies of a vector of length `one`. The first `moving` numbers of every copy (rates of
+ * coordinates) come before the rest of all copies. */
 static size_t place(size_t i, size_t c, size_t moving, size_t one, size_t copies)
 {
     return i < moving ? c * moving + i : copies * moving + c * (one - moving) + i - moving;
@@ -107,7 +109,8 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
             it->own->atol[i] += h * of_rate / 2;
     }
 }
-/* Returns the shortest time in which a coordinate falls through its own scale; 0: unknown. */
+/* Returns the shortest time in which an acceleration changes a coordinate from rest, or a rate, by
+ * as much as its scale; 0: unknown. */
 static pk_real while_it_falls(const struct pk_integrator *it)
 {
     const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
@@ -121,9 +124,10 @@ static pk_real while_it_falls(const struct pk_integrator *it)
     return h;
 }
 
-/* A coordinate at zero gets as its scale the distance it moves in the shortest first step. A rate
- * at zero gets the speed of a fall over the coordinate's scale; a first-order variable is treated
- * as the rate of a coordinate. */
+/* Initialises tolerances. The scale of a coordinate that is zero is the distance that it moves in
+ * the shortest first step. The scale of a rate that is zero is the speed that its acceleration
+ * gives it over the scale of its coordinate. A first-order variable is treated as the rate of a
+ * coordinate. */
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n_q = it->n_q, n = it->n;
@@ -160,14 +164,15 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
 }
 
-/* Drops the largest values, which may come from a step that is undone. */
+/* Forgets the largest values of all numbers, since they may come from a step that is undone. */
 void pk_scale_forget(struct pk_integrator *it)
 {
     if (it->own->atol)
         memset(part(it, MOST), 0, (it->n_q + it->n) * sizeof(pk_real));
 }
 
-/* Returns a time from rest over which accelerations change by at most the largest acceleration. */
+/* Returns a time d, at most the given one, such that in a motion from rest over d no acceleration
+ * changes by more than the largest acceleration. */
 static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 {
     const size_t n = it->n;
@@ -211,9 +216,9 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
     return raised;
 }
 
-/* Returns whether rounding measured near a singular position, whose effect is proportional to the
- * step size, is too large for the present step size, so that it would hide an error of many
- * digits. */
+/* Returns whether the last measurement of rounding is outdated. Near a singular position its
+ * tolerance, proportional to the step size, may have grown so much with the step size that it would
+ * hide large errors. */
 static int outdated(const struct pk_integrator *it)
 {
     const pk_real h = pk_abs(it->own->h), *own = part(it, OWN), *noise = part(it, NOISE);

@@ -4,9 +4,11 @@
 
 #include "project.h"
 
-/* Arrays of length n_q + n: tolerances; tolerances without rounding; largest values; the index of
- * the first number of the same unit; a state. Arrays of length n: rounding error of accelerations;
- * an acceleration; rounding error of rates from momenta; three work vectors. Then a mass matrix. */
+/* Numbers of the arrays in the memory. Arrays of length n_q + n are ATOL: tolerances; OWN:
+ * tolerances without those for rounding; MOST: largest values so far; GROUP: for each number the
+ * index of the first number of the same unit; MOVED: a state. Arrays of length n are NOISE:
+ * rounding errors of accelerations; A: an acceleration; BY_P: rounding errors of rates computed
+ * from momenta; BESIDE: three work vectors. A mass matrix is at PARTS. */
 enum { ATOL, OWN, MOST, GROUP, MOVED, NOISE, A, BY_P, BESIDE, PARTS = BESIDE + 3 };
 
 static inline size_t parts_before(size_t n_q, size_t n, int which)

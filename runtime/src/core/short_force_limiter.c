@@ -1,7 +1,7 @@
 /* Detects forces shorter than a step. Marks are the arguments u of exp(u), tanh(u) and similar
- * functions, which change only for |u| < ALIVE. Perhaps no stage of a step is in this range; but u
- * is smooth along the step, often a polynomial, and is sampled finely enough to find where it
- * enters the range.
+ * functions, which change only for |u| < ALIVE. Perhaps no stage of a step has u in this range, so
+ * that the step misses the force. But u is smooth along the step, often a polynomial in time, so it
+ * is sampled finely enough to find where it enters the range.
  *
  * If u, clipped to +-ALIVE, varies by more than MOST in a step, the stages may miss the change: the
  * step is repeated up to a time where u varies less, and the next steps are limited to that length
@@ -13,13 +13,17 @@
 #include "internal.h"
 
 #define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 is round-off */
-#define MOST PK_C(12.0)  /* largest change of u in a step without a check within */
-#define WARP PK_C(0.11)  /* sample times are shifted, to find a u periodic in the step */
+/* if the clipped u varies by more than this in a step, the step is repeated as a shorter one */
+#define MOST PK_C(12.0)
+/* shift of sample times, since equidistant samples would miss changes of a u that is periodic in
+ * the step */
+#define WARP PK_C(0.11)
 #define GROW PK_C(4.0)
-#define SLOW (MOST / 128) /* after a fixed step with less change, SKIPPED steps are not checked */
+/* after a fixed step in which u changes less than this, SKIPPED steps are not checked */
+#define SLOW (MOST / 128)
 enum { FEW = 4, MOST_WINDOWS = 4096, SKIPPED = 7 };
 
-/* The work memory, after four arrays with a value of each mark. */
+/* Work memory, which follows four arrays that have one number for each mark. */
 struct between {
     pk_real *q, *v, *u, *a0, *a1; /* a0, a1: accelerations at the ends of the step */
 };
@@ -108,8 +112,9 @@ static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 
 static pk_real alive(pk_real u) { return pk_max(-ALIVE, pk_min(u, ALIVE)); }
 
-/* An interval of u, from its values at both ends and in the middle: variation of the clipped u;
- * range of u; second difference; `dead`: u is beyond +-ALIVE with a margin. */
+/* Data of a time interval, from u at both ends and in the middle. varies: variation of the clipped
+ * u; range: largest less smallest u; bend: second difference of u; dead: all of u is outside
+ * +-ALIVE by a margin. */
 struct window {
     pk_real varies, range, bend;
     int dead;
@@ -127,8 +132,8 @@ static struct window window(pk_real a, pk_real m, pk_real b)
 
 static pk_real warped(pk_real x) { return x + WARP * x * (1 - x); }
 
-/* Returns the fraction of the trial step that mark k allows (1: all); *rise: the fraction from
- * where u starts to vary up to there. */
+/* Returns the fraction x of the trial step up to which mark k varies little enough (1: the whole
+ * step). *rise is the part of this fraction after the point where the clipped u begins to vary. */
 static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 {
     const pk_real h = pk_abs(it->own->next_t - it->t),
@@ -154,7 +159,8 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
         it->own->short_force.varied = pk_max(it->own->short_force.varied, total);
         u = end;
         from = to;
-        /* Intervals are halved; after both halves the next interval may be twice as wide. */
+        /* If an interval was halved, and both halves are done, the next interval is twice as
+         * wide. */
         if (width < PK_C(1.0) / FEW && !(PK_F(fmod)(from, 2 * width) > 0))
             width *= 2;
     }
@@ -239,7 +245,8 @@ void pk_short_force_accept(struct pk_integrator *it)
     if (!(it->own->short_force.reach > 0))
         return;
     if (h < it->own->short_force.reach * (1 - PK_C(1e-6)) || it->own->short_force.varied < MOST / 8)
-        it->own->short_force.reach = 0; /* errors limit the step, or u hardly changes */
+        /* the error estimate keeps the step shorter, or u hardly changes: no limit is needed */
+        it->own->short_force.reach = 0;
     else
         it->own->short_force.reach =
             it->own->short_force.rise > 0

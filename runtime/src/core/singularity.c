@@ -1,13 +1,14 @@
 /* Singularities: positions where the equations are undefined, monitored at each step; see struct
  * pk_singularity.
  *
- * An expression that changes sign in a step has a root in it. An expression whose root has no sign
- * change, such as the distance in a collision, or with two roots, has the same sign at both ends of
- * the step, and the step may pass over the root. So if the tangent at either end predicts a root
- * within the step, or the change differs from both tangents, the motion is recomputed by short
- * steps (singularity_search.c). Adaptive steps are treated likewise: at a tight tolerance their
- * sizes decrease before a singularity until they underflow, and the search finds the cause; at a
- * loose tolerance they pass over it like fixed steps.
+ * An expression that changes sign in a step has a root in it. But an expression has the same sign
+ * at both ends of the step if it only touches zero, such as the distance in a collision, or if it
+ * has two roots in the step. Then the step may pass over the roots. So if the tangent at either end
+ * of the step predicts a root within it, or the change of the expression differs from both
+ * tangents, the motion is recomputed by short steps (singularity_search.c). Adaptive steps are
+ * treated likewise: at a tight tolerance their sizes decrease before a singularity until they
+ * underflow, and the search finds the cause; at a loose tolerance they pass over it like fixed
+ * steps.
  *
  * If there is a sign change, but the motion by short steps does not reach the root, the step is
  * inaccurate: PK_STEP_TOO_LONG. */
@@ -15,14 +16,18 @@
 
 #include "singularity.h"
 
-#define CALM PK_C(0.0625) /* smaller relative changes in two successive steps need no check */
-#define FAR PK_C(1.5)     /* tangents are extrapolated over this many steps */
+/* if no value changes by a larger fraction in two successive steps, the step needs no check */
+#define CALM PK_C(0.0625)
+/* a tangent predicts a root in the step if it reaches zero within FAR step sizes */
+#define FAR PK_C(1.5)
 #define ROUNDING (64 * PK_EPS)
 
 enum {
     KNOWN = 1,
     QUIET = 2
-}; /* flags: slopes at the state are known; the last step changed little */
+    /* flags. KNOWN: the slopes at the state are known; QUIET: the values changed little in the last
+ * step */
+};
 
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n)
 {
@@ -91,8 +96,8 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
                : PK_SINGULAR_TIME;
 }
 
-/* Handles a sign change: searches over two steps from the start of the step by short steps, since
- * an inaccurate step may reach the singularity too early. */
+/* Handles a sign change in a step: short steps search for the root, from the start of the step over
+ * twice its length, since an inaccurate step may reach the singularity too early. */
 static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
 {
     const pk_real h = it->own->next_t - it->t;
@@ -118,11 +123,12 @@ enum pk_status pk_singularity_here(struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* Returns the sign, 0 for zero and NaN; products of two singularities may underflow. */
+/* Returns the sign of x, and 0 if x is zero or NaN. Signs are multiplied instead of numbers, since
+ * products of two small numbers may underflow. */
 static int sign(pk_real x) { return (x > 0) - (x < 0); }
 
-/* Returns whether the tangents predict a root of singularity k in the trial step, or differ too
- * much from its change. */
+/* Returns whether singularity k may have a root in the trial step: a tangent at either end predicts
+ * one, or the change of the value differs too much from both tangents. */
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
     const pk_real g0 = pk_singularity_part(it, PK_SINGULARITY_NOW)[k],
@@ -188,7 +194,7 @@ enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status sta
         (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE && status != PK_STEP_UNDERFLOW &&
          status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP))
         return status;
-    if (!fixed) { /* pk_underflow() searches over the same distance */
+    if (!fixed) { /* the distance `ahead` is similar to that in pk_underflow() */
         depth = PK_SINGULARITY_SHALLOW;
         ahead = (pk_real)it->own->direction *
                 (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + PK_C(10.0) * pk_abs(it->own->h));

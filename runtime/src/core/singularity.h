@@ -4,8 +4,9 @@
 
 #include "internal.h"
 
-/* For each singularity: value and slope at the state, value and slope at the end of a trial step,
- * largest value since the start; then states and a slope for the search. */
+/* Parts with one number for each singularity. _NOW and _SLOPE: value and slope at the state; _NEXT
+ * and _NEXT_SLOPE: value and slope at the end of a trial step; _MOST: largest value since the
+ * start. They are followed by the memory of the search: states and a derivative. */
 enum {
     PK_SINGULARITY_NOW,
     PK_SINGULARITY_SLOPE,
@@ -28,13 +29,14 @@ static inline pk_real *pk_singularity_part(const struct pk_integrator *it, int w
 
 void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q,
                              const pk_real *v, pk_real *out);
-/* Evaluates the singularities at time distance d along the tangent of the motion. */
+/* Evaluates the singularities at time t + d, with the coordinates moved along the tangent of the
+ * motion, to q + d v. */
 void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                           pk_real d, pk_real *out);
 /* Returns t if it lies between first and last, else first, since a computed t may be round-off. */
 pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last);
-/* Searches whether, and which, singularity falls to `depth` times its value at the state before
- * t_end. Leaves counters and the reason of a failure unchanged. */
+/* Searches for a singularity that falls to `depth` times its present value before t_end. The
+ * counters of the integrator and the reason of a failure are unchanged. */
 struct pk_singularity_search {
     enum {
         PK_SINGULARITY_UNDECIDED, /* step sizes underflow, or it takes too many steps */

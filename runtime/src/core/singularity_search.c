@@ -68,7 +68,8 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     return pk_all_finite(trial, m);
 }
 
-/* Returns whether no singularity has changed much; updates the least and largest ratio. */
+/* Returns whether no singularity has changed much, from g to g1; updates the least and the largest
+ * ratio g1/g. */
 static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, pk_real *most)
 {
     for (size_t k = 0; k < m; k++) {
@@ -81,8 +82,9 @@ static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, p
     return 1;
 }
 
-/* Returns the first singularity that fell to `depth` times its value at the state or, if steps have
- * stalled (`halted`), to the round-off of its largest value so far; otherwise their number. */
+/* Returns the index of the first singularity that fell to `depth` times its value at the state, or,
+ * if steps became too short to advance (`halted`), to the round-off of its largest value so far. If
+ * there is none, returns the number of singularities. */
 static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real depth, int halted)
 {
     const pk_real *first = pk_singularity_part(it, PK_SINGULARITY_NOW);
@@ -135,7 +137,9 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         pk_real least = PK_C(1.0), most = PK_C(1.0);
         if (last)
             s = whole - at;
-        int good = 1; /* also checked at mid-step, for steps through a centre */
+        /* the values are also checked at mid-step, since a step through a centre has similar
+         * values at both ends */
+        int good = 1;
         for (int half = 1; good && half <= 2; half++) {
             pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);
             good = near(m, g, g1, &least, &most);
@@ -167,7 +171,9 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         found.when = it->t + at + made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
         found.when = pk_singularity_within(found.when, it->t + at, t_end);
         found.found = PK_SINGULARITY_VANISHES;
-    } else if (arrived && growth.levels < 2) { /* else perhaps reflected by round-off */
+        /* if the singularity came near zero (growth.levels = 2), round-off may have reflected the
+     * motion: undecided */
+    } else if (arrived && growth.levels < 2) {
         found.found = PK_SINGULARITY_STAYS;
     }
     found.bounded = growth.levels == 2 && growth.a[1] <= 4 * growth.a[0];

@@ -22,7 +22,7 @@ static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *
     }
 }
 
-/* *failed: the failure for PK_SINGULAR_MASS, in the form that acceleration() returns. */
+/* With PK_SINGULAR_MASS, *failed is the failure as acceleration() would return it. */
 static enum pk_status linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
                              const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v, pk_real *a_t,
                              pk_real *work, int *failed)

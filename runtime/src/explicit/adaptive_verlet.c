@@ -7,13 +7,13 @@
  * w is a local frequency, w^4 = ||da/dq||_F^2 + w_0^4, by the kernel `linear`: for Kepler's problem
  * 6^(1/4) r^(-3/2). So a step has about the size eps/w. eps is h ||da/dq||^(1/2) at the start if a
  * first step size h is given, else sqrt(24 rtol), with which the local frequency is accurate to
- * rtol; w_0 is eps/h_max, or 0. The same formulas from (q', v', rho') with -eps lead back, so
- * energy errors do not drift. If rho would change by a factor of 4 or more, or become negative, as
- * where da/dq passes zero without an h_max, the scheme fails with a status.
+ * rtol; w_0 is eps/h_max, or 0. The same formulas with -eps lead from (q', v', rho') back to (q, v,
+ * rho), so energy errors do not drift. If rho would change by a factor of 4 or more, or become
+ * negative, as where da/dq passes zero without an h_max, the scheme fails with a status.
  *
- * A limit, or dense output, must not change the sequence of steps: a shorter step up to that time
- * starts from the last point of the sequence (the base), and the next step starts at the base
- * again.
+ * The sequence of steps must not depend on limits and dense output. So if a limit requires a
+ * shorter step, this step starts from the last point of the sequence (the base), and so does the
+ * step after it, which again has the planned length.
  *
  * Reference: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239; Hairer, Lubich, Wanner,
  * Geometric Numerical Integration, VIII.3. */
@@ -27,14 +27,17 @@
 /* Data stored from one step to the next. */
 struct kept {
     pk_real eps, floor, given, direction;
-    pk_real rho, t, t_low; /* density of steps, time, and low part of the time at the base */
-    int planned, whole;    /* flags: the step from the base is planned; it has been made */
+    /* values at the base: density of steps, time, and low part of the time */
+    pk_real rho, t, t_low;
+    /* flags. planned: the length of the step from the base is known; whole: the step of that
+     * length was made */
+    int planned, whole;
     pk_real length, rho_next, end, end_low;
 };
 
 struct work {
     struct kept *kept;
-    pk_real *base; /* the base, from which steps start: q, v and their low parts */
+    pk_real *base; /* the state at the base, from which steps start: q, v and their low parts */
     pk_real *a, *a_q, *a_v, *a_t, *linear; /* a: acceleration of the planned step */
 };
 
@@ -123,7 +126,8 @@ static enum pk_status init(struct pk_integrator *it)
     return begin(it, &w);
 }
 
-/* A step from the base: drift() to mid-step, a kick of both halves, a drift. */
+/* A step from the base consists of drift() to mid-step, and kick_drift(): the kicks of both halves
+ * of the step at once, then the second drift. */
 static void drift(const struct pk_integrator *it, const struct work *w, pk_real first, pk_real *to)
 {
     const size_t n_q = it->n_q;
@@ -168,7 +172,8 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     return PK_DONE;
 }
 
-/* Makes a step of any length from the base. The sequence continues only after kept->length. */
+/* Makes a step of any length from the base and writes the state to `to`. Only a step of the planned
+ * length, kept->length, continues the sequence of steps. */
 static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
                             pk_real *to)
 {
@@ -185,9 +190,10 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const struct work w = parts(it);
     struct kept *kept = w.kept;
     const pk_real sign = (pk_real)it->own->direction;
-    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) { /* the step was made and refused */
+    /* the step of planned length was made, but the integrator rejected it */
+    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) {
         kept->whole = kept->planned = 0;
-    } else if (kept->whole) { /* the step was accepted: the sequence continues from its end */
+    } else if (kept->whole) { /* the integrator accepted the step: its end becomes the base */
         take_base(it, &w);
         kept->rho = kept->rho_next;
         kept->t = kept->end;

@@ -1,12 +1,14 @@
 /* Boris's splitting, for forces affine in the rates, M a = g(q, t) + C(q, t) v, such as magnetic
- * ones: half a drift, a kick of v by the implicit midpoint rule, half a drift. The kick
+ * ones: a drift over half the step, a kick of v by the implicit midpoint rule, and a second drift
+ * over half the step. The kick
  *
  *     (M - h/2 C) (v' - v) = h M a(q, t, v),
  *
  * is linear in v'. If C is antisymmetric, the kick rotates v (Cayley transform of h M^-1 C) and
  * conserves T if g is 0, and the step conserves volume. It is symplectic only if C is constant, and
- * then only after a change of v. The rates decay for a drag of any strength. In compositions, the
- * drifts of the table are the lengths of these steps as fractions of the whole step.
+ * then only after a change of v. With a drag of any strength, rates decay as they should. In
+ * compositions of such steps, their lengths, as fractions of the whole step, are the drifts in the
+ * table of a splitting method.
  *
  * References: J. P. Boris, Proc. 4th Conf. Num. Sim. Plasmas (1970) 3; H. Qin et al., Phys. Plasmas
  * 20 (2013) 084503; E. Hairer, C. Lubich, BIT 58 (2018) 969. */

@@ -16,13 +16,16 @@
 #include "../core/double_double.h"
 #include "../core/tableau.h"
 
-enum { KEPT = 2 }; /* stored step sizes: the usual one, and that of shorter last steps */
+/* number of step sizes whose matrices are stored: the usual one, and that of shorter last steps */
+enum { KEPT = 2 };
 
 struct work {
     size_t n;
-    pk_real *h, *last, *zero, *B, *norm; /* last: index of the step size used last; zero: n
-                                            rates, mostly 0 */
-    pk_real *drifts[KEPT];               /* for each stage Phi and D, and their low parts */
+    /* h: the stored step sizes; last: index of the one used last; zero: n rates, which are 0
+     * except while B is computed; norm: largest absolute row sum of B */
+    pk_real *h, *last, *zero, *B, *norm;
+    /* drifts[k]: matrices for step size h[k]: for each stage Phi, D and their low parts */
+    pk_real *drifts[KEPT];
     struct pk_pairs L, E;
     pk_real *room;
 };
@@ -51,7 +54,7 @@ static struct work work_of(const struct pk_integrator *it, const struct pk_split
     return w;
 }
 
-/* Computes B from accelerations at rates so large that g is rounded away. */
+/* Computes B from accelerations at rates so large that g vanishes in the rounding of B v. */
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table)
 {
     if (it->n > PK_EXPONENTIAL_MOST)
@@ -83,7 +86,8 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
 }
 
 /* Computes Phi and D of a drift of length h from exp(h L) - 1 = (0 s Phi; 0 D), L = (0 s; 0 B). s
- * is a power of two similar to the norm of B, so that no further squaring is needed. */
+ * is a power of two similar to the norm of B, so that its block s in L does not increase the number
+ * of squarings. */
 static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
 {
     const size_t n = w->n, m = 2 * n, nn = n * n;
@@ -124,7 +128,7 @@ static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
         w->h[k] = 0;
         it->count.factorisations++;
         for (int i = 0; i < table->stages; i++) {
-            int same = 0; /* index of the first stage with the same length */
+            int same = 0; /* index of the first stage whose drift has the same length */
             while (table->drift[same] < table->drift[i] || table->drift[same] > table->drift[i])
                 same++;
             pk_real *to = w->drifts[k] + (size_t)i * one;
@@ -147,7 +151,7 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
     pk_real *v = w->room, *dv = v + n;
     pk_kick_drift(n, n, kappa, a, 0, from, to);
     memcpy(v, to + n, n * sizeof *v);
-    for (int row = 0; row < 2; row++) { /* row = 0: q, row = 1: v */
+    for (int row = 0; row < 2; row++) { /* row 0 updates q by Phi, row 1 updates v by D */
         memset(dv, 0, n * sizeof *dv);
         pk_add_product(dv, of + (size_t)(2 + row) * nn, v, n);
         pk_add_product(dv, of + (size_t)row * nn, v, n);

@@ -7,9 +7,9 @@
  * All forces are evaluated once a step, the fast forces also in each inner step; both are counted.
  * The method is symplectic and symmetric for any splitting of V; it is efficient if the fast part
  * is stiff and cheap. Resonant kicks excite a fast oscillation: near h omega = pi, 2 pi, ... steps
- * amplify, however short the inner steps are. Inner steps are at most options.h_max; if that is 0,
- * there are TEN of them. In compositions, the drifts of the table are the lengths of these steps as
- * fractions of the whole step.
+ * amplify, however short the inner steps are. Inner steps are no longer than options.h_max; if
+ * h_max is 0, there are 10 inner steps (TEN). In compositions of such steps, their lengths, as
+ * fractions of the whole step, are the drifts in the table of a splitting method.
  *
  * References: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; H.
  * Grubmueller et al., Mol. Simul. 6 (1991) 121; GNI VIII.4; on the resonance J. J. Biesiadecki, R.
@@ -46,7 +46,8 @@ static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_rea
     it->count.evaluations++;
 }
 
-/* Computes w->slow of the state z at t: the acceleration `a`, evaluated if NULL, less w->fast. */
+/* Computes w->slow, the slow part of the acceleration, at the state z = (q, v) and time t: the
+ * whole acceleration `a` less w->fast. If `a` is NULL, it is evaluated. */
 static enum pk_status evaluate_slow(struct pk_integrator *it, const struct work *w, pk_real t,
                                     const pk_real *z, const pk_real *a)
 {

@@ -16,7 +16,7 @@ static size_t rotations(const struct pk_integrator *it)
     return pk_system_rotations(it->problem.system, it->problem.params);
 }
 
-/* Returns the indices of rotation r in (q, v). */
+/* Returns the indices of the numbers of rotation r in the vector (q, v). */
 static struct pk_turning turning(const struct pk_integrator *it, size_t r)
 {
     struct pk_turning at = pk_system_turning(it->problem.system, it->problem.params, r);
@@ -25,7 +25,7 @@ static struct pk_turning turning(const struct pk_integrator *it, size_t r)
     return at;
 }
 
-/* Computes theta = h sum a_j k_j. The slopes k contain theta' in place of Q'. */
+/* Computes theta = h sum a_j k_j. For rotations, the slopes k_j contain theta' in place of Q'. */
 static void rotation_vector(const struct pk_integrator *it, const pk_real *a, int count,
                             struct pk_turning at, pk_real *theta)
 {
@@ -44,7 +44,7 @@ static void added_by(const struct pk_integrator *it, const pk_real *a, int count
     pk_exponential_added(Q, theta, added);
 }
 
-/* Returns (q, v) at which stage i is evaluated. */
+/* Returns the state (q, v) at which the derivative of stage i is evaluated. */
 static const pk_real *argument(const struct pk_integrator *it, const struct pk_tableau *table,
                                int i, pk_real *y)
 {
@@ -82,7 +82,8 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
                 k[to.number + j * to.step] = slope[j];
         }
     }
-    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low); /* the low parts of q and of v */
+    /* the low parts of q, and of v behind them */
+    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low);
     for (size_t i = 0; i < m; i++)
         y[i] = pk_sum(it->own->state[i],
                       it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),

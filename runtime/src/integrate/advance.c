@@ -1,8 +1,9 @@
 /* Makes many fixed steps at once: for a splitting method in one call of the system's
  * families.advance (fused steps), or one by one without the checks of pk_integrator_step(). Steps
- * one by one give the same bits as that function; sums of fused steps are not compensated, so their
- * last bits differ. Fused steps work on a copy of the state: if they end in a state that is not
- * finite, half as many are tried, so that bisection finds the first step that fails. */
+ * made one by one give the same bits as pk_integrator_step(). The sums of fused steps are not
+ * compensated, so their last bits differ. Fused steps work on a copy of the state: if they end in a
+ * state that is not finite, half as many are tried, so that bisection finds the first step that
+ * fails. */
 #include <string.h>
 
 #include "../core/internal.h"
@@ -38,7 +39,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     }
     memset(pk_next(it, PK_LOW_Q), 0, (n_q + n) * sizeof *q);
     pk_commit_step(it);
-    it->own->flags = 0; /* the acceleration of the new state is not known */
+    /* it->own->flags no longer has PK_HAVE_A: the acceleration of the new state is not known */
+    it->own->flags = 0;
     it->own->h = h;
     it->last_t = it->own->grid.anchor + (it->own->grid.count + (pk_real)steps - 1) * h;
     it->own->grid.count += (pk_real)steps;
@@ -52,8 +54,9 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     return steps;
 }
 
-/* Makes fixed steps of full length if only the step itself is needed, and returns their number. If
- * a step fails, pk_integrator_step() repeats it and reports the failure. */
+/* Makes fixed steps of full length, if no switches, constraints or other checks require
+ * pk_integrator_step(). Returns the number of steps. If a step fails, pk_integrator_step() repeats
+ * it and reports the failure. */
 static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
@@ -97,7 +100,8 @@ enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsi
         it->own->direction == (limit > it->t) - (limit < it->t))
         left -= many(it, limit, left);
     while (left) {
-        /* This step sets the direction and the grid, and reports any error. */
+        /* This first step sets the direction and the grid for the following ones, and reports any
+         * error. */
         const enum pk_status status = pk_integrator_step(it, limit);
         if (status != PK_DONE)
             return status;

@@ -3,11 +3,14 @@
  * rounding does not accumulate. */
 #include "../core/internal.h"
 
-/* Trials before the first check of progress: if many are rejected; otherwise. */
+/* Number of trial steps before the first check of progress: FIRST_LOOK if many of them are
+ * rejected, otherwise LATER_LOOK. */
 enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
-#define MOST_AHEAD PK_C(1e9) /* largest number of future steps if max_steps is 0 */
-/* If many trials are rejected and steps are shorter than SHRUNK times the longest trial, errors are
- * noise: the limit on future steps is then MOST_SHRUNK / n. */
+/* largest number of further steps that may be needed, if max_steps is 0 */
+#define MOST_AHEAD PK_C(1e9)
+/* If many trial steps are rejected, and steps are shorter than SHRUNK times the longest rejected
+ * one, the error estimates are noise. Then the run ends if it needs more than MOST_SHRUNK / n
+ * further steps. */
 #define SHRUNK PK_C(1e-6)
 #define MOST_SHRUNK PK_C(1e7)
 
@@ -26,7 +29,8 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
-    /* Times are rounded: a step that ends within `close` of the limit is the last one. */
+    /* Since times are rounded, a step that ends within `close` of the limit is the last one, and
+     * does not count. */
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
     const pk_real ceiling = PK_C(1e9);
@@ -42,9 +46,10 @@ int pk_often_rejected(const struct pk_integrator *it)
     return 4 * (it->count.rejections - it->own->progress.judged_rejections) > tried;
 }
 
-/* Returns whether time hardly advances. This is checked each time the number of steps has doubled,
- * so that the result depends only on that number and on times. Progress is measured by lengths of
- * steps, since a caller may go back in time. */
+/* Returns whether time hardly advances, so that the run is to end. It checks this whenever the
+ * number of trial steps has doubled since the last check; so the result does not depend on the
+ * speed of the machine. Progress is the sum of the lengths of the steps, since a caller may go back
+ * in time. */
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
     const unsigned long tried = it->count.steps + it->count.rejections;
@@ -79,7 +84,8 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
-    it->own->trouble.status = PK_DONE; /* only trial steps set it again */
+    /* only trial steps of adaptive methods set this status again */
+    it->own->trouble.status = PK_DONE;
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h)
         return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = it->options.h));
@@ -128,7 +134,8 @@ int pk_integrator_is_at(const struct pk_integrator *it, pk_real t)
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit)
 {
     const int direction = t > it->t ? 1 : -1;
-    const int begins = direction != it->own->direction; /* the step begins a new grid */
+    /* the direction is new, so the step begins a new grid */
+    const int begins = direction != it->own->direction;
     const pk_real anchor = begins ? it->t : it->own->grid.anchor,
                   h = (pk_real)direction * it->options.h;
     const pk_real count = PK_F(floor)((t - anchor) / h + PK_C(0.5));

@@ -17,12 +17,14 @@
 #define OWN ((sizeof(struct pk_integrator_private) + ALIGNED - 1) / ALIGNED * ALIGNED)
 #define PRIVATE (OWN + ALIGNED)
 
-#define FROM_REST PK_C(1e-3) /* fraction of a span in which forces from rest are sought */
+/* fraction of the time to the limit within which forces are looked for if the system starts from
+ * rest */
+#define FROM_REST PK_C(1e-3)
 
 struct pk_options pk_options_default(void)
 {
     struct pk_options options = {0};
-    options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* rtol: about 1e-9 in double */
+    options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* this rtol is about 1e-9 in double */
     options.atol = PK_ATOL_OF_MOTION;
     return options;
 }
@@ -32,7 +34,8 @@ static size_t work_size(const struct pk_problem *problem, const struct pk_method
     return (method->size ? method->size : pk_splitting_size)(method, problem, n);
 }
 
-/* Assigns the memory after `own`; with base NULL only counts it. */
+/* Divides the memory at `base`, behind the struct `own`, among the pointers of `own`. Returns the
+ * number of pk_real; if base is NULL, it only counts. */
 static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem *problem,
                       const struct pk_method *method, size_t n_q, size_t n, pk_real *base)
 {
@@ -151,7 +154,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
-    /* Parts of the state that a method does not use, and inputs without a function, are 0. */
+    /* Sets to 0 the parts of the state that a method may not use, and the inputs, which stay 0
+     * without an input function. */
     memset(it->own->next, 0, pk_state_offset(n_q, n, PK_PARTS) * sizeof *q);
     memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
@@ -201,7 +205,8 @@ static int are_numbers(const struct pk_integrator *it)
 }
 
 /* Makes a step and its projection. If the projection fails and the method can repeat the step, the
- * step is retried with a quarter of its length; an underflow after that is PK_NO_PROJECTION. */
+ * step is retried with a quarter of its length. If the step size underflows after such a retry, the
+ * status is PK_NO_PROJECTION. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
     enum { CUTS = 12 };
@@ -314,14 +319,16 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
-    if (it->own->passing.crossed) { /* not by a reset, which refuses dependent rows */
+    /* a reset would refuse the start of such a step, where constraint rows are dependent */
+    if (it->own->passing.crossed) {
         pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
         pk_singular_crossing_at(it, t, q, v);
         side->t = t;
         return PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
-    if (side->status >= 0) /* copies parts of the state that init does not set */
+    /* copies the parts of the state that a reset does not set, such as low parts */
+    if (side->status >= 0)
         memcpy(pk_state(side, PK_P), pk_next(it, PK_P),
                (pk_state_offset(n_q, n, PK_A) - pk_state_offset(n_q, n, PK_P)) *
                    sizeof *it->own->next);

@@ -6,7 +6,8 @@
 
 #include "../core/internal.h"
 
-/* the number of bytes of pointers, which are valid only in this process */
+/* number of bytes of the pointers in the private part; they are valid only in this process, so they
+ * are not saved */
 #define ADDRESSES offsetof(struct pk_integrator_private, slopes)
 
 static unsigned long long name(const char *text)

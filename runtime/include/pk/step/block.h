@@ -8,28 +8,32 @@
 
 #define PK_BLOCK_MOST 64
 
-/* A block of W states. `state` and `next` have W times the numbers of an integrator's. */
+/* A block of W states. `state` and `next` have W times as many numbers as the same arrays of an
+ * integrator. */
 struct pk_block {
     const struct pk_system *system;
     size_t n_q, n, lanes;
     const void *params[PK_BLOCK_MOST]; /* params of each lane */
-    pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
-    pk_real *t;                        /* W times, one for each lane */
+    /* P: params of all lanes; number k of the params of lane l is P[k * W + l]. u: inputs */
+    pk_real *P, *u;
+    pk_real *t; /* the time of each lane */
     pk_real *state, *next, *spare, *work;
-    pk_real *lane; /* one state, for a system without lane kernels */
-    pk_real now;   /* common time of all lanes, for block.c */
-    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* steps of lanes */
+    pk_real *lane; /* memory for one state, if the system has no kernel for lanes */
+    pk_real now;   /* time of all lanes in block.c, where they have the same time */
+    /* start time, end time and size of the step of each lane */
+    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST];
     int have_a; /* 1: the first acceleration or stage of the step is known */
     unsigned long long failed, not_finite; /* bit masks of lanes in the current step */
 };
 
 PK_BEGIN
-/* Sets bits of b->failed, and of b->not_finite for states that are not finite. */
+/* Adds the bits `failed` to b->failed, and sets the bits of b->not_finite for those lanes whose
+ * states are not finite. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
 PK_END
 
-/* Returns a bit mask of the lanes in which any of `rows` numbers is not finite. */
+/* Returns a bit mask of the lanes in which a number is not finite; each lane has `rows` numbers. */
 static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t rows, size_t W)
 {
     pk_real sum[PK_BLOCK_MOST];
@@ -48,7 +52,8 @@ static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t
     return bits;
 }
 
-/* Computes y = y0 + h sum a_j k_j, where successive k_j are `stride` rows apart. */
+/* Computes y = y0 + h sum a_j k_j in each lane with its own h. The vectors k_j begin `stride`
+ * numbers apart. */
 static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRICT y,
                                        const pk_real *PK_RESTRICT y0, const pk_real *PK_RESTRICT h,
                                        const pk_real *a, int count, const pk_real *PK_RESTRICT k,
@@ -123,8 +128,9 @@ static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_rea
 }
 
 /* Returns the number of pk_real of work memory for s stages, the derivative at the end, and the
- * coordinates of a stage. A stage has n W rates and first-order variables, whose first n_q W are
- * slopes of coordinates, and n W accelerations. */
+ * coordinates of a stage. For each of these, memory has 2 n W numbers: the n W rates and
+ * first-order variables of the stage, of which the first n_q W are slopes of coordinates, and n W
+ * accelerations. */
 static inline size_t pk_block_reals(int stages, size_t n_q, size_t n, size_t W)
 {
     return (((size_t)stages + 1) * 2 * n + n_q) * W;

@@ -1,7 +1,8 @@
 /* DOP853, order 8 with error estimates of orders 5 and 3 and dense output of order 7 from three
  * more stages. Coefficients as published with the code of E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.5 and II.10 (30 digits; tests/runtime checks them
- * against the order conditions). The tables contain the zeros, which loops skip. */
+ * against the order conditions). The tables contain also the coefficients that are zero, which
+ * loops skip. */
 #ifndef PK_STEP_DOP853_H
 #define PK_STEP_DOP853_H
 
@@ -63,7 +64,7 @@ static const pk_real pk_dop853_e[] = {
     PK_C(0.3341791187130174790297318841), PK_C(0.8192320648511571246570742613e-1),
     PK_C(-0.2235530786388629525884427845e-1), PK_C(0.0),
 };
-/* e3 = b - (weights of the embedded formula of order 3). */
+/* e3 is b minus the weights of the embedded formula of order 3. */
 static const pk_real pk_dop853_e3[] = {
     PK_C(-0.1898007540724076157147023288757), PK_C(0.0), PK_C(0.0), PK_C(0.0), PK_C(0.0),
     PK_C(4.45031289275240888144113950566), PK_C(1.89151789931450038304281599044),

@@ -3,8 +3,9 @@
  *
  *     h_new = h * clamp(safety * err^(-alpha) * err_old^beta),  alpha = 1/k - 3/4 beta
  *
- * This file has the code that each step runs, with the macros of pk/inlined.h; the first step size
- * and dense output are computed in the library.
+ * alpha and beta depend on the table; k is the order of the error estimate. This file has the code
+ * that each step runs, with the macros of pk/inlined.h; the first step size and dense output are
+ * computed in the library.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.4
  * (4.13)-(4.14), II.5, II.10; E. Hairer, G. Wanner, ... II, IV.2; K. Gustafsson, ACM TOMS 17 (1991)
@@ -14,8 +15,9 @@
 
 #include <pk/step/tables.h>
 
-/* The work memory: stages, derivatives at the end and of the extra stages, an argument, the
- * interpolant, and two numbers. After the step, it->own->next holds the start of the step. */
+/* The work memory. k: derivatives of the stages; last: the derivative at the end of the step, then
+ * those of the extra stages; y: the state of a stage; dense: the interpolant; err_old: error of the
+ * last step; h_made: its size. After the step, it->own->next holds the start of the step. */
 struct pk_embedded_work {
     size_t m, n_q; /* length of y = (q, v), length of q */
     pk_real *k, *last, *y, *dense, *err_old, *h_made;
@@ -44,7 +46,8 @@ PK_BEGIN
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
 PK_END
 
-/* Returns the error of the step relative to the tolerance, root mean square. */
+/* Returns the root mean square, over all numbers of (q, v), of the estimated error of the step
+ * relative to the tolerance. */
 static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struct pk_tableau *table,
                                            const struct pk_embedded_work *w, pk_real h)
 {
@@ -86,7 +89,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     if (!table->e3)
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
     it->own->error = pk_embedded_error(it, table, w, h);
-    if (!pk_finite(it->own->error)) /* infinite: a tolerance is nearly zero */
+    if (!pk_finite(it->own->error)) /* the error is infinite if a tolerance is nearly zero */
         it->own->error = PK_C(1e30);
     if (table->e3 && it->own->error <= PK_C(1.0)) {
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));

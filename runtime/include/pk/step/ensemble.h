@@ -11,7 +11,7 @@
 #include <pk/step/block.h>
 #include <pk/step/tables.h>
 
-/* Computes accelerations at time (start + at * step size) of each lane. */
+/* Computes the acceleration in each lane, at the time from[l] + at * h[l] of lane l. */
 static PK_INLINE void PK_STEPPER(block_slope)(struct pk_block *b, pk_real at, const pk_real *q,
                                               const pk_real *v, pk_real *a)
 {
@@ -22,7 +22,7 @@ static PK_INLINE void PK_STEPPER(block_slope)(struct pk_block *b, pk_real at, co
         pk_block_failed(b, failed, q, v);
 }
 
-/* Computes accelerations at the end of the step, at its exact time. */
+/* Computes the acceleration in each lane at the end of the step, at the exact time end[l]. */
 static PK_INLINE void PK_STEPPER(block_slope_end)(struct pk_block *b, const pk_real *q,
                                                   const pk_real *v, pk_real *a)
 {
@@ -44,7 +44,8 @@ static PK_INLINE void PK_STEPPER(block_stages)(struct pk_block *b, const struct 
             k[i] = v0[i];
         PK_STEPPER(block_slope)(b, 0, q0, v0, k + m);
     }
-/* A stage's rates, the slopes of its coordinates, are computed in the slopes' memory. */
+/* Makes stage i. The rates of a stage are the slopes of its coordinates, so they are computed
+ * directly in the memory of the slopes. */
 #define PK_BLOCK_STAGE(i)                                          \
     if ((i) < table->stages) {                                     \
         const pk_real *ai = table->a + (i) * ((i) - 1) / 2;        \

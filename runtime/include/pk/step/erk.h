@@ -7,7 +7,7 @@
  * Differential Equations I, II.1. Uses the macros of pk/inlined.h. */
 #include <pk/step/tables.h>
 
-/* Stage i > 0: writes its argument to it->own->next, its derivative to k. */
+/* Computes stage i > 0: writes the state of the stage to it->own->next, and its derivative to k. */
 static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
                                                       const struct pk_tableau *table, int i)
 {
@@ -41,7 +41,7 @@ static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
     }
     PK_EACH_STAGE(PK_ERK_STAGE)
 #undef PK_ERK_STAGE
-    for (size_t i = 0; i < m; i++) { /* low parts of q and v are contiguous */
+    for (size_t i = 0; i < m; i++) { /* the low parts of q and of v are contiguous */
         low[i] = low0[i];
         y[i] = pk_sum(y0[i], h * pk_row_sum(table->b, table->stages, k, m, i), &low[i]);
     }

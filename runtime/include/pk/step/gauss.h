@@ -5,17 +5,17 @@
  *     v1 = v0 + h sum b_j a_j,      q1 = q0 + h (v0 + h sum b_j (1 - c_j) a_j)
  *
  * Fixed-point iteration solves these equations: all stages of an iterate are evaluated at once. The
- * iteration starts from the extrapolated polynomial through the last step's a_j, and ends when its
- * error, estimated from the convergence rate, is below the tolerance. The sums for q1 and v1 are
- * compensated.
+ * first iterate is extrapolated from the polynomial through the a_j of the last step. The iteration
+ * ends when its error, estimated from the convergence rate, is below the tolerance. The sums for q1
+ * and v1 are compensated.
  *
  * Step size control as in IAS15: the last two Legendre coefficients of the polynomial give their
- * decay rate theta, and the error is h |a| theta^16. It is estimated as soon as the iterates
- * resolve these coefficients, so that rejecting a step costs little. Slow convergence limits the
- * step size (it->count.held).
+ * decay rate theta, and the error is h |a| theta^16. The error of the step is estimated as soon as
+ * the iterates are accurate enough for these two coefficients, so that a rejected step costs
+ * little. Slow convergence limits the step size (it->count.held).
  *
- * In (q, q') with M(q) this form is symmetric, not symplectic, and step sizes are variable; for
- * long runs see gauss1 to gauss8, which are symplectic in (q, p).
+ * This form of the method, in (q, q') and with variable step sizes, is symmetric, but not
+ * symplectic if M depends on q; for long runs see gauss1 to gauss8, which are symplectic in (q, p).
  *
  * References: H. Rein, D. S. Spiegel, MNRAS 446 (2015) 1424; M. Antonana, J. Makazaga, A. Murua,
  * Numer. Algorithms 76 (2017) 861; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
@@ -27,13 +27,17 @@
 #define PK_STEP_GAUSS_H
 #define PK_GAUSS_METHODS(X) PK_METHODS_GAUSS(PK_NAME_OF, X)
 
-/* Tuned for the least work at a given final error, on the models and other problems. */
+/* The following constants were chosen for the least work at a given final error, on pkgen's models
+ * and other problems. */
 #define PK_GAUSS_SAFETY PK_C(0.9)
-#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* log of 10, the largest accepted error */
-#define PK_GAUSS_RESOLVED PK_C(10.0)                /* resolved: squared error of a < 10 a_7^2 */
+/* log of the largest accepted error, which is 10 times the tolerance */
+#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046)
+/* the Legendre coefficient a_7 counts as resolved if the squared error of the iterate is below
+ * 10 a_7^2 */
+#define PK_GAUSS_RESOLVED PK_C(10.0)
 #define PK_GAUSS_GROW PK_C(3.0)
 #define PK_GAUSS_SHRINK PK_C(0.2)
-#define PK_GAUSS_RATE PK_C(0.15) /* convergence rate with the least work */
+#define PK_GAUSS_RATE PK_C(0.15) /* convergence rate at which the work is least */
 #endif
 
 /* Makes one trial step of size y->h. Returns PK_DONE with results in *y, or the failure. */
@@ -65,7 +69,9 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
         const int close = asked_for > 0 ? y->change2 <= asked_for * asked_for * y->size2
                                         : rate < 1 && left2 <= (1 - rate) * (1 - rate);
         const int done = close || y->change2 <= round || stalled;
-        /* Squared coefficients that reject the step; compared once they are resolved. */
+        /* d6 and d7 are the squares of the last two Legendre coefficients above which the step is
+         * rejected. The coefficients are compared with them as soon as the iterates resolve the
+         * coefficients. */
         const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
         if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {
             pk_real six2, seven2;

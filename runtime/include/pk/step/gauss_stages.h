@@ -26,24 +26,31 @@
 #endif
 
 #define PK_GAUSS_RATE_LEAST PK_C(0.1)
-/* A step longer than the last one by more than this factor is not predicted from it: the polynomial
- * is inaccurate there, and its round-off grows like the 7th power of the factor. */
+/* If a step is more than PK_GAUSS_LEAP times as long as the last one, its first iterate is not
+ * extrapolated from the last step. The polynomial of the last step is inaccurate so far away, and
+ * its round-off grows like the 7th power of the ratio of step sizes. */
 #define PK_GAUSS_LEAP PK_C(8.0)
-/* Fraction of the tolerance at which the final error is at most that of dop853 with the same
- * tolerance. Measured over models and tolerances from 1e-4 to 1e-15, the error is half of dop853's
- * for the worst model and a tenth for most. */
+/* Fraction of the tolerance that the method uses, so that its final error is at most that of dop853
+ * with the same tolerance. Measured over models and tolerances from 1e-4 to 1e-15, the error is
+ * half of dop853's for the worst model and a tenth for most. */
 #define PK_GAUSS_SHARE (PK_C(1.0) / PK_C(3.0))
 
 enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work memory: arrays of n by 8, unless another shape is given. */
 struct pk_gauss_lanes {
-    pk_real *a, *next_a, *q, *v;  /* iterate, next iterate, q and v at the stages (q: n_q by 8) */
-    pk_real *u;                   /* inputs at the stages */
-    pk_real *poly;                /* Taylor coefficients of a at the last step's end, in h */
-    pk_real *weight;              /* n numbers: weights of errors in a */
-    pk_real *start, *last_weight; /* start of the last step, n_q + n numbers; n weights there */
-    pk_real *h, *rate, *decay;    /* last step's size and rate; largest next theta^2 */
+    /* a, next_a: the current and the next iterate; q (n_q by 8), v: coordinates and rates at the
+     * stages */
+    pk_real *a, *next_a, *q, *v;
+    pk_real *u; /* inputs at the stages */
+    /* coefficients of the polynomial a(t) of the last step, in powers of (t - its end)/h */
+    pk_real *poly;
+    pk_real *weight; /* weights of errors in a, n numbers */
+    /* state at the start of the last step, n_q + n numbers; the n weights of that step */
+    pk_real *start, *last_weight;
+    /* one number each: size and convergence rate of the last step; largest theta^2 that the next
+     * step may have */
+    pk_real *h, *rate, *decay;
     struct pk_gauss_matrices *M;
     pk_real *dense; /* work memory of gauss_dense.c */
 };
@@ -75,7 +82,8 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     return w;
 }
 
-/* Computes y = M x: one sum for each lane, in two halves so that their latencies overlap. */
+/* Computes y = M x. Each lane has one sum, which is computed in two halves so that the latencies of
+ * their additions overlap. */
 static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK_RESTRICT x,
                                  pk_real *PK_RESTRICT y)
 {
@@ -92,7 +100,7 @@ static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK
     }
 }
 
-/* Adds the two halves of the terms first, as vectors. */
+/* Adds the two halves of the terms as vectors first, then the numbers of the resulting vector. */
 static inline pk_real pk_gauss_dot(const pk_real *PK_RESTRICT b, const pk_real *PK_RESTRICT x)
 {
     pk_real sum[PK_GAUSS_S / 2];
@@ -114,10 +122,10 @@ static inline pk_real pk_gauss_sum(const pk_real *PK_RESTRICT x)
 /* Results of a trial step. Norms are root mean squares relative to the tolerance. */
 struct pk_gauss_trial {
     pk_real h, hc[PK_GAUSS_S], t[PK_GAUSS_S];
-    pk_real size2, change2;       /* squared norms of a, and of its last correction */
+    pk_real size2, change2;       /* squared norms of a and of the last correction of a */
     pk_real rate;                 /* convergence rate, the ratio of successive corrections */
     pk_real theta_log, error_log; /* log of theta and of the error */
-    pk_real growth;               /* factor by which the step size may grow */
+    pk_real growth;               /* factor by which the next step may be longer than this one */
     int count;
 };
 
@@ -160,7 +168,8 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
         pk_gauss_rows(w->M->powers, x, w->a + i * PK_GAUSS_S);
     }
-    /* This rate is used until one is measured; it is so large that no first iterate is accepted. */
+    /* This convergence rate is used until a rate has been measured. It is so large that the first
+     * iterate is never accepted. */
     y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
     return PK_DONE;
 }
@@ -192,8 +201,8 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
     }
 }
 
-/* Computes the weights of errors in a: the effect of an error on v or q in the step, in units of
- * the tolerance, the larger of both. */
+/* Computes the weights of errors in a. An error in a changes v and q at the end of the step; its
+ * weight is the larger of these changes relative to the tolerances of v and q. */
 static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_lanes *w,
                                              const struct pk_gauss_trial *y)
@@ -203,7 +212,8 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
-        /* Uses the change of v at the end of the step, since v may be zero at the start. */
+        /* The change of v in the step is included in the size of v, since v may be zero at the
+         * start. */
         const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
         const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
         w->weight[i] = h / (PK_GAUSS_SHARE * it->own->atol[n_q + i] + rtol * v + PK_TINY);
@@ -215,7 +225,8 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     }
 }
 
-/* Computes a in all lanes. A lane that failed is evaluated again alone, to find the cause. */
+/* Computes the acceleration a in all lanes. If it fails in a lane, it is evaluated again for this
+ * lane alone, to find the cause. */
 static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
                                                         const pk_real *q, const pk_real *v,
                                                         pk_real *u, pk_real *a)

@@ -26,10 +26,11 @@ static const pk_real pk_gauss8_b[] = {
 /* clang-format on */
 
 struct pk_gauss_matrices {
-    pk_real A[64], A2[64];              /* coefficients a_ij, and the square of the matrix (a_ij) */
-    pk_real taylor[64];                 /* gives coefficients of (x - 1)^k from values at stages */
-    pk_real powers[64];                 /* powers c_l^k of the nodes */
-    pk_real legendre6[8], legendre7[8]; /* give the coefficients of P_6, P_7 */
+    pk_real A[64], A2[64]; /* coefficients a_ij, and the square of the matrix (a_ij) */
+    pk_real taylor[64];    /* maps the values at the stages to the coefficients of (x - 1)^k */
+    pk_real powers[64];    /* powers c_l^k of the nodes */
+    /* map the values at the stages to the coefficients of the Legendre polynomials P_6 and P_7 */
+    pk_real legendre6[8], legendre7[8];
 };
 
 #endif

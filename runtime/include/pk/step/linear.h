@@ -12,16 +12,18 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
                               const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
                               pk_real *a_t, pk_real *work);
 
-/* Converts an index < count stored as pk_real; count > 0. Returns 0 if the index is invalid, as in
- * a restored block of unknown origin (pk/keep.h). */
+/* Converts an index that is stored as a pk_real to an integer < count; count > 0. Returns 0 if
+ * the stored index is invalid, as it may be after a restore from bytes of unknown origin
+ * (pk/keep.h). */
 static inline size_t pk_index(pk_real x, size_t count)
 {
     return x >= 0 && x < (pk_real)count ? (size_t)x : 0;
 }
 
-/* y += A x, A row-major n by n. */
+/* Computes y += A x for an n by n matrix A, row-major. */
 void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n);
-/* Factors A = P L U in place, m by m; `pivot` gets row numbers. Returns 0 if A is singular. */
+/* Factors A = P L U in place, m by m; `pivot` receives the numbers of the exchanged rows. Returns 0
+ * if A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
 /* Returns the determinant of a factored matrix, and its sign. */

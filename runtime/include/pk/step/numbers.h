@@ -19,9 +19,10 @@
 #define PK_TINY DBL_MIN
 #endif
 
-/* Parts of it->own->state and it->own->next: q, v, p, the compensations (low parts) of q and of v
- * or p, and an acceleration of this state that may be reused. q and its low part have n_q numbers,
- * the others n; the last n - n_q of v are first-order variables. */
+/* Parts of it->own->state and it->own->next: q, v, p, the low parts of q and of v or p
+ * (compensations of their sums), and the acceleration at this state, which the next step may reuse.
+ * q and its low part have n_q numbers, the others n; the last n - n_q of v are first-order
+ * variables. */
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
 /* Returns the offset of a part of the state. */

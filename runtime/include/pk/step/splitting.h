@@ -27,11 +27,11 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
     const pk_real h = it->own->h, *from = it->own->state, *a = from + pk_state_offset(n_q, n, PK_A);
     pk_real *to = it->own->next, *a1 = pk_part(to, n_q, n, PK_A);
-    pk_real done = 0; /* fraction of the step already drifted */
+    pk_real done = 0; /* sum of the drifts made so far, as a fraction of the step */
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
 
 #ifndef PK_WITHOUT_RUNTIME
-    if (pk_is_ahead(it, h)) { /* copies the lane's state */
+    if (pk_is_ahead(it, h)) { /* the step was computed in a lane: its state is copied */
         pk_ahead_take(it, PK_Q, 2);
         pk_ahead_take(it, PK_LOW_Q, ends ? 3 : 2);
         it->count.evaluations += (unsigned long)s;

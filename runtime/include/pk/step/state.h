@@ -13,38 +13,48 @@
 #define PK_HAVE_FMA
 #endif
 
-/* The times of fixed steps: t = anchor + count * h, computed without a running sum. */
+/* The times of fixed steps, which form a grid: t = anchor + count * h, computed without a running
+ * sum. */
 struct pk_grid {
     pk_real anchor, count;
-    int off; /* the current step is shorter than h, so a new grid starts after it */
+    /* 1: the current step is shorter than h, so its end becomes the anchor of a new grid */
+    int off;
 };
 
 /* Progress of the integration, for the checks in src/integrate/grid.c. */
 struct pk_progress {
-    pk_real passed;                  /* sum of the lengths of all steps since init */
-    pk_real judged_passed, judged_t; /* at the last check: `passed` and time; trials; rejections */
+    pk_real passed; /* sum of the lengths of all steps since init */
+    /* values at the last check of progress: of `passed` and of t, and, in the next line, of the
+     * numbers of trial steps and of rejections */
+    pk_real judged_passed, judged_t;
     unsigned long judged, judged_rejections;
     pk_real longest;                  /* longest rejected step */
     unsigned long rounded_rejections; /* number of rejections when rounding was last measured */
-    pk_real rounded_step;             /* step size at that time; see src/core/rounding.c */
+    pk_real rounded_step; /* step size when rounding was last measured; see src/core/rounding.c */
 };
 
-/* Flags of src/constraints/singular_crossing.c: the last step crossed a singular position, the
- * state is near one, and the flags PK_SEEN... at the end of the step. */
+/* Flags of src/constraints/singular_crossing.c. crossed: the last step crossed a singular position;
+ * near: the state is near a singular position; seen: the bits PK_SEEN, PK_SEEN_LOW, PK_SEEN_DIPS
+ * for the end of the step. */
 struct pk_passing {
     int crossed, near, seen;
 };
 
 /* State of src/core/short_force_limiter.c. */
 struct pk_short_force {
-    int known, unlooked;   /* flag: start values are known; number of next steps not to check */
-    pk_real reach, rise;   /* limit of the next step, 0: none; limit of the step after it */
-    pk_real calm;          /* length of the last step in which the marks hardly changed */
-    pk_real range, varied; /* change of the marks in the trial step; its part near a short force */
+    /* known: flag: the values of the marks at the start of the step are known; unlooked: number
+     * of coming steps that are not checked */
+    int known, unlooked;
+    /* reach: largest length of the next step (0: no limit); rise: that of the step after it */
+    pk_real reach, rise;
+    pk_real calm; /* length of the last step in which the marks hardly changed */
+    /* range: largest change of a mark in the trial step; varied: the part of the change in which
+     * the force varies */
+    pk_real range, varied;
 };
 
-/* The last trial step that failed: the cause that is reported if the step size then underflows just
- * before reason.time. PK_DONE: none. */
+/* The failure of the last trial step that failed. If the step size then underflows just before
+ * reason.time, this failure is reported as the cause. status = PK_DONE: no trial step failed. */
 struct pk_trouble {
     enum pk_status status;
     struct pk_reason reason;
@@ -52,7 +62,8 @@ struct pk_trouble {
 
 /* The private part of an integrator, it->own; only for methods and the runtime. */
 struct pk_integrator_private {
-    /* Pointers, which a saved integrator (pk/keep.h) does not contain; all are before `slopes`. */
+    /* Pointers, which a saved integrator (pk/keep.h) does not contain. All members before `slopes`
+     * belong to this group. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* step function */
     pk_real *state, *next;  /* two states, with the parts listed in pk/step/numbers.h */
     pk_real *u, *work;      /* u: inputs at one time, then inputs for each lane */
@@ -67,9 +78,9 @@ struct pk_integrator_private {
     void *extra;            /* memory of a foreign library */
     size_t n_singularities; /* number of monitored values (pk_system_singularity_count()) */
 
-    int slopes;     /* flags of singularity.c: which slopes are known */
-    int ready;      /* a start was accepted; otherwise no step is made */
-    int made;       /* the tables that a method makes once are made */
+    int slopes;     /* flags of singularity.c (KNOWN, QUIET) */
+    int ready;      /* 1: init or reset accepted a start, so that steps can be made */
+    int made;       /* 1: the method has computed its tables, which it does only once */
     int direction;  /* direction of time, +1 or -1; 0 before the first step */
     int flags;      /* bits such as PK_HAVE_A */
     pk_real next_t; /* end of the current step */
@@ -101,18 +112,21 @@ static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_
     return it->own->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
 }
 
-/* For the first step size: infinity for the tolerance of a number that has been zero so far. */
+/* Returns a tolerance for the choice of the first step size: infinity instead of the tolerance of a
+ * number that has been zero so far. */
 static inline pk_real pk_scale_known(pk_real tolerance)
 {
     return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
 }
 
 PK_BEGIN
-/* Updates it->own->atol for a trial step of length h, in which rounding of forces accumulates. */
+/* Updates it->own->atol for a trial step of length h: the error by rounding of forces, which grows
+ * with h, is tolerated. */
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
 PK_END
 
-/* Returns whether the current step, of length h, was computed in a lane; it must then be taken. */
+/* Returns whether the current step, of length h, was computed in a lane. If so, the caller must use
+ * its result. */
 static inline int pk_is_ahead(const struct pk_integrator *it, pk_real h)
 {
     return pk_ahead_serves(it->own->ahead, it->t, h, it->own->next_t);
@@ -124,7 +138,8 @@ static inline int pk_waits(const struct pk_integrator *it)
     return it->own->ahead && it->own->ahead->waits;
 }
 
-/* Returns the first trial step, or the next one if a lane's trial was rejected. */
+/* Returns the first trial step of a step, or, if a trial step computed in a lane was rejected, the
+ * next one. */
 static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
 {
     if (pk_waits(it))
@@ -138,8 +153,8 @@ static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real l
     return x;
 }
 
-/* Prepares the next trial step, to it->own->next_t. Returns 0 if the step would be too short; also
- * if it became too short by growth factors below 1 after accepted steps. */
+/* Prepares the next trial step and sets its end, it->own->next_t. Returns 0 if the step would be
+ * too short, no matter whether rejections shortened it or factors below 1 after accepted steps. */
 static inline int pk_trial_next(struct pk_integrator *it, pk_real limit, struct pk_trial *x)
 {
     if (it->options.h_max > 0)
@@ -148,7 +163,8 @@ static inline int pk_trial_next(struct pk_integrator *it, pk_real limit, struct 
         return 0;
     x->lands = x->planned * PK_C(1.01) >= x->left || !(x->left > x->least);
     it->own->next_t = x->lands ? limit : it->t + x->sign * x->planned;
-    x->h = it->own->next_t - it->t; /* from rounded times, so that q and t stay consistent */
+    /* the difference of the rounded times, so that q and t stay consistent */
+    x->h = it->own->next_t - it->t;
     pk_scale_attempt(it, x->h);
     return 1;
 }
@@ -163,7 +179,8 @@ static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x,
     it->own->h = x->sign * planned;
 }
 
-/* Returns whether the next trial will be computed in a lane; the step then has no result. */
+/* Returns whether the next trial step, after a rejection, will be computed in a lane; if so, this
+ * call of step() ends without a result. */
 static inline int pk_waits_for(struct pk_integrator *it, const struct pk_trial *x)
 {
     struct pk_ahead *a = it->own->ahead;
@@ -174,8 +191,8 @@ static inline int pk_waits_for(struct pk_integrator *it, const struct pk_trial *
 }
 
 /* Accepts a trial step; next: the next step size. If the limit shortened this step and `cut` is
- * set, the next step has at least its planned size. After a step below round-off the size is
- * guessed anew, as for a first step. */
+ * set, the next step has at least its planned size. If the step was shorter than the round-off of
+ * t, the next step size is guessed as for a first step. */
 static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_trial *x, pk_real next,
                                    int cut)
 {
@@ -193,19 +210,24 @@ static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, p
 
 PK_BEGIN
 
-/* Copy `parts` parts of the new state, and the slopes of `stages` stages, from a lane. */
+/* pk_ahead_take() copies `parts` parts of the new state from a lane, pk_ahead_slopes() the slopes
+ * of `stages` stages. */
 void pk_ahead_take(struct pk_integrator *it, int part, int parts);
 void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages);
 int pk_all_finite(const pk_real *x, size_t count);
-/* Write the inputs at t (0 without an input function) to u, or to it->own->u. */
+/* pk_input() writes the inputs at t to u, pk_eval_input() to it->own->u. Without an input function
+ * inputs are 0. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
-/* Write the inputs at a state in the same way, with the problem's feedback. */
+/* pk_feedback() writes the inputs at the state (t, q, v) to u, pk_eval_feedback() to it->own->u.
+ * Both call the function `feedback` of the problem; if that is NULL, they do the same as pk_input()
+ * and pk_eval_input(). */
 void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                  pk_real *u);
 const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
                                 const pk_real *v);
-/* Returns the status for an acceleration that returned `failed`; sets it->reason. */
+/* Returns the status of a failed evaluation of the acceleration, which returned `failed`, and sets
+ * it->reason. */
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed);
 /* Calls system->lanes(), or acceleration() for each lane if the system has no kernel `lanes`. */

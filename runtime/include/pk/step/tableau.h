@@ -6,8 +6,8 @@
 
 #include <pk/step/numbers.h>
 
-/* An explicit Runge-Kutta method of s stages, y1 = y0 + h sum b_i k_i. The derivative at the new
- * point is stage number s (counted from 0) if `e` or `d` uses it. */
+/* An explicit Runge-Kutta method of s stages, y1 = y0 + h sum b_i k_i. If `e` or `d` uses the
+ * derivative at the new point y1, it counts as stage number s (the first is stage 0). */
 struct pk_tableau {
     int stages;
     const pk_real *c; /* s nodes, then the nodes of the extra stages after y1 */
@@ -23,7 +23,8 @@ struct pk_tableau {
 
     /* Dense output: extra stages, and rows of d over all stages; HNW II.6 (6.12)-(6.14). */
     int extra;
-    const pk_real *extra_a; /* s + 1 + i numbers for extra stage i */
+    /* coefficients of the extra stages: s + 1 + i numbers for extra stage i */
+    const pk_real *extra_a;
     int rows;
     const pk_real *d; /* rows of s + 1 + extra numbers */
 };
@@ -37,10 +38,11 @@ struct pk_splitting {
 
 /* The largest number of stages of an explicit method. */
 #define PK_MOST_STAGES 16
-/* PK_EACH_STAGE(X): X(i) for every stage that a table may have except the first. Code compiled for
- * one table is unrolled completely, so that rows become straight-line code without zeros; compilers
- * unroll only small loops without being told. PK_UNROLL_FEW: four iterations at a time, for loops
- * with an acceleration in each iteration. */
+/* PK_EACH_STAGE(X) expands to X(i) for every stage that a table may have, except the first. If code
+ * is compiled for one table, these loops are unrolled completely, so that the sums over stages
+ * become straight-line code without the zeros of the table; PK_UNROLL asks for this, since
+ * compilers unroll only small loops by themselves. PK_UNROLL_FEW unrolls four iterations at a time;
+ * it is for loops with an acceleration in each iteration. */
 #if defined PK_ANY_TABLE
 #define PK_EACH_STAGE(X)                     \
     for (int i = 1; i < PK_MOST_STAGES; i++) \
@@ -62,7 +64,8 @@ struct pk_splitting {
 #endif
 #endif
 
-/* Returns the sum of a_j k_j over rows k_j of m numbers, skipping zeros of a_j. */
+/* Returns number i of the vector sum a_j k_j, where the k_j are `count` successive vectors of m
+ * numbers. Terms with a_j = 0 are skipped. */
 static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
                                     size_t i)
 {
@@ -107,8 +110,8 @@ static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, c
         y[i] = y0[i] + h * pk_row_sum(a, count, k, m, i);
 }
 
-/* Computes v += kappa a, then q += delta v, from one state to another in one pass: fewer additions
- * wait for each other than in two passes. */
+/* Computes v += kappa a, then q += delta v; `from` has the old state, `to` receives the new one.
+ * One pass over the arrays is faster than two, since fewer additions wait for each other. */
 static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const pk_real *a,
                                     pk_real delta, const pk_real *from, pk_real *to)
 {
@@ -124,14 +127,15 @@ static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const p
         to[of_low_q + k] = low_q;
     }
     PK_LANE_LOOP
-    for (size_t k = n_q; k < n; k++) { /* the rest of v, which moves no q */
+    /* the rest of v, first-order variables, which move no coordinate */
+    for (size_t k = n_q; k < n; k++) {
         pk_real low = from[of_low_v + k];
         to[of_v + k] = pk_sum(from[of_v + k], kappa * a[k], &low);
         to[of_low_v + k] = low;
     }
 }
 
-/* Computes v += kappa a at the end of a step. */
+/* Computes v += kappa a in place: the last kick of a step. */
 static PK_INLINE void pk_kick(size_t n_q, size_t n, pk_real kappa, const pk_real *a, pk_real *to)
 {
     pk_real *v = pk_part(to, n_q, n, PK_V), *low = pk_part(to, n_q, n, PK_LOW_X);

@@ -3,8 +3,9 @@
  * satisfy their order conditions exactly (tools/compositions.py).
  *
  * The methods of Blanes and Moan are Runge-Kutta-Nystrom methods, which require a kinetic energy of
- * second degree in p; separable systems have one, also if time advances in the drift. All other
- * methods hold for any splitting into two flows.
+ * second degree in p; separable systems have such a kinetic energy, also if time, like a
+ * coordinate, advances in the drift. All other methods have their order for any splitting into two
+ * flows.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. ("GNI"),
  * I.1, II.4, V.3. */
@@ -19,7 +20,8 @@
 #endif
 
 /* clang-format off */
-/* Symmetric lists from their first half: of odd length (PK_MIRROR), even (PK_TWICE). */
+/* These macros write a symmetric list, given its first half: PK_MIRROR lists of odd length,
+ * PK_TWICE lists of even length. */
 #define PK_MIRROR_1(a) a
 #define PK_MIRROR_2(a, ...) a, PK_MIRROR_1(__VA_ARGS__), a
 #define PK_MIRROR_3(a, ...) a, PK_MIRROR_2(__VA_ARGS__), a
@@ -35,7 +37,8 @@
 #define PK_TWICE_4(a, ...) a, PK_TWICE_3(__VA_ARGS__), a
 #define PK_TWICE_5(a, ...) a, PK_TWICE_4(__VA_ARGS__), a
 #define PK_TWICE_6(a, ...) a, PK_TWICE_5(__VA_ARGS__), a
-/* Kicks of composed Verlet steps of given lengths: half of the sum of two successive lengths. */
+/* The kicks of a composition of Verlet steps of the given lengths. A kick is half of the sum of two
+ * successive lengths. */
 #define PK_HALF(a, ...) (a) / 2
 #define PK_KICKS_2(a, b) (a + b) / 2, (a + b) / 2
 #define PK_KICKS_3(a, b, ...) (a + b) / 2, PK_KICKS_2(b, __VA_ARGS__), (a + b) / 2
