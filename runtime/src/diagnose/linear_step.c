@@ -101,7 +101,7 @@ static const struct pk_method *formula(const struct pk_method *method)
     return method->formula ? method->formula : method;
 }
 
-/* Returns whether the steps of f have no fixed map. */
+/* Returns whether the steps of method f are not all the same linear map. */
 static int varies(const struct pk_method *f)
 {
     return f->release || (f->order == 0 && !(f->traits & PK_EXACT));
@@ -109,7 +109,8 @@ static int varies(const struct pk_method *f)
 
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient)
 {
-    pk_real power[PK_MOST_STAGES], next[PK_MOST_STAGES]; /* A^k times the vector of ones */
+    /* A^k times a vector of ones, where A is the table's matrix */
+    pk_real power[PK_MOST_STAGES], next[PK_MOST_STAGES];
     const int s = table->stages;
     for (int i = 0; i < s; i++)
         power[i] = 1;
@@ -170,7 +171,7 @@ enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, p
         turn(splitting, y, map);
         return PK_DONE;
     }
-    if (tableau) { /* R(iy) = x + i w rotates and scales in the basis of the eigenvector (1, i) */
+    if (tableau) { /* multiplies q - i v by the stability function R(iy), a rotation with scaling */
         pk_real c[PK_MOST_STAGES + 1], part[2] = {0, 0}, power = 1;
         const int s = pk_tableau_polynomial(tableau, c);
         for (int k = 0; k <= s; k++, power *= y)

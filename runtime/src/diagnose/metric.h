@@ -15,15 +15,15 @@
 #include "../core/internal.h"
 
 struct pk_metric {
-    size_t n, seen; /* number of components of dv; of dq */
+    size_t n, seen; /* n: number of components of dv; seen: of dq */
     pk_real tau;
-    pk_real *L; /* M = L D L^T, both in one n by n array */
+    pk_real *L; /* L and D of M = L D L^T in one n by n array */
 };
 
 /* Returns the number of pk_real of L. */
 size_t pk_metric_reals(size_t n);
-/* Initialises the metric at a state of the motion of `variation`; tau is `otherwise` if dr/dq is
- * 0. */
+/* Initialises the metric at a state of the motion of `variation`. If dr/dq is 0, tau is set to
+ * `otherwise`. */
 enum pk_status pk_metric_init(struct pk_metric *metric, const struct pk_variation *variation,
                               pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
                               pk_real otherwise, pk_real *memory);

@@ -66,7 +66,7 @@ static enum pk_status there_and_back(struct trial *w, struct pk_reversal *revers
     for (size_t i = 0; i < 2 * w->it->n; i++) {
         const pk_real miss = off(w, i);
         reversal->at[at].absolute = pk_max(reversal->at[at].absolute, miss);
-        if (miss > 0) /* an error in a constant component counts as 1 */
+        if (miss > 0) /* an error in a component that never moves counts as 1 */
             reversal->at[at].error =
                 pk_max(reversal->at[at].error, w->reach[i] > 0 ? miss / w->reach[i] : 1);
     }

@@ -54,7 +54,8 @@ static void momentum_slope(struct parts *w, pk_real t, const pk_real *q, const p
     of->system->jacobian(of->params, t, q, v, inputs(w, t), w->J, w->J + nn, w->J + 2 * nn);
 }
 
-/* Sets unit displacement j of (Q, P), as (dq, dv), after the initial state in w->Q, w->V. */
+/* Sets the displacement in w->Q, w->V, which follows the initial state in each: the unit vector j
+ * of (Q, P), converted to (dq, dv). */
 static void displace(struct parts *w, pk_real t, size_t j)
 {
     const size_t n = w->n;

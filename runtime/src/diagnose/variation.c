@@ -204,8 +204,9 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     variation->v = variation->work + 4 * variation->n * variation->n;
     variation->a = variation->v + variation->n;
     variation->b = variation->a + variation->n;
-    /* p of a displacement depends on q, and on v too unless M is constant. The mass kernel lacks
-     * these terms of dp/dv, so that PK_QUADRATIC does not hold then. */
+    /* The momentum p of a displacement depends on q of the motion, and also on v unless M is
+     * constant. The mass kernel lacks the terms of dp/dv due to v, so that PK_QUADRATIC does not
+     * hold then. */
     unsigned kept = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS | PK_SMOOTH | PK_MASS_DIAGONAL |
                     PK_AFFINE | PK_LINEAR_DRAG;
     if (system->facts & PK_MASS_CONSTANT)

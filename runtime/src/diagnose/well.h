@@ -1,5 +1,5 @@
-/* One degree of freedom with t held constant: L = M v^2/2 + b v - W, and the turning points of its
- * motion. */
+/* A motion of energy h with one degree of freedom, with t held constant: L = M v^2/2 + b v - W,
+ * where W is the potential; and its turning points, the roots of h - W. */
 #ifndef PK_WELL_H
 #define PK_WELL_H
 
@@ -12,8 +12,8 @@ struct pk_well {
     const void *params;
     pk_real t;
     const pk_real *u;
-    pk_real longest;     /* longest panel of a march */
-    pk_real most, least; /* largest h - W on the march; least minimum of h - W */
+    pk_real longest;     /* length of the longest panel (interval) of a march */
+    pk_real most, least; /* largest h - W on the march; least local minimum of h - W */
 };
 
 /* A root of h - W, or a full turn, that a march has found. */
@@ -27,7 +27,7 @@ pk_real pk_well_mass(const struct pk_well *w, pk_real q);
 pk_real pk_well_linear(const struct pk_well *w, pk_real q); /* b */
 /* Integrates the force at q + x over x from a to b, by the Gauss-Legendre rule of order 12. */
 pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b);
-/* Marches from q, where h - W is U, in one direction until h - W is 0 or a turn is complete. */
+/* Marches from q, where h - W is U, in one direction until h - W is 0 or a full turn is complete. */
 struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction);
 
 #endif

@@ -1,4 +1,5 @@
-/* A block of members with the same fixed steps at the same times, from row to row. */
+/* Integrates a block of members that make the same fixed steps at the same times, from one output
+ * row to the next. */
 #include <string.h>
 
 #include "../core/attitude.h"
@@ -74,8 +75,8 @@ static void together(struct pk_block *b, pk_real from, pk_real end, pk_real h)
         b->from[l] = from, b->end[l] = end, b->h[l] = h;
 }
 
-/* Repeats the last step, but only to t, into b->spare, like pk_integrator_aside(). Returns the
- * lanes that failed. */
+/* Repeats the last step, but only as far as time t, and stores the state there in b->spare, like
+ * pk_integrator_aside(). Returns the lanes that failed. */
 static unsigned long long aside(const struct pk_block *of, const struct pk_block_stepper *s,
                                 const struct pk_integrator *clock, pk_real t)
 {

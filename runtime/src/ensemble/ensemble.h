@@ -12,7 +12,8 @@ int pk_ensemble_stopped(const struct pk_ensemble *e);
 static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
 /* A member in the memory block, followed by its integrator's memory. Members in lanes share one
- * integrator, unless there are singularities: each lane then has one that watches for these. */
+ * integrator, unless the system has singularities: each lane then has its own integrator, which
+ * watches for singularities. */
 struct pk_member {
     struct pk_integrator it;
     struct pk_constant_input input;

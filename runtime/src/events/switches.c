@@ -49,7 +49,8 @@ void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
     memcpy(e->trial_v, it->v, e->n * sizeof *e->trial);
 }
 
-/* Sets sides until none changes, since arguments may contain other switches. */
+/* Sets the sides of all switches. Repeats this until no side changes, since the argument of a
+ * switch may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
     pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);

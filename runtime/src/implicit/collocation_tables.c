@@ -85,7 +85,8 @@ void pk_collocation(const struct pk_gauss *table, pk_real *c, pk_real *b, pk_rea
             for (int j = 0; j < s; j++)
                 mu[i * s + j] += integral[i][k] * P[j][k] / square;
     }
-    for (int i = 0; i < s && !table->c; i++) { /* conjugate numbers sum to 1 exactly */
+    /* conjugate numbers, mu_ij and mu_ji, sum to 1 exactly */
+    for (int i = 0; i < s && !table->c; i++) {
         mu[i * s + i] = PK_C(0.5);
         for (int j = 0; j < i; j++)
             mu[j * s + i] = 1 - mu[i * s + j];

@@ -49,8 +49,9 @@ int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_all_finite(w->G, s * n);
 }
 
-/* Computes the size of the correction G relative to each coordinate's own scale, and relative to a
- * shared scale that tolerates errors of coordinates at rest among moving coordinates. */
+/* Computes the size of the correction in w->G, relative to each coordinate's own scale and relative
+ * to scales that share part of the largest one. The shared scales tolerate errors of coordinates
+ * that are at rest while others move. */
 static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w, pk_real *own,
                   pk_real *shared)
 {
@@ -128,9 +129,9 @@ void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work 
         }
 }
 
-/* Returns whether a slow iteration diverges: the largest of 25 corrections is not less than the
- * largest of the 25 before. Single corrections may oscillate, since the eigenvalues of h^2 A^2 are
- * complex. */
+/* Returns whether a slow iteration diverges: the largest of the last 25 corrections is not less
+ * than the largest of the 25 corrections before them. Single corrections may oscillate, since the
+ * eigenvalues of h^2 A^2 are complex, where A is the method's matrix. */
 static int rising(pk_real size, int count, pk_real *window)
 {
     window[0] = pk_max(window[0], size);
