@@ -14,16 +14,18 @@
 
 enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 
-/* FAST, SURE: largest ratio of successive corrections above FAR for which the solution counts as
- * the one nearest the guess, with M and by Newton's method. GENTLE: limit of the change of r - M V
- * in the step, relative to the rates. FIRST, SHORTEST: fractions of the step, for follow(). */
+/* The solution counts as the one nearest the guess if the largest ratio of successive corrections
+ * above FAR is at most FAST (iteration with M) or SURE (Newton's method). GENTLE is the limit of
+ * the change of r - M V in the step, relative to the rates. FIRST and SHORTEST are the first and
+ * the least part of the step in follow(). */
 #define FAR PK_C(0.1)
 #define FAST PK_C(0.7)
 #define SURE PK_C(0.5)
 #define GENTLE PK_C(0.5)
 #define FIRST PK_C(0.125)
 #define SHORTEST (PK_C(1.0) / 16777216)
-/* In units of the rounding of phi: of its terms and of q1 = q0 + h V; see project.c. */
+/* A phi up to this counts as 0, in units of its rounding error, which comes from the terms of phi
+ * and from q1 = q0 + h V; see project.c. */
 #define ROUND PK_C(4.0)
 #define STALLED (PK_C(1024.0) * PK_EPS)
 
@@ -96,8 +98,8 @@ static void set_scale(struct pk_variational_work *w)
 }
 
 /* Raises the scale after the first correction to at least the change of rates in the step, in the
- * metric of M, so that rates that begin at 0 have a scale too. Sets w->jump, without first-order
- * variables that begin at 0, which had no scale. */
+ * metric of M, so that rates that begin at 0 have a scale too. Sets w->jump to the size of this
+ * correction, without first-order variables that begin at 0, since these had no scale. */
 static void raise_scale(struct pk_variational_work *w)
 {
     const pk_real *v = pk_variational_to(w, PK_V);
@@ -223,8 +225,9 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
     return PK_DONE;
 }
 
-/* Returns whether forces at the middle are close to those at the start, or momenta at the end to
- * those at the start, so that the iteration contracts for all shorter steps too. */
+/* Returns whether the forces at the middle are close to those at the start or, with `ends`, the
+ * momenta at the end are close to those at the start. The iteration then contracts for all shorter
+ * steps too. */
 static int is_gentle(struct pk_variational_work *w)
 {
     for (size_t k = 0; k < w->n; k++) {
