@@ -142,7 +142,8 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
     return pk_abs(back) > longest;
 }
 
-/* Returns whether a first correction is too large to be the error of a step. */
+/* Returns whether the first correction of a step is too large to be due to the error of the step.
+ * */
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
                const pk_real *q, const pk_real *y, int of_rates)
 {
@@ -159,8 +160,8 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
            correction_in_tolerances(it, w->d, y, of_rates ? it->n_q : 0, count) > 1;
 }
 
-/* Corrects positions or, after these, rates. J does not depend on rates, so apart from rounding one
- * correction of rates suffices. */
+/* Corrects positions or, once they are corrected, rates. J does not depend on rates, so that apart
+ * from rounding one correction of rates suffices. */
 static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
                               pk_real *v, pk_real *low_q, pk_real *low_v, int of_rates, int *moved)
 {

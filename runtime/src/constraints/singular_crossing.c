@@ -4,11 +4,12 @@
  * constraints, are magnified, and steps may turn into another branch.
  *
  * sigma is the least part of a row that is independent of previous rows, in the metric of M and
- * relative to the largest such part of that row. It falls to 0 linearly in time. Before it does, a
- * Gauss step is made across the position, with stages that are not near it. Each stage is predicted
- * by the smooth motion and projected onto the constraints before its acceleration is computed.
- * Projection must move stages and end by less than SURE of the distance covered: other branches are
- * farther away. The step needs no history, so it serves all methods.
+ * relative to the largest such part of that row. It falls to 0 linearly in time. Before sigma is 0,
+ * a Gauss step is made across the position, with stages that are not near the position. Each stage
+ * is predicted by the smooth motion and projected onto the constraints before its acceleration is
+ * computed. Projection must move the stages and the end of the step by less than the fraction SURE
+ * of the distance covered, since other branches are farther away. The step needs no history, so it
+ * serves all methods.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2
  * (collocation).
@@ -29,7 +30,8 @@ enum { FEWEST = 6, ROUNDS = 60 };
 #define SHORTER PK_C(0.8)
 #define ACCEPT PK_C(10.0) /* limit of the error in tolerances, as in the adaptive Gauss method */
 
-/* Computes weights of the stages for the integral over the fraction `to` of the step. */
+/* Computes w such that the sum of w_j times the value at stage j is the integral over the fraction
+ * `to` of the step. */
 static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_real *w)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);

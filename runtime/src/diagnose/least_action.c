@@ -75,12 +75,12 @@ static void modes_at(const struct pk_least_action *found, pk_real t, struct node
     }
 }
 
-/* Returns L = p.v - h; *size is |p.v| + |h|. */
+/* Returns the Lagrangian L = p.v - h, where h is the energy; *size is |p.v| + |h|. */
 static pk_real lagrangian(const struct pk_problem *of, struct node *x, pk_real t, const pk_real *q,
                           const pk_real *v, size_t n, pk_real *size)
 {
     pk_input(of, t, x->u);
-    of->system->canonical(of->params, t, q, v, x->u, x->p, x->g); /* no forces: pdot is dL/dq */
+    of->system->canonical(of->params, t, q, v, x->u, x->p, x->g); /* pdot is dL/dq without forces */
     const pk_real h = of->system->energy(of->params, t, q, v, x->u);
     pk_real work = 0;
     for (size_t i = 0; i < n; i++)

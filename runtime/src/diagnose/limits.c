@@ -1,5 +1,6 @@
-/* Limits of the step size on linear equations: the first point where steps grow, searched on a
- * grid, which is refined at maxima, and bisected. See pk/limits.h. */
+/* Limits of the step size on linear equations: the least step size at which a step makes solutions
+ * grow. It is searched for on a grid, which is refined at maxima of growth, and then bisected. See
+ * pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"

@@ -1,5 +1,5 @@
-/* The map of one step on linear equations: from the method's table, or by steps from two initial
- * states of a system of one coordinate. See pk/limits.h. */
+/* The map of one step on linear equations. It comes from the method's table, or from one step of a
+ * system with one coordinate for each of two initial states. See pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"
@@ -44,7 +44,7 @@ static void jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
 static void linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
 {
     (void)a;
-    jacobian(params, t, q, v, u, r_t, r_q, r_v); /* r = pdot, M = 1, and nothing depends on t */
+    jacobian(params, t, q, v, u, r_t, r_q, r_v); /* r = pdot: M is 1 and nothing depends on t */
 }
 
 static void fast(ARGS, pk_real *a)
@@ -83,7 +83,7 @@ static enum pk_status run(const struct pk_method *method, struct spring params, 
         return PK_BLOCK_TOO_SMALL;
     if (params.damping > 0 || params.damping < 0)
         system.facts = DAMPED;
-    options.h = options.h_max = h; /* allows one step of any method */
+    options.h = options.h_max = h; /* lets any method reach h in one step */
     options.rtol = options.atol = PK_C(1e10);
     enum pk_status status =
         pk_integrator_init(&it, &problem, method, &options, 0, q, v, block, sizeof block);

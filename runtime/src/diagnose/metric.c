@@ -7,8 +7,8 @@ size_t pk_metric_reals(size_t n) { return n * n; }
 
 static pk_real root(const struct pk_metric *m, size_t i) { return PK_F(sqrt)(m->L[i * m->n + i]); }
 
-/* x = C^T x, C x, C^-T x, C^-1 x in place: each loop only reads numbers that it has not
- * overwritten. */
+/* These functions compute x = C^T x, C x, C^-T x, C^-1 x in place: each loop only reads numbers
+ * that it has not overwritten. */
 static void times_Ct(const struct pk_metric *m, pk_real *x)
 {
     for (size_t i = 0; i < m->n; i++) {

@@ -32,7 +32,7 @@ static pk_real off(const struct trial *w, size_t i)
 {
     const size_t n = w->it->n;
     if (i < n && i >= pk_system_coordinates(w->problem->system, w->problem->params))
-        return 0; /* first-order variables have no coordinate */
+        return 0; /* first-order variables are in v only */
     return pk_abs(i < n ? w->it->q[i] - w->q0[i] : w->it->v[i - n] - w->v0[i - n]);
 }
 

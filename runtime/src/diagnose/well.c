@@ -82,9 +82,9 @@ static pk_real root_of(struct place *p, pk_function f, pk_real far)
     return far;
 }
 
-/* Returns whether h - W has a root within the distance `far`, and sets *distance to it. Behind a
- * low barrier h - W may be positive again, so its minimum is searched where the force changes
- * sign. */
+/* Returns whether h - W has a root within the distance `far` from p, and sets *distance to its
+ * distance. Beyond a low barrier, h - W may be positive again; so where the force changes sign, the
+ * minimum of h - W is computed. */
 static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least, pk_real *distance)
 {
     pk_real before, behind, U, to = far;

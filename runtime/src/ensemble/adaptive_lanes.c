@@ -15,7 +15,7 @@
 #include "lanes.h"
 
 enum {
-    FEW = 8,  /* lanes are not used if at most 1/8 of them have a step */
+    FEW = 8,  /* lanes are not used if at most 1/8 of them have a step to make */
     MANY = 32 /* limit of steps made in one call */
 };
 
@@ -116,7 +116,7 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
     }
 }
 
-/* Advances the state of these lanes to the end of their steps. */
+/* Advances the state of the given lanes to the end of their steps. */
 static void advance(struct pk_lanes *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
@@ -297,7 +297,7 @@ void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes)
     advance(a, made);
     a->single = a->idle = 0;
     const unsigned long long live = enter(a, lanes);
-    if (bits(live) * FEW <= a->lanes) /* steps without lanes are faster */
+    if (bits(live) * FEW <= a->lanes) /* for few steps it is faster not to use lanes */
         return;
     rest(a, live);
     for (size_t l = 0; l < a->lanes; l++)

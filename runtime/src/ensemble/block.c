@@ -5,7 +5,8 @@
 #include "../core/attitude.h"
 #include "ensemble.h"
 
-/* Ends the members in lanes `bits` with `status`; from then on their lanes repeat another lane. */
+/* Ends the members in lanes `bits` with `status`. From then on these lanes repeat the numbers of
+ * another lane. */
 static void retire(struct pk_block *b, const struct pk_ensemble *e, size_t first,
                    unsigned long long bits, enum pk_status status, unsigned long long *live)
 {

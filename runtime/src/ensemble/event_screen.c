@@ -193,7 +193,8 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
         const pk_real x = (1 - pk_events_cosines[j * STRIDE]) / 2;
         if (j > 0 && j < N)
             between(s, b, x);
-        if (j == 0 && !(of & ~known)) /* values are known from the last step */
+        /* values at the start are those at the end of the last step */
+        if (j == 0 && !(of & ~known))
             continue;
         const pk_real *state = j == 0 ? b->state : j < N ? s->trial : b->next;
         for (size_t l = 0; l < W; l++)
@@ -209,7 +210,7 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
     for (size_t l = 0; l < W; l++)
         if (of >> l & 1 && !bad[l])
             clear |= 1ull << l;
-    /* The last sample is the first sample of the next steps. */
+    /* The last sample of these steps is the first sample of the next steps. */
     memcpy(s->g, s->g + (size_t)N * s->functions * W, s->functions * W * sizeof *s->g);
     return clear;
 }

@@ -1,7 +1,7 @@
 /* The impulse at a switch s(q, t) = 0 across which L or a constraint jumps: the corner condition of
- * Weierstrass and Erdmann. Before it, momenta are p- and the energy is h-. After it, rates are v+,
- * with an impulse alpha along the gradient s_q, and impulses Lambda along the constraint rows J v +
- * j0 = 0 of the new side:
+ * Weierstrass and Erdmann. Before the switch, momenta are p- and the energy is h-. After it, rates
+ * are v+, with an impulse alpha along the gradient s_q, and impulses Lambda along the constraint
+ * rows J v + j0 = 0 of the new side:
  *
  *     p(v+) = p- + alpha s_q + J^T Lambda,   J v+ + j0 = 0,
  *     E = h(v+) - h- + alpha s_t + Lambda.j0 = 0.

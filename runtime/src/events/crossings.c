@@ -81,8 +81,8 @@ static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
     return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
 }
 
-/* Adds a node at x, unless x is before the last node. After the first switch in the list there is
- * no motion, so that the last node is just after it. */
+/* Adds a node at x, unless x is before the last node. Crossings after the first switch in the list
+ * are not searched for, so that the last node is just after this switch. */
 static enum pk_status settle(struct along *a, pk_real x)
 {
     const int behind = x > a->e->near;

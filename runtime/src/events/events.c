@@ -15,7 +15,7 @@
 #include "events.h"
 
 enum { HALVINGS = 20 }; /* limit of steps towards a singularity, each by half of the time left */
-enum { SHORTER = 17 };  /* retries of a step, each 8 times shorter */
+enum { SHORTER = 17 };  /* limit of retries of a step, each 8 times shorter */
 #define GROWTH PK_C(64.0)
 enum { ROUNDINGS = 16 }; /* limit, in units in the last place, of a value that counts as 0 */
 
@@ -212,7 +212,7 @@ static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int 
  * the state change by some units in the last place. */
 static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, size_t k)
 {
-    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* signs of the changes */
+    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* signs of the changes of numbers */
     enum { OFF = sizeof off / sizeof *off };
     const pk_real small = PK_C(1e-6);
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -246,7 +246,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     return found;
 }
 
-/* Undoes the last step, and the error scale that it has set. */
+/* Undoes the last step, and forgets the error scale that this step has set. */
 static enum pk_status take_back(struct pk_events *e, struct pk_integrator *it)
 {
     it->own->progress.passed -= pk_abs(it->t - e->from);

@@ -45,13 +45,14 @@ static inline pk_real *pk_events_sample(const struct pk_events *e, int j)
     return e->g + pk_events_count(e) * (size_t)j;
 }
 
-/* Returns all g at the start (0) or the end (1) of the step. */
+/* Returns the values of all functions at the start (0) or the end (1) of the step. */
 static inline pk_real *pk_events_end(const struct pk_events *e, int end)
 {
     return e->ends + (end ? pk_events_count(e) : 0);
 }
 
-/* Returns the time at the distance x from the start of the step, along the motion. */
+/* Returns the time t of a point of the step. x is the time from the start of the step to this
+ * point, positive also in a motion backwards in time. */
 static inline pk_real pk_events_time(const struct pk_events *e, const struct pk_integrator *it,
                                      pk_real x)
 {
@@ -91,7 +92,7 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it);
 /* cos(pi j / 16). pk_events_node() returns the time of sample j from the start of the step. */
 extern const pk_real pk_events_cosines[PK_MOST_SAMPLES + 1];
 pk_real pk_events_node(const struct pk_events *e, int j);
-/* Evaluates all g at a state. */
+/* Evaluates all event and switch functions g at a state. */
 void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                          const pk_real *q, const pk_real *v, pk_real *g);
 /* Copies the caller's params into e->params, which `it` uses during a step. */

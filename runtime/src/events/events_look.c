@@ -132,14 +132,14 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         most = pk_max(most, g);
         finite &= pk_finite(g);
     }
-    const int far = pk_max(least, -most) > 4 * (most - least); /* all g are far from zero */
+    const int far = pk_max(least, -most) > 4 * (most - least); /* all samples are far from zero */
     shape->order = N;
     shape->range = most - least;
     shape->clear = far;
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* makes |c_0| exceed the other terms */
+    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* if far: makes |c_0| exceed the other terms */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
@@ -159,7 +159,8 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->tail = tail;
     shape->others = others + tail;
     shape->lost = shape->crosses && tail > shape->range / 16;
-    /* A jump is unresolved even in the narrowest window, and its samples are monotone. */
+    /* The function has a jump if it is unresolved even in the narrowest window, with monotone
+     * samples. */
     for (int j = 0; j < SAMPLES; j += stride) {
         const pk_real step = pk_events_sample(e, j + stride)[k] - pk_events_sample(e, j)[k];
         back += pk_abs(step);

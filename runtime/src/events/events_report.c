@@ -80,7 +80,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
         const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
         const int stop = tell(e, it, entry);
-        if (it->status < 0) /* a step failed, or dense output in found() */
+        if (it->status < 0) /* a step failed, or the dense output that found() asked for */
             return it->status;
         const int is_switch = entry[1] >= (pk_real)e->n_events;
         if ((stop || is_switch) && !stopped && !passed)

@@ -16,7 +16,8 @@
  * constraint row or a second switch. */
 enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
-/* Moves switch k to its other side, and the switches whose arguments contain it. */
+/* Moves switch k to its other side, and moves the switches whose arguments contain switch k if
+ * their arguments change sign. */
 static void turn(struct corner *x, size_t k, pk_real side)
 {
     struct pk_events *e = x->e;

@@ -167,7 +167,8 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
-/* Checks that M is positive definite at the stages; other checks cover the ends of the step. */
+/* Checks that M is positive definite at the stages; M at the ends of the step is checked elsewhere.
+ * */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     const size_t n_q = it->n_q, n = it->n;

@@ -101,7 +101,7 @@ void pk_gauss_make_matrices(struct pk_gauss_matrices *M)
     memset(M, 0, sizeof *M);
     for (int l = 0; l < S; l++) {
         pk_legendre(c[l], c[S - 1 - l], S, P, I[l]);
-        I[l][S] = 0; /* the interpolant of degree 7 has no term P_8 */
+        I[l][S] = 0; /* the interpolant has degree 7, so that it has no term P_8 */
         for (int k = 0; k < S; k++)
             M->powers[k * S + l] = k ? M->powers[(k - 1) * S + l] * c[l] : 1;
     }

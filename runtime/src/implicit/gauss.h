@@ -8,7 +8,8 @@
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* Relative corrections below this that no longer decrease are round-off, not divergence. */
+/* Corrections whose relative size is below this and no longer decreases are round-off: the
+ * iteration does not diverge. */
 #define PK_GAUSS_ROUND (PK_C(16384.0) * PK_EPS)
 /* An iteration ends at this relative error: the sum of 1e8 such errors is at most the round-off of
  * as many steps. */
@@ -76,8 +77,9 @@ struct pk_gauss_work {
     struct pk_gauss_kept *kept;
 };
 
-/* The matrix of an iteration. SIMPLIFIED: Newton's at the predicted stages; FULL: Newton's,
- * recomputed in each iteration; BY_MASS: M (fixed-point iteration). */
+/* The matrix of an iteration. PK_SIMPLIFIED: Newton's matrix at the predicted stages. PK_FULL:
+ * Newton's matrix, recomputed in each iteration. PK_BY_MASS: M, which makes a fixed-point
+ * iteration. */
 enum pk_gauss_mode { PK_SIMPLIFIED, PK_FULL, PK_BY_MASS };
 
 /* In gauss_work.c. Returns the work arrays of an integrator; they and `kept` are in its block. */
@@ -124,7 +126,7 @@ void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *
  * stages have the same derivatives. */
 void pk_gauss_matrix(const struct pk_gauss_work *w, const pk_real *J, size_t stride, pk_real tau,
                      pk_real mass, const struct pk_band *matrix);
-/* Computes and factors the matrix of `mode`: in w->jacobian for BY_MASS, otherwise in w->lu.
+/* Computes and factors the matrix of `mode`: in w->jacobian for PK_BY_MASS, otherwise in w->lu.
  * Returns 0 if it is singular. */
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
 /* The function pk_method.equations: returns the dense w->lu of the last step, or NULL. */

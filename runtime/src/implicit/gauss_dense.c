@@ -26,10 +26,10 @@
 
 enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
 
-/* length of the shortest piece relative to the step */
+/* length of the shortest piece of a step, relative to the step */
 #define LEAST PK_C(0x1p-10)
 
-/* Work arrays after those of the step. */
+/* Work arrays of dense output, which follow those of the step. */
 struct parts {
     pk_real *node, *weight;
     pk_real *P, *to_alpha; /* row k: P_k at the nodes; matrix from a at the nodes to alpha */

@@ -62,7 +62,8 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it)
     return it->own->flags & PK_HAVE_LU && w.pattern.dense ? w.lu.corner : NULL;
 }
 
-/* Computes y >= |M^-1 X| x with |M^-1| <= (comparison matrix)^-1, which is factored in w->M. */
+/* Computes an upper bound y of |M^-1 X| x. For |M^-1| it uses the inverse of the comparison matrix,
+ * which is factored in w->M and bounds |M^-1| from above. */
 static void add_sizes(const struct pk_gauss_work *w, const pk_real *M, const pk_real *x, pk_real *y)
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border, s = w->s;
@@ -180,7 +181,7 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
         if (!(size > TINY) || !pk_finite(size))
             return size;
         growth[turn] = size;
-        if (turn >= 4) { /* far from the threshold a few iterations suffice */
+        if (turn >= 4) { /* if the radius is far from the threshold, a few iterations suffice */
             const pk_real one = growth[turn - 1], two = growth[turn - 2];
             const pk_real most = pk_max(size, pk_max(one, two));
             const pk_real least = pk_min(size, pk_min(one, two));

@@ -112,7 +112,7 @@ void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
             pk_gauss_mass_solve(w, w->jacobian, w->G + i * n);
     else
         pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
-    for (size_t k = 0; k < m; k++) { /* G becomes the change of V after rounding */
+    for (size_t k = 0; k < m; k++) { /* G becomes the change of V, including its rounding */
         const pk_real before = w->V[k];
         w->V[k] -= w->G[k];
         w->G[k] = before - w->V[k];
@@ -143,13 +143,13 @@ static int rising(pk_real size, int count, pk_real *window)
     return up;
 }
 
-/* Keeps the matrix for the next step unless that needs more iterations than a new matrix. If it
- * does, the matrix is recomputed for some steps, twice as many each time, before it is kept
- * again. */
+/* Keeps the matrix for the next step unless this step took more iterations than one with a new
+ * matrix. In that case the matrix is recomputed for some steps before it is kept again; their
+ * number doubles each time. */
 static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh, int count)
 {
     if (!(it->own->flags & PK_HAVE_STEP)) {
-        it->own->flags |= PK_REFRESH; /* the prediction was missing, so the count is no measure */
+        it->own->flags |= PK_REFRESH; /* stages were not predicted, so count is no measure */
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
@@ -200,8 +200,8 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return 0;
         const pk_real rate = count ? size / before : PK_C(1.0);
-        /* If the matrix does not change, one correction is enough. Further corrections are the
-         * round-off of forces whose terms cancel, near rest. */
+        /* With an unchanged matrix, one correction is enough. Further corrections, near rest, are
+         * the round-off of forces whose terms cancel. */
         const int same = mode == PK_FULL && count && changed(w) <= PK_GAUSS_STEADY;
         stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
         if (stuck >= 4) {

@@ -4,7 +4,7 @@
 
 #include "gauss.h"
 
-/* Work arrays after those of the stages. */
+/* Work arrays of the Radau method, which follow those of the stages. */
 struct pk_radau_parts {
     struct pk_band E;
     pk_real *pdot, *dq, *dv, *of_q, *of_v, *x;

@@ -83,7 +83,7 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         pk_variational_momenta(it, w->end, q, v, w->p, w->f_start);
         if (!pk_all_finite(w->p, w->m))
             return PK_NOT_FINITE;
-        if (count == 0 || !quadratic) /* M does not change later */
+        if (count == 0 || !quadratic) /* if L is quadratic, M is constant in this iteration */
             PK_TRY(matrices(it, w, q, v));
         left = 0;
         for (size_t k = 0; k < w->m; k++)

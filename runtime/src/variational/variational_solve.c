@@ -80,7 +80,8 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
         w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
     }
-    if (w->c && !w->whole) { /* uses the shortest motion in the metric of M */
+    /* motion that changes phi by its terms, the shortest in the metric of M */
+    if (w->c && !w->whole) {
         w->at.system->constraints.solve(w->at.params, NULL, w->at.phi_size, w->spare, w->at.mu);
         for (size_t k = 0; k < w->m; k++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->spare[k] / w->h));
@@ -138,7 +139,8 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
                     w->kick, w->pull);
 }
 
-/* Returns 1 if it converges. Sets *sign to the sign of the last determinant. */
+/* Iterates from V and w->kick. Returns 1 on convergence, otherwise 0. Sets *sign to the sign of the
+ * last determinant. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
@@ -153,7 +155,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
             return 0;
         pk_variational_residual(w, w->dV);
         const pk_real off = w->c ? broken(it, w) : 0;
-        if (small && off <= ROUND) /* all results belong to this V */
+        if (small && off <= ROUND) /* p, f and phi belong to this V */
             return 1;
         if (count == 0)
             set_scale(w);

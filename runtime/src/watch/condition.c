@@ -225,7 +225,7 @@ void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
         most(&c->lost, PK_INFINITY, t);
         return;
     }
-    pk_real *const terms = w.pivot; /* the pivots are not in use yet */
+    pk_real *const terms = w.pivot; /* `pivot` is not in use yet */
     most(&c->mass, of_ldl(&w, at.M, m), t);
     for (size_t i = 0; i < m; i++) {
         w.lost[i] = terms[i] = 0;

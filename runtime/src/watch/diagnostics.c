@@ -143,7 +143,7 @@ const char *pk_growth_text(enum pk_growth growth)
     return (unsigned)growth < PK_GROWTH_COUNT ? text[growth] : "?";
 }
 
-/* Returns the number of momenta; 0 if the system does not say which are constant. */
+/* Returns the number of momenta, or 0 if the system does not tell which momenta are constant. */
 static size_t momenta_of(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
@@ -189,7 +189,7 @@ static void raise_scale(struct pk_drift *drift, pk_real size)
         drift->scale = size;
 }
 
-/* Evaluates all constants at a state: momenta, then those of `conserve`. */
+/* Evaluates all constants at a state: the momenta, then the values of the kernel `conserve`. */
 static void constants(const struct pk_problem *of, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *pdot, pk_real *x)
 {
