@@ -9,16 +9,13 @@
 #include "../core/tableau.h"
 #include "singular_crossing.h"
 
-#define AHEAD PK_C(2.0) /* an adaptive method crosses a root of sigma that is fewer steps ahead */
-/* it also crosses if sigma is below this, since its steps may be very short */
-#define EARLY PK_C(0.1)
-/* after a failed crossing, sigma must fall to this fraction before another one */
-#define LESS PK_C(0.6)
-/* a fixed-step method crosses a root of sigma that is fewer steps ahead */
-#define LONG PK_C(1.25)
-#define MIDDLE PK_C(0.75) /* if that root is more steps ahead, two steps cross it, otherwise one */
+#define AHEAD PK_C(2.0)   /* an adaptive method crosses a root of sigma fewer steps ahead */
+#define EARLY PK_C(0.1)   /* an adaptive method also crosses at any sigma below this */
+#define LESS PK_C(0.6)    /* after a failed crossing, sigma must first fall to this fraction */
+#define LONG PK_C(1.25)   /* a fixed-step method crosses a root of sigma fewer steps ahead */
+#define MIDDLE PK_C(0.75) /* two fixed steps cross a root more steps ahead, one a nearer root */
 #define LITTLE PK_C(1e-4) /* time step for the slope of sigma, relative to the time to its root */
-/* A change of q in a step differs from h times the mean rate by this fraction of it at most. A
+/* The change of q in a step may differ from h times the mean rate by this fraction of the change. A
  * larger difference means that the step has turned into another branch of the motion. */
 #define TURN PK_C(0.3)
 

@@ -22,14 +22,11 @@
 #include "../core/attitude.h"
 #include "../core/project.h"
 
-/* a relative residual up to this counts as 0; a larger limit would allow drift */
-#define ROUND (PK_EPS / 2)
-/* a relative residual up to this is rounding if it stops shrinking */
-#define STALLED (PK_C(1024.0) * PK_EPS)
-#define NOTICED (PK_C(1e5) * PK_EPS) /* a larger relative residual is not rounding */
-/* limit of a first correction, in error tolerances, as in adaptive Gauss steps */
-#define MOST_OFF PK_C(10.0)
-enum { MOST = 20 }; /* limit of the number of corrections */
+#define ROUND (PK_EPS / 2) /* a relative residual up to this counts as 0: larger ones drift */
+#define STALLED (PK_C(1024.0) * PK_EPS) /* a smaller residual that stops falling is rounding */
+#define NOTICED (PK_C(1e5) * PK_EPS)    /* a larger relative residual is not rounding */
+#define MOST_OFF PK_C(10.0) /* limit of a first correction, in tolerances, as in Gauss steps */
+enum { MOST = 20 };         /* limit of the number of corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
 {
@@ -142,8 +139,7 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
     return pk_abs(back) > longest;
 }
 
-/* Returns whether the first correction of a step is too large to be due to the error of the step.
- * */
+/* Returns whether the first correction of a step is too large to be due to the step's error. */
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
                const pk_real *q, const pk_real *y, int of_rates)
 {

@@ -22,11 +22,10 @@
 #include "singular_crossing.h"
 
 enum { FEWEST = 6, ROUNDS = 60 };
-/* limit of the shift by projection, relative to the distance from the start */
-#define SURE PK_C(1e-3)
+#define SURE PK_C(1e-3)    /* limit of the shift by projection, relative to the distance covered */
 #define SETTLED PK_C(1e-9) /* a relative change below this that stops shrinking is rounding */
 #define ROUND (64 * PK_EPS)
-#define LAST PK_C(0.01) /* below this sigma, rounding forbids to go nearer to the position */
+#define LAST PK_C(0.01) /* rounding forbids to go nearer than this sigma to the position */
 #define SHORTER PK_C(0.8)
 #define ACCEPT PK_C(10.0) /* limit of the error in tolerances, as in the adaptive Gauss method */
 

@@ -6,14 +6,14 @@
 
 enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
 #define SETTLED (32 * PK_EPSILON)  /* a relative change of J and T up to this is rounding */
-#define NOISE (16384 * PK_EPSILON) /* up to this, it may be the rounding of a sum of many terms */
+#define NOISE (16384 * PK_EPSILON) /* a change up to this may be the rounding of many terms */
 #define PASSABLE PK_C(1e-6)        /* results that still change by up to this are reported */
 /* a larger relative rounding error of the period T shows a separatrix */
 #define LOST PK_C(1e-3)
 
 /* Returns the relative error of the period T due to rounding of the energy at one end of the orbit.
- * T depends on the logarithm of the force F at this end; rounding shifts the end by epsilon
- * w->most/F. */
+ * T depends on the logarithm of the force F at this end; rounding shifts the end by epsilon/F
+ * times the largest h - W. */
 static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
 {
     const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = pk_well_force(w, q);

@@ -16,9 +16,8 @@ struct question {
     pk_real blind;        /* growth up to this counts as rounding */
     int shears;           /* whether the determinant of the step map is 1 up to rounding */
     pk_real spacing, end; /* grid */
-    /* a maximum of excess() on the grid is refined if it exceeds minus this */
-    pk_real near;
-    int failed; /* whether a step failed, so that there is no answer */
+    pk_real near;         /* a maximum of excess() on the grid is refined if it exceeds -near */
+    int failed;           /* whether a step failed, so that there is no answer */
 };
 
 /* Sets |R(iy)|^2 - 1 in powers of x = y^2; R is the stability function of the method. Powers below
@@ -149,7 +148,7 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
         imaginary(&ask, table);
     ask.shears = shears;
     /* An explicit method of s stages is stable nowhere above 2 s, or 2 s^2 on the real axis. */
-    /* fine, since the step map of boris has narrow poles */
+    /* a fine grid, since the step map of the method boris has narrow poles */
     const int fine = !(formula->traits & PK_IMPLICIT);
     ask.spacing = fine ? PK_C(0.015625) : PK_C(0.125);
     ask.near = fine ? 1 : PK_C(0.1);

@@ -7,7 +7,7 @@
 #include "event_screen.h"
 
 enum { N = 8, STRIDE = PK_MOST_SAMPLES / N, TAIL = 4, LANES = PK_LANES };
-#define SAFE PK_C(1.001) /* sums are rounded in another order than in events_look.c */
+#define SAFE PK_C(1.001) /* margin, since sums are rounded in another order than in events_look.c */
 
 /* Computes the differences of h^2 q'' between the motion and its cubic Hermite interpolant at both
  * ends of the step. Sets `bad` to nonzero in lanes where a difference is so large that the

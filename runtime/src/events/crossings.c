@@ -266,7 +266,7 @@ static enum pk_status nodes(struct along *a)
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
     const struct pk_event *events = a->it->problem.system->events.table;
-    /* its direction is along the motion */
+    /* the direction of a limit is along the motion */
     const int limit = a->k < e->n_events && events[a->k].stop > 1;
     const int asked = (a->k < e->n_events ? events[a->k].direction : 0) *
                       (limit ? a->it->own->direction : 1);

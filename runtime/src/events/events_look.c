@@ -12,7 +12,7 @@
 #include "events.h"
 
 enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
-/* limit of the number of windows; the same if g is not finite */
+/* limit of the number of windows; lower limit if g is not finite */
 enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 };
 enum { NOISE = 8 }; /* g is noise after so many narrowest windows that do not resolve it */
 

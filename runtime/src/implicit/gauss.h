@@ -51,8 +51,7 @@ struct pk_gauss_work {
     const struct pk_gauss *table;
     size_t s;
     struct pk_pattern pattern; /* sparsity of the derivatives: a band with a border, or dense */
-    /* some unknowns are not rates but multipliers, accelerations, sums */
-    int closed;
+    int closed; /* whether some unknowns are multipliers, accelerations or sums, not rates */
     /* n_q: number of coordinates. n: number of rates and other first-order variables. places:
      * number of unknowns per stage; if dense, these are the first of the n variables, without
      * quadratures; otherwise there may be more than n. nn: number of entries of a matrix that a
