@@ -9,11 +9,11 @@
 #include "../core/tableau.h"
 #include "singular_crossing.h"
 
-#define AHEAD PK_C(2.0)   /* an adaptive method crosses a root of sigma fewer steps ahead */
-#define EARLY PK_C(0.1)   /* an adaptive method also crosses at any sigma below this */
-#define LESS PK_C(0.6)    /* after a failed crossing, sigma must first fall to this fraction */
-#define LONG PK_C(1.25)   /* a fixed-step method crosses a root of sigma fewer steps ahead */
-#define MIDDLE PK_C(0.75) /* two fixed steps cross a root more steps ahead, one a nearer root */
+#define AHEAD PK_C(2.0) /* an adaptive method crosses roots of sigma less than AHEAD steps ahead */
+#define EARLY PK_C(0.1) /* an adaptive method also crosses at any sigma below this */
+#define LESS PK_C(0.6)  /* after a failed crossing, sigma must first fall to this fraction */
+#define LONG PK_C(1.25) /* fixed steps cross roots of sigma less than LONG steps ahead */
+#define MIDDLE PK_C(0.75) /* two fixed steps cross a root over MIDDLE steps ahead, else one does */
 #define LITTLE PK_C(1e-4) /* time step for the slope of sigma, relative to the time to its root */
 /* The change of q in a step may differ from h times the mean rate by this fraction of the change. A
  * larger difference means that the step has turned into another branch of the motion. */

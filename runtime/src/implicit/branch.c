@@ -32,7 +32,7 @@
 /* limit of the norms in tests 2 and 3; below 1, the matrices are regular */
 #define REGULAR PK_C(0.95)
 #define STRAIGHT PK_C(0.5) /* limit of the norm in straight(), for the path from v0 to V */
-#define LASTING PK_C(0.3)  /* if derivatives change less, this certifies later steps too */
+#define LASTING PK_C(0.3)  /* if derivatives change by less, later steps are certified too */
 #define LEAST_LEAP PK_C(1e-4)
 #define NEWTON_RATE PK_C(0.25) /* usual ratio of the first two corrections of Newton's method */
 enum { MOST_POINTS = 400 };
@@ -167,8 +167,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
-/* Checks that M is positive definite at the stages; M at the ends of the step is checked elsewhere.
- * */
+/* Checks that M is positive definite at the stages; other code checks M at the ends of the step. */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     const size_t n_q = it->n_q, n = it->n;

@@ -12,7 +12,7 @@
 #include "gauss.h"
 
 #define SMALL (PK_GAUSS_SURE / 4) /* the search for a bound ends at a bound below this */
-/* it also ends if a bound is more than this factor times the last */
+/* the search for a bound also ends if a bound is above this fraction of the least one so far */
 #define LITTLE PK_C(0.8)
 #define TINY PK_F(sqrt)(PK_EPS)
 #define SURELY_BELOW PK_C(0.2) /* three successive growth factors below this prove a radius < .5 */

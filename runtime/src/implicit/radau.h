@@ -12,8 +12,7 @@ struct pk_radau_parts {
 };
 
 struct pk_radau_kept {
-    /* last step: sum of all corrections that would have followed / last correction */
-    pk_real left;
+    pk_real left;     /* sum of the omitted corrections of the last step / its last correction */
     pk_real enough;   /* fraction of the tolerance at which Newton's iteration ends */
     pk_real h, error; /* size and error of the last accepted step */
 };

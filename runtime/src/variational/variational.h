@@ -48,7 +48,7 @@ struct pk_variational_work {
     pk_real *q_end, *v_end, *low_q, *low_v;
     pk_real *kick, *pull, *root, *spare; /* mu; J^T mu; roots of M's diagonal; scratch memory */
     pk_real *last_V, *last_h;            /* V and length of the last part, for the guess */
-    /* for follow(): V and kick at its last point, dV/d(part of step) */
+    /* for follow(): V and kick at its last point; slope of V over the fraction of the step */
     pk_real *kept, *kept_kick, *slope;
     pk_real *pivot, *A_pivot; /* pivots of lu; pivots of at.A in this step */
     /* n by n matrices: J at the start; Newton's matrix, factored. Families have neither: their

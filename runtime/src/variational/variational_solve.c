@@ -80,7 +80,7 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
         w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
     }
-    /* motion that changes phi by its terms, the shortest in the metric of M */
+    /* spare: the shortest motion, in the metric of M, that changes phi by as much as its terms */
     if (w->c && !w->whole) {
         w->at.system->constraints.solve(w->at.params, NULL, w->at.phi_size, w->spare, w->at.mu);
         for (size_t k = 0; k < w->m; k++)
