@@ -28,7 +28,7 @@ pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projecti
 }
 
 /* Returns the index of the first row whose residual is more than rounding, or `rows` if there is
- * none. The rounding error is that of the largest component of x, which counts as at least `least`. */
+ * none. Rounding is that of the largest component of x, which counts as at least `least`. */
 static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
                      const pk_real *slopes, size_t rows, const pk_real *x, int of_rates,
                      pk_real least)

@@ -105,7 +105,7 @@ void pk_singular_crossing_at(struct pk_integrator *it, pk_real t, pk_real *q, pk
     it->own->next_t = next_t;
 }
 
-/* Chooses the number of stages such that the singular position is farthest from its nearest stage. */
+/* Chooses the number of stages so that the singular position is farthest from its nearest stage. */
 static void choose(struct pk_singular_crossing_parts *x)
 {
     const pk_real place = (x->is->at - x->is->t) / x->is->h;

@@ -42,7 +42,7 @@ size_t pk_least_action_size(const struct pk_problem *problem, const struct pk_me
     return (x.variation + x.integrator + x.path + 2 * x.matrix + x.scratch) * sizeof(pk_real);
 }
 
-/* Values of the kernels and of the modes, which are sine functions of t, at one node of the rule. */
+/* Values of the kernels and of the modes, which are sines of t, at one node of the rule. */
 struct node {
     pk_real *p, *g, *M, *p_q, *g_q, *g_v; /* g: dL/dq at the node */
     pk_real *sine, *rate;                 /* value and time derivative of each mode */

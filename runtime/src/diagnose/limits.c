@@ -7,7 +7,7 @@
 #include "../core/tableau.h"
 
 /* The method and the axis of the complex plane; for the tableau of an explicit Runge-Kutta method
- * also the polynomial in y^2 that has the sign of |R(iy)|^2 - 1, where R is its stability function. */
+ * also the polynomial in y^2 that has the sign of |R(iy)|^2 - 1, with the stability function R. */
 struct question {
     const struct pk_method *method;
     enum pk_axis axis;

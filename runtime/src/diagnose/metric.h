@@ -4,8 +4,8 @@
  *
  * are canonical and all have the same unit, whatever the units of the coordinates. tau is 1/omega;
  * omega^2 is the Frobenius norm of C^-1 (dr/dq) C^-T, where M q'' = r are the equations of motion.
- * The length of a displacement is the root of |C^T dq/tau|^2 + |C^T dv|^2: a velocity times the root
- * of a mass. Not installed.
+ * The length of a displacement is the root of |C^T dq/tau|^2 + |C^T dv|^2: a velocity times the
+ * root of a mass. Not installed.
  */
 #ifndef PK_METRIC_H
 #define PK_METRIC_H

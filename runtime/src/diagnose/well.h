@@ -27,7 +27,7 @@ pk_real pk_well_mass(const struct pk_well *w, pk_real q);
 pk_real pk_well_linear(const struct pk_well *w, pk_real q); /* b */
 /* Integrates the force at q + x over x from a to b, by the Gauss-Legendre rule of order 12. */
 pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b);
-/* Marches from q, where h - W is U, in one direction until h - W is 0 or a full turn is complete. */
+/* Marches from q, where h - W is U, in one direction until h - W is 0 or a turn is complete. */
 struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction);
 
 #endif

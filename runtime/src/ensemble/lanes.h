@@ -15,7 +15,7 @@ const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *syste
 /* Returns the number of stages whose slopes a block keeps. */
 int pk_block_stages(const struct pk_method *method);
 /* Describes a block for this system and method, and assigns its memory, which includes b->spare if
- * `spares` is nonzero. Returns the number of pk_real; if base is NULL, only this number is valid. */
+ * `spares` is nonzero. Returns the number of pk_real; if base is NULL, it does no more. */
 size_t pk_block_lay_out(struct pk_block *b, const struct pk_problem *problem,
                         const struct pk_method *method, int spares, pk_real *base);
 /* Copies an integrator's state, params and inputs to lane l. */

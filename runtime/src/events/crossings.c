@@ -129,7 +129,7 @@ static int may_cross(const pk_real *x, const pk_real *g)
 }
 
 /* Searches for the minimum of |g| near `at` until some value of g has the opposite sign. Uses
- * parabolas and, since the minimum may be a kink, golden sections of the longer of both intervals. */
+ * parabolas and, since the minimum may be a kink, golden sections of the longer interval. */
 static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real right)
 {
     pk_real x[3] = {left, at, right}, g[3];

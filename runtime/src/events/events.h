@@ -39,7 +39,7 @@ static inline size_t pk_events_count(const struct pk_events *e)
 }
 
 /* Returns the values of all functions g at sample j of the window. Sample 0 is at the start of the
- * window and sample PK_MOST_SAMPLES at its end; one more sample is scratch memory for other times. */
+ * window and sample PK_MOST_SAMPLES at its end; one more sample is scratch memory. */
 static inline pk_real *pk_events_sample(const struct pk_events *e, int j)
 {
     return e->g + pk_events_count(e) * (size_t)j;
@@ -75,7 +75,7 @@ static inline pk_real pk_events_width(const struct pk_events *e, const struct pk
     return PK_C(4.0) * PK_EPS * t + PK_EPS * PK_EPS * pk_abs(it->t - e->from);
 }
 
-/* Returns whether the next step is not the first one, and the last step was not cut at a crossing. */
+/* Returns whether the next step is not the first one and no crossing cut the step before it. */
 static inline int pk_events_goes_on(const struct pk_events *e) { return e && e->begun && !e->cut; }
 
 /* Returns whether steps made in advance (pk/adaptive_lanes.h) are known to cross nothing. */

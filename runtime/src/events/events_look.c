@@ -37,7 +37,7 @@ static PK_INLINE void hermite(const struct pk_events *e, const struct pk_integra
 }
 
 /* Sets the quartic terms of first-order variables from their rates at a quarter of the step.
- * Returns whether a cubic without these terms may be off half-way by 1/32 of a variable's change. */
+ * Returns whether a cubic without these terms may be off half-way by 1/32 of the change. */
 static int states_bend(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from, x = PK_C(0.25), y = 1 - x;

@@ -11,8 +11,8 @@
 
 #include "events.h"
 
-/* A run fails with PK_SLIDING after MOST_BRIEF successive switchings, each within the fraction SHORT
- * of the attempted step or within some units in the last place of t. */
+/* A run fails with PK_SLIDING after MOST_BRIEF successive switchings, each within the fraction
+ * SHORT of the attempted step or within some units in the last place of t. */
 enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
 #define SHORT PK_F(sqrt)(PK_EPS)
 

@@ -131,7 +131,7 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
 /* The function pk_method.equations: returns the dense w->lu of the last step, or NULL. */
 const pk_real *pk_gauss_equations(struct pk_integrator *it);
 /* Returns whether a new matrix costs less than an iteration or two. If so, the matrix is computed
- * with the derivatives at each predicted stage, and recomputed as soon as convergence gets slower. */
+ * with the derivatives at each predicted stage, and recomputed once convergence gets slower. */
 int pk_gauss_small(const struct pk_gauss_work *w);
 /* Factors M = L D L^T in place. Returns 0, or a PK_FAILURE_MASS with the coordinate whose pivot is
  * not positive. pk_gauss_mass_solve() computes x = M^-1 x with the factors; x is in the order of

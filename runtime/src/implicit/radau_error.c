@@ -4,11 +4,11 @@
  *
  *     (I - h gamma J) err = gamma h f(y0) + e1 z1 + e2 z2 + e3 z3,
  *
- * If err would reject the first step or a step after a rejection, this equation is solved again with
- * f(y0 + err) in place of f(y0). For y = (q, p) this is one system of n equations for the error of
- * v, M dv + (dp/dq) dq = dp; tolerances are on q and v. Like RADAU5 this replaces rtol by .1
- * rtol^(2/3) and scales atol alike, since the result has order 5 and the estimate order 3: the error
- * is then proportional to rtol.
+ * If err would reject the first step or a step after a rejection, this equation is solved again
+ * with f(y0 + err) in place of f(y0). For y = (q, p) this is one system of n equations for the
+ * error of v, M dv + (dp/dq) dq = dp; tolerances are on q and v. Like RADAU5 this replaces rtol by
+ * .1 rtol^(2/3) and scales atol alike, since the result has order 5 and the estimate order 3: the
+ * error is then proportional to rtol.
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5. */

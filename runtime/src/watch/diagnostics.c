@@ -12,7 +12,7 @@
 #define PK_SQRT2 PK_C(1.41421356237309504880168872420969808)
 
 /* For a constant of the motion X of scale S, rounding errors in units of PK_EPSILON S. EVALUATION
- * is the error of one evaluation of X; WALK is that of its random walk by one rounding per sample. */
+ * is the error of one evaluation of X; WALK is the random walk of X by one rounding per sample. */
 #define EVALUATION PK_C(16.0)
 #define WALK PK_C(2.0)
 
