@@ -225,8 +225,8 @@ static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, siz
 }
 
 /* Returns whether an adaptive step is too long to resolve how a function began: it is much longer
- * than all time integrated before this step, and the function has grown very much in it. In the
- * first step from a state of zeros this may happen, since such a state gives no scale of errors. */
+ * than all time integrated before this step, and the function has grown very much in it. This may
+ * happen in a first step from a state of zeros, where the scale of errors is from the run alone. */
 static int outgrown(struct pk_events *e, const struct pk_integrator *it)
 {
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
