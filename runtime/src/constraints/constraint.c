@@ -8,7 +8,8 @@
 #include "../core/project.h"
 
 enum { SHOWN = 8 };
-#define SHARE PK_C(1e-6) /* smaller coefficients in a dependence of rows count as 0 */
+/* if a row is a sum of multiples of other rows, factors below this count as 0 */
+#define SHARE PK_C(1e-6)
 
 size_t pk_constraint_size(const struct pk_problem *problem)
 {
@@ -18,7 +19,7 @@ size_t pk_constraint_size(const struct pk_problem *problem)
     return (pk_project_size(problem, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
 }
 
-/* The block holds the memory of the projection, then the inputs. */
+/* Uses the caller's block: it holds the memory of the projection, then the inputs. */
 static enum pk_status begin(struct pk_projection *w, const struct pk_problem *problem, pk_real t,
                             const pk_real *q, const pk_real *v, void *block, size_t size)
 {
@@ -89,7 +90,8 @@ enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_rea
     return it->own->project ? pk_project(it, t, q, v, NULL, NULL, &moved) : PK_DONE;
 }
 
-/* Returns 1 + the index of a row of J that is zero up to rounding of q, or 0. */
+/* Returns 1 + the index of the first row of the constraint Jacobian J that is zero up to the effect
+ * of rounding errors of q, or 0 if there is none. */
 static size_t nothing(struct pk_projection *w, const pk_real *q, const pk_real *v, pk_real *near)
 {
     for (size_t k = 0; k < w->rotation; k++)
@@ -208,7 +210,8 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
         }
 }
 
-/* Returns whether a row is linearly independent although J M^-1 J^T has no pivot for it. */
+/* Returns whether a row of J is linearly independent of the previous rows although the
+ * factorisation of J M^-1 J^T has found no pivot for it. */
 static int inertia_hides(const struct pk_integrator *it, size_t row)
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);

@@ -1,6 +1,7 @@
-/* Monitors how near a motion is to a position where constraint rows are linearly dependent, by
- * sigma; see singular_crossing.c. sigma comes from the factors of J M^-1 J^T, which a step computes
- * anyway; its slope is computed only where sigma is small. */
+/* Monitors sigma, a measure of the distance of a motion from a position where constraint rows are
+ * linearly dependent; there sigma is 0 (see singular_crossing.c). A step needs the factors of J
+ * M^-1 J^T anyway, and sigma comes from these factors; the slope of sigma in time is computed only
+ * where sigma is small. */
 #include <string.h>
 
 #include <pk/constraint.h>
@@ -8,13 +9,15 @@
 #include "../core/tableau.h"
 #include "singular_crossing.h"
 
-#define AHEAD PK_C(2.0)   /* an adaptive method crosses a root of sigma within so many steps */
-#define EARLY PK_C(0.1)   /* it also crosses below this sigma, since its steps may be short */
-#define LESS PK_C(0.6)    /* a crossing is tried again when sigma has fallen to this fraction */
-#define LONG PK_C(1.25)   /* fixed steps cross a root of sigma within so many steps */
-#define MIDDLE PK_C(0.75) /* for a root farther than so many steps, the crossing has two */
-#define LITTLE PK_C(1e-4) /* step for the slope of sigma, as a fraction of the time to the root */
-#define TURN PK_C(0.3)    /* of the length of a step: a larger deviation means another branch */
+#define AHEAD PK_C(2.0) /* an adaptive method crosses roots of sigma less than AHEAD steps ahead */
+#define EARLY PK_C(0.1) /* an adaptive method also crosses at any sigma below this */
+#define LESS PK_C(0.6)  /* after a failed crossing, sigma must first fall to this fraction */
+#define LONG PK_C(1.25) /* fixed steps cross roots of sigma less than LONG steps ahead */
+#define MIDDLE PK_C(0.75) /* two fixed steps cross a root over MIDDLE steps ahead, else one does */
+#define LITTLE PK_C(1e-4) /* time step for the slope of sigma, relative to the time to its root */
+/* The change of q in a step may differ from h times the mean rate by this fraction of the change. A
+ * larger difference means that the step has turned into another branch of the motion. */
+#define TURN PK_C(0.3)
 
 static size_t lay_out(struct pk_singular_crossing_parts *x, size_t n_q, size_t n, pk_real *base)
 {
@@ -95,7 +98,8 @@ int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q
     return sigma < PK_SINGULAR;
 }
 
-/* Predicts the time of the root of sigma from its slope; `left` is a rough time until then. */
+/* Predicts the time of the root of sigma from the slope of sigma; `left` is a rough estimate of the
+ * time that remains until the root. */
 static enum pk_status aim(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                           pk_real left)
 {

@@ -10,8 +10,9 @@
  * reuses from its last step are not recomputed: their error is like that of the step, and its
  * effect is smaller by h.
  *
- * A large first correction means that the step did not resolve phi(t), such as a steep ramp. It is
- * refused above MOST_OFF tolerances if the step can be retried, otherwise above |h v|.
+ * A large first correction means that the step did not resolve phi(t), such as a steep ramp. If the
+ * step can be retried, a correction of more than MOST_OFF error tolerances makes the step fail;
+ * otherwise one that is longer than |h v| does.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
@@ -21,10 +22,10 @@
 #include "../core/attitude.h"
 #include "../core/project.h"
 
-#define ROUND (PK_EPS / 2) /* relative residual that counts as 0; a larger one would drift */
-#define STALLED (PK_C(1024.0) * PK_EPS) /* relative residual: rounding, if it stops shrinking */
+#define ROUND (PK_EPS / 2) /* a relative residual up to this counts as 0: larger ones drift */
+#define STALLED (PK_C(1024.0) * PK_EPS) /* a smaller residual that stops falling is rounding */
 #define NOTICED (PK_C(1e5) * PK_EPS)    /* a larger relative residual is not rounding */
-#define MOST_OFF PK_C(10.0) /* limit of a correction, in tolerances, as in Gauss steps */
+#define MOST_OFF PK_C(10.0) /* limit of a first correction, in tolerances, as in Gauss steps */
 enum { MOST = 20 };         /* limit of the number of corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
@@ -38,7 +39,7 @@ int pk_project_dependent(struct pk_integrator *it)
         return 0;
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c, it->q, it->v))
-        return 0; /* a step reports singular factors itself */
+        return 0; /* a step itself reports that J M^-1 J^T is singular */
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
         if (w.sines[row] < PK_DEPENDENT) {
@@ -101,7 +102,8 @@ static void turn_back(const struct pk_projection *w, pk_real *v, pk_real *low)
     }
 }
 
-/* Returns the largest |d_k| in tolerances of y, divided by MOST_OFF. */
+/* Returns the largest component of the correction d, relative to MOST_OFF times the error tolerance
+ * of the same component of y. */
 static pk_real correction_in_tolerances(const struct pk_integrator *it, const pk_real *d,
                                         const pk_real *y, size_t first, size_t count)
 {
@@ -111,7 +113,8 @@ static pk_real correction_in_tolerances(const struct pk_integrator *it, const pk
     return most / MOST_OFF;
 }
 
-/* Returns whether |d| > |h v| in the metric of M = L D L^T, with the larger v of both ends. */
+/* Returns whether the correction d of positions is longer than the step, |d| > |h v|, in the metric
+ * of M = L D L^T; v is the larger of the rates at both ends. */
 static int longer_than_step(const struct pk_integrator *it, const struct pk_projection *w)
 {
     const pk_real h = it->own->next_t - it->t;
@@ -136,7 +139,7 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
     return pk_abs(back) > longest;
 }
 
-/* Returns whether a first correction is too large to be the error of a step. */
+/* Returns whether the first correction of a step is too large to be due to the step's error. */
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
                const pk_real *q, const pk_real *y, int of_rates)
 {
@@ -153,8 +156,8 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
            correction_in_tolerances(it, w->d, y, of_rates ? it->n_q : 0, count) > 1;
 }
 
-/* Corrects positions or, after these, rates. J does not depend on rates, so apart from rounding one
- * correction of rates suffices. */
+/* Corrects positions or, once they are corrected, rates. J does not depend on rates, so that apart
+ * from rounding one correction of rates suffices. */
 static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
                               pk_real *v, pk_real *low_q, pk_real *low_v, int of_rates, int *moved)
 {

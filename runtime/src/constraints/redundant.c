@@ -1,13 +1,13 @@
-/* Decides whether a residual is more than rounding, and whether redundant rows hold.
- *
- * A residual is measured relative to the sizes of its terms, which the system computes. An initial
- * state has a limited number of digits; and a number that should be 0 may be the rounding of the
- * largest number, in the metric of M, which makes metres and radians comparable.
- */
+/* Decides whether a residual is more than rounding, and whether redundant constraint rows, which
+ * follow from other rows, are satisfied. A residual is measured relative to the sizes of its
+ * terms, which the system computes. An initial state has a limited number of digits. A coordinate
+ * or rate that should be 0 may be a rounding error of the largest one, in the metric of M, which
+ * makes metres and radians comparable. */
 #include "../core/project.h"
 
-#define SHORT PK_C(1e-6) /* least step, as a fraction of t, by which pk_project_rest() divides */
-#define DEBRIS (64 * PK_EPS) /* relative rounding errors of the largest number */
+/* pk_project_rest() divides by the step size, but at least by this fraction of t */
+#define SHORT PK_C(1e-6)
+#define DEBRIS (64 * PK_EPS) /* rounding errors relative to the largest coordinate or rate */
 
 static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_rates)
 {
@@ -22,12 +22,13 @@ static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_r
 pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
                         const pk_real *q)
 {
-    const pk_real t = it->own->next_t; /* SHORT bounds the result for tiny steps */
+    const pk_real t = it->own->next_t; /* SHORT bounds the quotient for tiny steps */
     const pk_real way = pk_max(pk_abs(t - it->t), SHORT * pk_abs(t));
     return way > 0 ? DEBRIS * largest(w, q, 0) / way : 0;
 }
 
-/* Returns the first row that does not hold, or `rows`. All of x may be rounding below `least`. */
+/* Returns the index of the first row whose residual is more than rounding, or `rows` if there is
+ * none. Rounding is that of the largest component of x, which counts as at least `least`. */
 static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
                      const pk_real *slopes, size_t rows, const pk_real *x, int of_rates,
                      pk_real least)

@@ -4,11 +4,12 @@
  * constraints, are magnified, and steps may turn into another branch.
  *
  * sigma is the least part of a row that is independent of previous rows, in the metric of M and
- * relative to the largest such part of that row. It falls to 0 linearly in time. Before it does, a
- * Gauss step is made across the position, with stages that are not near it. Each stage is predicted
- * by the smooth motion and projected onto the constraints before its acceleration is computed.
- * Projection must move stages and end by less than SURE of the distance covered: other branches are
- * farther away. The step needs no history, so it serves all methods.
+ * relative to the largest such part of that row. It falls to 0 linearly in time. Before sigma is 0,
+ * a Gauss step is made across the position, with stages that are not near the position. Each stage
+ * is predicted by the smooth motion and projected onto the constraints before its acceleration is
+ * computed. Projection must move the stages and the end of the step by less than the fraction SURE
+ * of the distance covered, since other branches are farther away. The step needs no history, so it
+ * serves all methods.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2
  * (collocation).
@@ -22,13 +23,14 @@
 
 enum { FEWEST = 6, ROUNDS = 60 };
 #define SURE PK_C(1e-3)    /* limit of the shift by projection, relative to the distance covered */
-#define SETTLED PK_C(1e-9) /* a smaller change that stops shrinking is rounding */
+#define SETTLED PK_C(1e-9) /* a relative change below this that stops shrinking is rounding */
 #define ROUND (64 * PK_EPS)
-#define LAST PK_C(0.01) /* at smaller sigma, rounding forbids to go nearer */
+#define LAST PK_C(0.01) /* rounding forbids to go nearer than this sigma to the position */
 #define SHORTER PK_C(0.8)
 #define ACCEPT PK_C(10.0) /* limit of the error in tolerances, as in the adaptive Gauss method */
 
-/* Computes weights of the stages for the integral over the fraction `to` of the step. */
+/* Computes w such that the sum of w_j times the value at stage j is the integral over the fraction
+ * `to` of the step. */
 static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_real *w)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
@@ -61,7 +63,8 @@ static void along(const struct pk_integrator *it, const struct pk_singular_cross
     }
 }
 
-/* Returns the largest |a - b| relative to the largest |c - d|, in the metric of M's diagonal. */
+/* Returns the largest component of a - b relative to the largest of c - d (of c, if d is NULL);
+ * each component is multiplied by the root of its entry of M's diagonal. */
 static pk_real relative_distance(const struct pk_projection *w, const pk_real *a, const pk_real *b,
                                  const pk_real *c, const pk_real *d, size_t count)
 {
@@ -74,7 +77,8 @@ static pk_real relative_distance(const struct pk_projection *w, const pk_real *a
     return off / way;
 }
 
-/* Projects q and v onto the constraints; raises *off to the relative shift that this causes. */
+/* Projects q and v onto the constraints. Raises *off to the relative shift by this projection: of q
+ * relative to its distance from the start of the crossing, of v relative to v. */
 static enum pk_status put(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                           pk_real t, pk_real *q, pk_real *v, pk_real *off)
 {
@@ -101,7 +105,7 @@ void pk_singular_crossing_at(struct pk_integrator *it, pk_real t, pk_real *q, pk
     it->own->next_t = next_t;
 }
 
-/* Chooses the number of stages for which the nearest stage is farthest from the position. */
+/* Chooses the number of stages so that the singular position is farthest from its nearest stage. */
 static void choose(struct pk_singular_crossing_parts *x)
 {
     const pk_real place = (x->is->at - x->is->t) / x->is->h;
@@ -112,7 +116,8 @@ static void choose(struct pk_singular_crossing_parts *x)
         pk_gauss_nodes(s, x->c, x->b);
         for (int j = 0; j < s; j++)
             next = pk_min(next, pk_abs(x->c[j] - place));
-        if (next * (pk_real)s > best) /* distance in units of the spacing of stages */
+        /* compares distances in units of the mean spacing of stages */
+        if (next * (pk_real)s > best)
             best = next * (pk_real)s, stages = s;
     }
     x->is->stages = (pk_real)stages;
@@ -173,8 +178,10 @@ static pk_real error_of(const struct pk_integrator *it, const struct pk_singular
     return most;
 }
 
-/* Returns whether an adaptive method should go nearer first, for a shorter step across the
- * position. If the error does not fall with the length, it is rounding, which grows on the way. */
+/* Returns whether an adaptive method should first go nearer to the singular position, for a shorter
+ * crossing, since the error of this crossing is too large. But if the crossing is shorter than the
+ * last attempt and its error is more than half as large, the error is rounding, which grows on the
+ * way to the position; then the method should not go nearer. */
 static int too_long(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                     int sure)
 {
@@ -196,7 +203,8 @@ enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
     memset(it->own->next, 0, pk_state_offset(it->n_q, n, PK_PARTS) * sizeof *q);
     if (!(x.is->passing > 0)) {
-        it->own->next_t = it->t; /* the projection of stages is not judged as that of a step */
+        /* without a step size, the projection of stages is not judged like that of a step */
+        it->own->next_t = it->t;
         choose(&x);
         const enum pk_status status = solve(it, &x, &off);
         const int sure = status >= 0 && off < SURE;

@@ -9,14 +9,15 @@ enum { PK_SINGULAR_CROSSING_STAGES = 8 };
 
 struct pk_singular_crossing {
     pk_real sigma; /* sigma when it was last computed */
-    pk_real at;    /* predicted time at which sigma is 0, if it falls */
+    pk_real at;    /* if sigma falls: predicted time at which it is 0 */
     pk_real falls; /* whether sigma falls */
-    pk_real t, h;  /* start and size of the crossing, a step across that time */
+    pk_real t, h;  /* start time and size of the crossing, a step across the singular position */
     pk_real stages;
-    pk_real error;         /* error, in tolerances, of a crossing that was too long */
-    pk_real tried, length; /* sigma at the start of that crossing, and its size */
+    /* error, in tolerances, of the last attempt at a crossing, which was too long */
+    pk_real error;
+    pk_real tried, length; /* sigma at the start of this attempt; size of the attempt */
     pk_real passing;       /* whether a crossing has begun and not reached its end */
-    pk_real row;           /* the row that has this sigma */
+    pk_real row;           /* index of the constraint row for which sigma is least */
     pk_real unseen;        /* whether the last step did not compute sigma */
 };
 
@@ -32,10 +33,11 @@ struct pk_singular_crossing_parts pk_singular_crossing_parts(const struct pk_int
 
 static inline struct pk_singular_crossing *pk_singular_crossing_of(const struct pk_integrator *it)
 {
-    return (struct pk_singular_crossing *)(void *)it->own->crossing; /* first item of the memory */
+    /* this struct begins the memory */
+    return (struct pk_singular_crossing *)(void *)it->own->crossing;
 }
 
-/* Returns sigma at (t, q, v); 1 if M is singular. */
+/* Returns sigma at the state (t, q, v), or 1 if M is singular. */
 pk_real pk_singular_crossing_sigma(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
 /* Fails because the branch after the singular position, at time t, is undetermined. */

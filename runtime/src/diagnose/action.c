@@ -5,13 +5,15 @@
 #include "well.h"
 
 enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
-#define SETTLED (32 * PK_EPSILON)  /* relative change due to rounding */
-#define NOISE (16384 * PK_EPSILON) /* relative change due to sums of many roundings */
-#define PASSABLE PK_C(1e-6)        /* relative change with which results are still reported */
-#define LOST PK_C(1e-3)            /* relative rounding error of T that shows a separatrix */
+#define SETTLED (32 * PK_EPSILON)  /* a relative change of J and T up to this is rounding */
+#define NOISE (16384 * PK_EPSILON) /* a change up to this may be the rounding of many terms */
+#define PASSABLE PK_C(1e-6)        /* results that still change by up to this are reported */
+/* a larger relative rounding error of the period T shows a separatrix */
+#define LOST PK_C(1e-3)
 
-/* Returns the relative error of T due to rounding of the energy at one end: T depends on the
- * logarithm of the force F there, and rounding shifts the end by most epsilon/F. */
+/* Returns the relative error of the period T due to rounding of the energy at one end of the orbit.
+ * T depends on the logarithm of the force F at this end; rounding shifts the end by epsilon/F
+ * times the largest h - W. */
 static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
 {
     const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = pk_well_force(w, q);
@@ -19,8 +21,8 @@ static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
     return PK_EPSILON * w->most * pk_abs(slope) / (F * F);
 }
 
-/* Sums one half of a libration, from its end at q inwards; `nodes` are those of both halves.
- * Returns 0 if h - W is not positive. */
+/* Adds one half of a libration to J and T, from its end at q inwards; `nodes` counts the nodes of
+ * both halves. Returns 0 if h - W (energy minus potential) or M is not positive at a node. */
 static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amplitude,
                 size_t nodes, pk_real *J, pk_real *T)
 {
@@ -39,7 +41,8 @@ static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amp
     return 1;
 }
 
-/* Sums a full turn from q, where h - W is U. Returns 0 if h - W is not positive. */
+/* Adds a full turn to J and T. It begins at q, where the kinetic energy h - W is U. Returns 0 if h
+ * - W or M is not positive at a node. */
 static int round_once(const struct pk_well *w, pk_real q, pk_real U, pk_real direction,
                       size_t nodes, pk_real *J, pk_real *T)
 {
@@ -115,8 +118,8 @@ static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q,
     return a->error <= LOST ? PK_ORBIT_LIBRATION : PK_ORBIT_SEPARATRIX;
 }
 
-/* Returns whether W equals h at the ends and is at most h between them, by the energy kernel: the
- * march may miss a hump narrower than a panel. */
+/* Returns whether, by the energy kernel, the potential W equals the energy h at the ends of the
+ * orbit and is at most h between them: pk_well_march() may miss a hump of W between its samples. */
 static int is_followed(const struct pk_action *a, const struct pk_well *w, pk_real q, pk_real h)
 {
     const struct pk_system *s = w->system;

@@ -1,6 +1,7 @@
 /* Hamilton's principle along a computed path; see pk/least_action.h. The path is integrated between
  * the nodes of a composite Gauss rule, together with n displacements whose initial rates are unit
- * vectors. A point where their determinant changes sign is conjugate to the start. */
+ * vectors. A point where the determinant of the n displacements changes sign is conjugate to the
+ * start. */
 #include <string.h>
 
 #include <pk/least_action.h>
@@ -41,10 +42,10 @@ size_t pk_least_action_size(const struct pk_problem *problem, const struct pk_me
     return (x.variation + x.integrator + x.path + 2 * x.matrix + x.scratch) * sizeof(pk_real);
 }
 
-/* Values of kernels at one node, and the modes there. */
+/* Values of the kernels and of the modes, which are sines of t, at one node of the rule. */
 struct node {
     pk_real *p, *g, *M, *p_q, *g_q, *g_v; /* g: dL/dq at the node */
-    pk_real *sine, *rate;                 /* sine and slope of each mode */
+    pk_real *sine, *rate;                 /* value and time derivative of each mode */
     pk_real *u, *q, *v;
 };
 
@@ -74,12 +75,12 @@ static void modes_at(const struct pk_least_action *found, pk_real t, struct node
     }
 }
 
-/* Returns L = p.v - h; *size is |p.v| + |h|. */
+/* Returns the Lagrangian L = p.v - h, where h is the energy; *size is |p.v| + |h|. */
 static pk_real lagrangian(const struct pk_problem *of, struct node *x, pk_real t, const pk_real *q,
                           const pk_real *v, size_t n, pk_real *size)
 {
     pk_input(of, t, x->u);
-    of->system->canonical(of->params, t, q, v, x->u, x->p, x->g); /* no forces: pdot is dL/dq */
+    of->system->canonical(of->params, t, q, v, x->u, x->p, x->g); /* pdot is dL/dq without forces */
     const pk_real h = of->system->energy(of->params, t, q, v, x->u);
     pk_real work = 0;
     for (size_t i = 0; i < n; i++)
@@ -88,8 +89,9 @@ static pk_real lagrangian(const struct pk_problem *of, struct node *x, pk_real t
     return work - h;
 }
 
-/* Adds the contribution of a node to S, its slope, B and C. `slope` holds the sums, then the sums
- * of absolute values. */
+/* Adds the contribution of a node to the action S, to the derivatives of S by the mode amplitudes,
+ * to the second derivatives C of S, and to their kinetic part B. `slope` holds the sums of first
+ * derivatives, then the sums of their absolute values. */
 static void add(struct pk_least_action *found, struct node *x, pk_real weight, pk_real t,
                 const pk_real *q, const pk_real *v, pk_real *slope, pk_real *B, pk_real *C)
 {
@@ -131,7 +133,7 @@ static pk_real determinant(const struct pk_least_action *found, pk_real *J, pk_r
 
 struct search {
     struct pk_least_action *found;
-    pk_real from; /* a time; q and v below are the state there */
+    pk_real from; /* time at which the search starts; q and v are the state at this time */
     const pk_real *q, *v;
     pk_real *J, *pivot;
 };
@@ -151,7 +153,8 @@ static enum pk_status determinant_at(void *context, pk_real t, pk_real *y)
     return status;
 }
 
-/* Finds the conjugate point between s->from and now, then restores the state at now. */
+/* Finds the conjugate point between the time s->from and the current time, then restores the state
+ * at the current time. */
 static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
 {
     struct pk_least_action *found = s->found;

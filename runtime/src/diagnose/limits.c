@@ -1,32 +1,35 @@
-/* Limits of the step size on linear equations: the first point where steps grow, searched on a
- * grid, which is refined at maxima, and bisected. See pk/limits.h. */
+/* Limits of the step size on linear equations: the least step size at which a step makes solutions
+ * grow. It is searched for on a grid, which is refined at maxima of growth, and then bisected. See
+ * pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* The method and axis; for the tableau of an explicit Runge-Kutta method also the polynomial in y^2
- * that has the sign of |R(iy)|^2 - 1. */
+/* The method and the axis of the complex plane; for the tableau of an explicit Runge-Kutta method
+ * also the polynomial in y^2 that has the sign of |R(iy)|^2 - 1, with the stability function R. */
 struct question {
     const struct pk_method *method;
     enum pk_axis axis;
     int degree; /* degree of the polynomial, or -1 if there is none */
     pk_real c[PK_MOST_STAGES + 1];
-    pk_real blind;        /* growth that counts as rounding */
-    int shears;           /* whether the determinant is 1 up to rounding */
+    pk_real blind;        /* growth up to this counts as rounding */
+    int shears;           /* whether the determinant of the step map is 1 up to rounding */
     pk_real spacing, end; /* grid */
-    pk_real near;         /* maxima on the grid above -near are refined */
+    pk_real near;         /* a maximum of excess() on the grid is refined if it exceeds -near */
     int failed;           /* whether a step failed, so that there is no answer */
 };
 
-/* Sets |R(iy)|^2 - 1 in powers of x = y^2. Terms below the order cancel but for rounding and are
- * dropped; the leading power of x is divided out, so that the sign is right for small y. */
+/* Sets |R(iy)|^2 - 1 in powers of x = y^2; R is the stability function of the method. Powers below
+ * the order of the method cancel up to rounding and are dropped; the lowest power of x that is left
+ * is divided out, so that the sign is right for small y. */
 static void imaginary(struct question *ask, const struct pk_tableau *table)
 {
     pk_real r[PK_MOST_STAGES + 1];
     const int s = pk_tableau_polynomial(table, r);
     int first = 0;
-    for (int k = 0; k <= s; k++) { /* i^a (-i)^b with a + b = 2 k is (-1)^(k - b) */
+    /* terms a and b of R(iy), R(-iy): i^a (-i)^b with a + b = 2 k is (-1)^(k - b) */
+    for (int k = 0; k <= s; k++) {
         ask->c[k] = k ? 0 : -1;
         for (int b = 0; b <= 2 * k; b++)
             if (b <= s && 2 * k - b <= s)
@@ -39,7 +42,7 @@ static void imaginary(struct question *ask, const struct pk_tableau *table)
         ask->c[k] = ask->c[k + first];
 }
 
-/* Returns a number that is positive if the step grows. */
+/* Returns a number that is positive if a step of size x makes solutions grow. */
 static pk_real excess(struct question *ask, pk_real x)
 {
     pk_real map[4], factor, sum = 0;
@@ -82,7 +85,8 @@ static pk_real crest(struct question *ask, pk_real a, pk_real b)
     return fc > fd ? c : d;
 }
 
-/* Bisects for the point between `in` and `out` where growth begins or, if `ends`, ends. */
+/* Bisects between `in` and `out` for the point where growth begins or, if `ends` is set, the point
+ * where growth ends. */
 static pk_real edge(struct question *ask, pk_real in, pk_real out, int ends)
 {
     for (int i = 0; i < 200 && out - in > 2 * PK_EPS * out; i++) {
@@ -144,7 +148,8 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
         imaginary(&ask, table);
     ask.shears = shears;
     /* An explicit method of s stages is stable nowhere above 2 s, or 2 s^2 on the real axis. */
-    const int fine = !(formula->traits & PK_IMPLICIT); /* the map of boris has narrow poles */
+    /* a fine grid, since the step map of the method boris has narrow poles */
+    const int fine = !(formula->traits & PK_IMPLICIT);
     ask.spacing = fine ? PK_C(0.015625) : PK_C(0.125);
     ask.near = fine ? 1 : PK_C(0.1);
     ask.end = polynomial ? 1000 : PK_C(1e4);

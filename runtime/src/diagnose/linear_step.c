@@ -1,5 +1,5 @@
-/* The map of one step on linear equations: from the method's table, or by steps from two initial
- * states of a system of one coordinate. See pk/limits.h. */
+/* The map of one step on linear equations. It comes from the method's table, or from one step of a
+ * system with one coordinate for each of two initial states. See pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"
@@ -44,7 +44,7 @@ static void jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
 static void linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
 {
     (void)a;
-    jacobian(params, t, q, v, u, r_t, r_q, r_v); /* r = pdot, M = 1, and nothing depends on t */
+    jacobian(params, t, q, v, u, r_t, r_q, r_v); /* r = pdot: M is 1 and nothing depends on t */
 }
 
 static void fast(ARGS, pk_real *a)
@@ -83,7 +83,7 @@ static enum pk_status run(const struct pk_method *method, struct spring params, 
         return PK_BLOCK_TOO_SMALL;
     if (params.damping > 0 || params.damping < 0)
         system.facts = DAMPED;
-    options.h = options.h_max = h; /* allows one step of any method */
+    options.h = options.h_max = h; /* lets any method reach h in one step */
     options.rtol = options.atol = PK_C(1e10);
     enum pk_status status =
         pk_integrator_init(&it, &problem, method, &options, 0, q, v, block, sizeof block);
@@ -101,7 +101,7 @@ static const struct pk_method *formula(const struct pk_method *method)
     return method->formula ? method->formula : method;
 }
 
-/* Returns whether the steps of f have no fixed map. */
+/* Returns whether the steps of method f are not all the same linear map. */
 static int varies(const struct pk_method *f)
 {
     return f->release || (f->order == 0 && !(f->traits & PK_EXACT));
@@ -109,7 +109,8 @@ static int varies(const struct pk_method *f)
 
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient)
 {
-    pk_real power[PK_MOST_STAGES], next[PK_MOST_STAGES]; /* A^k times the vector of ones */
+    /* A^k times a vector of ones, where A is the table's matrix */
+    pk_real power[PK_MOST_STAGES], next[PK_MOST_STAGES];
     const int s = table->stages;
     for (int i = 0; i < s; i++)
         power[i] = 1;
@@ -170,7 +171,7 @@ enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, p
         turn(splitting, y, map);
         return PK_DONE;
     }
-    if (tableau) { /* R(iy) = x + i w rotates and scales in the basis of the eigenvector (1, i) */
+    if (tableau) { /* multiplies q - i v by the stability function R(iy), a rotation with scaling */
         pk_real c[PK_MOST_STAGES + 1], part[2] = {0, 0}, power = 1;
         const int s = pk_tableau_polynomial(tableau, c);
         for (int k = 0; k <= s; k++, power *= y)

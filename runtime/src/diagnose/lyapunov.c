@@ -1,12 +1,14 @@
-/* The largest Lyapunov exponent; see pk/lyapunov.h. Its rates over equal intervals come from marks,
- * at most 64 stored values of the growth G, which are thinned out as time goes on. */
+/* The largest Lyapunov exponent; see pk/lyapunov.h. Estimates over equal intervals of time come
+ * from marks: at most 64 stored values of G, the logarithm of the growth of a displacement. The
+ * marks are thinned out as time goes on. */
 #include <string.h>
 
 #include <pk/lyapunov.h>
 
 #include "metric.h"
 
-/* A displacement is normalised before it leaves 1/LARGE .. LARGE, even within a block. */
+/* A displacement is normalised before its length leaves 1/LARGE .. LARGE, even within a block, the
+ * interval between regular normalisations. */
 #define LARGE PK_C(1e12)
 
 size_t pk_lyapunov_size(const struct pk_problem *problem, const struct pk_method *method)
@@ -31,8 +33,9 @@ static pk_real length(const struct pk_lyapunov *l, const pk_real *Q, const pk_re
     return pk_metric_length(&metric, Q + l->variation.n_q, l->variation.v);
 }
 
-/* Normalises the displacement in q and v, which may be the scratch memory, into the scratch memory.
- * Returns the logarithm of its length, which may not be finite. */
+/* Copies the state and the displacement in q and v, which may be the scratch memory itself, to the
+ * scratch memory, and normalises the displacement there. Returns the logarithm of its former
+ * length, which may not be finite. */
 static pk_real normalise(struct pk_lyapunov *l, const pk_real *q, const pk_real *v)
 {
     const struct pk_variation *of = &l->variation;
@@ -53,7 +56,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
                                 void *memory, size_t size)
 {
     if (l)
-        memset(l, 0, sizeof *l); /* pk_lyapunov_free() may follow any failure */
+        memset(l, 0, sizeof *l); /* allows pk_lyapunov_free() after any failure */
     const size_t least = pk_lyapunov_size(problem, method);
     if (!l || !least || !options || !q0 || !v0 || !(block > 0) || !pk_finite(block))
         return PK_BAD_ARGUMENT;
@@ -89,7 +92,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
         part -= part >= 1 ? 1 : 0;
         (i < n ? dq : dv)[i % n] = part + PK_C(0.1);
     }
-    pk_metric_dq(&metric, dq); /* gives components of similar length in any units */
+    pk_metric_dq(&metric, dq); /* makes the components of similar length, whatever their units */
     pk_metric_dq(&metric, dv);
     for (size_t i = 0; i < n; i++) {
         dq[i] *= PK_F(sqrt)(metric.tau);

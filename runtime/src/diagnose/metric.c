@@ -1,4 +1,4 @@
-/* Displacements without units; see metric.h. C = L sqrt(D). */
+/* Displacements without units; see metric.h. C, with M = C C^T, is L sqrt(D) from M = L D L^T. */
 #include <string.h>
 
 #include "metric.h"
@@ -7,8 +7,8 @@ size_t pk_metric_reals(size_t n) { return n * n; }
 
 static pk_real root(const struct pk_metric *m, size_t i) { return PK_F(sqrt)(m->L[i * m->n + i]); }
 
-/* x = C^T x, C x, C^-T x, C^-1 x in place: each loop only reads numbers that it has not
- * overwritten. */
+/* These functions compute x = C^T x, C x, C^-T x, C^-1 x in place: each loop only reads numbers
+ * that it has not overwritten. */
 static void times_Ct(const struct pk_metric *m, pk_real *x)
 {
     for (size_t i = 0; i < m->n; i++) {
@@ -75,7 +75,7 @@ void pk_metric_P(const struct pk_metric *m, pk_real *x)
     scale(x, m->n, PK_F(sqrt)(m->tau));
 }
 
-/* Returns |C^T x|^2 of the first `n` numbers; the others count as 0. */
+/* Returns |C^T x|^2, where x has `n` numbers in memory and further components that are 0. */
 static pk_real square(const struct pk_metric *m, const pk_real *x, size_t n)
 {
     pk_real sum = 0;

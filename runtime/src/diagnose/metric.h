@@ -3,9 +3,9 @@
  *     Q = C^T dq / sqrt(tau),   P = C^-1 dp sqrt(tau)
  *
  * are canonical and all have the same unit, whatever the units of the coordinates. tau is 1/omega;
- * omega^2 is the Frobenius norm of C^-1 (dr/dq) C^-T. The length of a displacement is |C^T dq/tau|,
- * |C^T dv|, combined as a root of the sum of squares: a velocity times the root of a mass. Not
- * installed.
+ * omega^2 is the Frobenius norm of C^-1 (dr/dq) C^-T, where M q'' = r are the equations of motion.
+ * The length of a displacement is the root of |C^T dq/tau|^2 + |C^T dv|^2: a velocity times the
+ * root of a mass. Not installed.
  */
 #ifndef PK_METRIC_H
 #define PK_METRIC_H
@@ -15,19 +15,19 @@
 #include "../core/internal.h"
 
 struct pk_metric {
-    size_t n, seen; /* number of components of dv; of dq */
+    size_t n, seen; /* n: number of components of dv; seen: of dq */
     pk_real tau;
-    pk_real *L; /* M = L D L^T, both in one n by n array */
+    pk_real *L; /* L and D of M = L D L^T in one n by n array */
 };
 
-/* Returns the number of pk_real of L. */
+/* Returns the number of pk_real in L, for n degrees of freedom. */
 size_t pk_metric_reals(size_t n);
-/* Initialises the metric at a state of the motion of `variation`; tau is `otherwise` if dr/dq is
- * 0. */
+/* Initialises the metric at a state of the motion of `variation`. If dr/dq is 0, tau is set to
+ * `otherwise`. */
 enum pk_status pk_metric_init(struct pk_metric *metric, const struct pk_variation *variation,
                               pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
                               pk_real otherwise, pk_real *memory);
-/* Convert in place: Q to dq, P to dp, dq to Q, dp to P. */
+/* These functions convert in place: Q to dq, P to dp, dq to Q, dp to P. */
 void pk_metric_dq(const struct pk_metric *metric, pk_real *x);
 void pk_metric_dp(const struct pk_metric *metric, pk_real *x);
 void pk_metric_Q(const struct pk_metric *metric, pk_real *x);

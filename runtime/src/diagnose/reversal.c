@@ -32,7 +32,7 @@ static pk_real off(const struct trial *w, size_t i)
 {
     const size_t n = w->it->n;
     if (i < n && i >= pk_system_coordinates(w->problem->system, w->problem->params))
-        return 0; /* first-order variables have no coordinate */
+        return 0; /* first-order variables are in v only */
     return pk_abs(i < n ? w->it->q[i] - w->q0[i] : w->it->v[i - n] - w->v0[i - n]);
 }
 
@@ -66,7 +66,7 @@ static enum pk_status there_and_back(struct trial *w, struct pk_reversal *revers
     for (size_t i = 0; i < 2 * w->it->n; i++) {
         const pk_real miss = off(w, i);
         reversal->at[at].absolute = pk_max(reversal->at[at].absolute, miss);
-        if (miss > 0) /* an error in a constant component counts as 1 */
+        if (miss > 0) /* an error in a component that never moves counts as 1 */
             reversal->at[at].error =
                 pk_max(reversal->at[at].error, w->reach[i] > 0 ? miss / w->reach[i] : 1);
     }

@@ -113,7 +113,7 @@ static void take(struct pk_spectrum *spectrum, const pk_real *z, pk_real half)
         struct pk_line *to = &spectrum->lines[k];
         to->frequency = w / half;
         to->amplitude = PK_F(sqrt)(line[0] * line[0] + line[1] * line[1]);
-        to->phase = PK_F(atan2)(-line[1], line[0]) - w; /* at t = 0, where scaled time s is -1 */
+        to->phase = PK_F(atan2)(-line[1], line[0]) - w; /* phase at t = 0, where s = -1 */
         to->phase -= 2 * PK_PI * PK_F(floor)(to->phase / (2 * PK_PI) + PK_C(0.5));
     }
 }
@@ -148,7 +148,7 @@ enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, s
         z[4 + 3 * k] = spectrum->lines[k].frequency * half;
     if (!turn(x, count, lines, z, 1, &largest))
         return PK_NO_CONVERGENCE;
-    pk_real before = PK_PI; /* a larger correction than half a line width is a failure */
+    pk_real before = PK_PI; /* limit of the first correction of w: half a line width */
     for (int k = 0; k < TURNS && lines > 0; k++) {
         if (!turn(x, count, lines, z, 0, &largest) || !(largest <= before))
             return PK_NO_CONVERGENCE;

@@ -1,7 +1,6 @@
 /* The derivative S of a step map and its effect on the symplectic form; see pk/stepmap.h. For each
- * column of S, a unit displacement in (Q, P) is converted to (dq, dv), advanced by one step, and
- * converted back.
- */
+ * column of S, a unit displacement in (Q, P), which metric.h defines, is converted to (dq, dv),
+ * advanced by one step, and converted back. */
 #include <string.h>
 
 #include <pk/stepmap.h>
@@ -54,7 +53,8 @@ static void momentum_slope(struct parts *w, pk_real t, const pk_real *q, const p
     of->system->jacobian(of->params, t, q, v, inputs(w, t), w->J, w->J + nn, w->J + 2 * nn);
 }
 
-/* Sets unit displacement j of (Q, P), as (dq, dv), after the initial state in w->Q, w->V. */
+/* Sets the displacement in w->Q, w->V, which follows the initial state in each: the unit vector j
+ * of (Q, P), converted to (dq, dv). */
 static void displace(struct parts *w, pk_real t, size_t j)
 {
     const size_t n = w->n;
@@ -149,7 +149,7 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
         return PK_REFUSED; /* step sizes depend on the state */
     if (map && problem && problem->system &&
         (problem->system->n_first_order || problem->system->constraints.n))
-        return PK_REFUSED; /* there are no momenta, or q and p are dependent */
+        return PK_REFUSED; /* first-order variables have no momenta; rows make q and p dependent */
     if (!map || !options || !q0 || !v0 || !size || !(h > 0))
         return PK_BAD_ARGUMENT;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))

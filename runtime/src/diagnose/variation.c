@@ -1,6 +1,5 @@
-/* The variational equations as a system; see pk/variation.h. The displacements of all columns
- * share M, its factors, and the derivatives of r.
- */
+/* The variational equations as a system; see pk/variation.h. The columns of displacements share M,
+ * its factors, and the derivatives of the right-hand side r of M q'' = r. */
 #include <string.h>
 
 #include <pk/variation.h>
@@ -151,7 +150,7 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
     }
 }
 
-/* Evaluates the singularities of the motion without displacements. */
+/* Evaluates the singularities of the motion; displacements have none. */
 static void singularity(ARGS, pk_real *out)
 {
     const struct pk_variation *w = self(params);
@@ -187,7 +186,7 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     if (!variation || !of || !of->system || !block || of->system->abi != PK_ABI)
         return PK_BAD_ARGUMENT;
     const struct pk_system *system = of->system;
-    /* Displacements jump at a kink, and derivatives do not show by how much. */
+    /* At a kink, displacements jump, and derivatives do not show by how much. */
     if (!system->linear || !system->mass || !system->jacobian || !(system->facts & PK_SMOOTH))
         return PK_REFUSED;
     if (block_size < pk_variation_size(of, columns) || (size_t)block % _Alignof(pk_real))
@@ -204,8 +203,9 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     variation->v = variation->work + 4 * variation->n * variation->n;
     variation->a = variation->v + variation->n;
     variation->b = variation->a + variation->n;
-    /* p of a displacement depends on q, and on v too unless M is constant. The mass kernel lacks
-     * these terms of dp/dv, so that PK_QUADRATIC does not hold then. */
+    /* The momentum p of a displacement depends on q of the motion, and also on v unless M is
+     * constant. The mass kernel lacks the terms of dp/dv due to v, so that PK_QUADRATIC does not
+     * hold then. */
     unsigned kept = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS | PK_SMOOTH | PK_MASS_DIAGONAL |
                     PK_AFFINE | PK_LINEAR_DRAG;
     if (system->facts & PK_MASS_CONSTANT)

@@ -47,7 +47,7 @@ pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b)
     return half * sum;
 }
 
-/* A position of the march: at q + y, where h - W is U; and its direction. */
+/* A point of the march: at q + y, where h - W (energy minus potential) is U; and the direction. */
 struct place {
     const struct pk_well *w;
     pk_real q, y, U, direction;
@@ -67,8 +67,9 @@ static enum pk_status slope_at(void *context, pk_real distance, pk_real *slope)
     return PK_DONE;
 }
 
-/* Returns the distance to the root of f, to the last digit. At `far` f has the opposite sign or is
- * 0; `far` may be a million times too far, as in first panels with a tiny force. */
+/* Returns the distance from the point p to the root of f, to the last digit. At the distance `far`
+ * f has the opposite sign or is 0; `far` may be a million times the distance of the root, as in the
+ * first panel of a march if the force is tiny. */
 static pk_real root_of(struct place *p, pk_function f, pk_real far)
 {
     for (pk_real before = PK_INFINITY; far < before / 2;) {
@@ -81,9 +82,9 @@ static pk_real root_of(struct place *p, pk_function f, pk_real far)
     return far;
 }
 
-/* Returns whether h - W has a root within the distance `far`, and sets *distance to it. Behind a
- * low barrier h - W may be positive again, so its minimum is searched where the force changes
- * sign. */
+/* Returns whether h - W has a root within the distance `far` from p, and sets *distance to its
+ * distance. Beyond a low barrier, h - W may be positive again; so where the force changes sign, the
+ * minimum of h - W is computed. */
 static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least, pk_real *distance)
 {
     pk_real before, behind, U, to = far;
@@ -104,8 +105,8 @@ static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least,
     return 1;
 }
 
-/* Returns whether M, F and b have period 2 pi in q and a full turn takes no work. Returns 0 if
- * nothing depends on q, since it is then unknown whether q is an angle. */
+/* Returns whether the mass M, the force F and the term b of L have period 2 pi in q, and a full
+ * turn takes no work. Returns 0 if F is 0 and M is constant, since q need not be an angle then. */
 static int is_angle(const struct pk_well *w, pk_real q)
 {
     pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY, round = 0;
@@ -131,7 +132,7 @@ static int is_angle(const struct pk_well *w, pk_real q)
     return most[0] > 0 || most[1] - M_lo > PK_F(sqrt)(PK_EPSILON) * most[1];
 }
 
-/* Makes each panel as long as the quadrature resolves the force. */
+/* Makes each panel (interval) as long as possible while the quadrature resolves the force. */
 struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction)
 {
     struct pk_end end = {0, 0, 0};
@@ -147,7 +148,8 @@ struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real dir
             at[k + 1] = at[k] + pk_well_work(w, q, from, to);
             most = PK_F(fmax)(most, at[k + 1]);
         }
-        /* The force is not resolved; or, from rest, the motion returns within this panel. */
+        /* The quadrature does not resolve the force, or the march starts at rest and the motion
+         * turns back within this panel. */
         if (!(pk_abs(at[PARTS] - U - whole) <= FOLLOWED * most) || !(at[0] > 0 || at[1] > 0)) {
             d /= 4;
             if (!(pk_abs(y) + d / PARTS > pk_abs(y)))

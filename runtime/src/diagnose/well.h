@@ -1,5 +1,5 @@
-/* One degree of freedom with t held constant: L = M v^2/2 + b v - W, and the turning points of its
- * motion. */
+/* A motion of energy h with one degree of freedom, with t held constant: L = M v^2/2 + b v - W,
+ * where W is the potential; and its turning points, the roots of h - W. */
 #ifndef PK_WELL_H
 #define PK_WELL_H
 
@@ -12,8 +12,8 @@ struct pk_well {
     const void *params;
     pk_real t;
     const pk_real *u;
-    pk_real longest;     /* longest panel of a march */
-    pk_real most, least; /* largest h - W on the march; least minimum of h - W */
+    pk_real longest;     /* length of the longest panel (interval) of a march */
+    pk_real most, least; /* largest h - W on the march; least local minimum of h - W */
 };
 
 /* A root of h - W, or a full turn, that a march has found. */

@@ -15,21 +15,21 @@
 #include "lanes.h"
 
 enum {
-    FEW = 8,  /* lanes are not used if at most 1/8 of them have a step */
-    MANY = 32 /* limit of steps per call */
+    FEW = 8,  /* lanes are not used if at most 1/8 of them have a step to make */
+    MANY = 32 /* limit of steps made in one call */
 };
 
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const struct pk_system *system = problem->system;
-#ifdef PK_ONE_BY_ONE /* for measuring the speed without lanes */
+#ifdef PK_ONE_BY_ONE /* defined to measure the speed without lanes */
     const struct pk_block_stepper *s = NULL;
 #else
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
 #endif
     struct pk_block b;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt) ||
-        system->constraints.n) /* projection has no lanes and dominates a step */
+        system->constraints.n) /* projection cannot use lanes and takes most of a step's time */
         return 0;
     const size_t block = pk_block_lay_out(&b, problem, method, 0, NULL);
     return (block + pk_screen_size(&b)) * sizeof(pk_real);
@@ -116,7 +116,7 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
     }
 }
 
-/* Advances the state of these lanes to the end of their steps. */
+/* Advances the state of the given lanes to the end of their steps. */
 static void advance(struct pk_lanes *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
@@ -192,7 +192,8 @@ static unsigned long long accelerations(struct pk_lanes *a, const pk_real *t, co
     return a->stepper->members(b, state, state + b->n_q * b->lanes, to);
 }
 
-/* Returns the lanes of `of`, whose steps are made, that cross no event. */
+/* Returns those of the lanes `of` whose steps, already made, cross no event. `known`: lanes whose
+ * previous step was also examined here. */
 static unsigned long long clear(struct pk_lanes *a, const struct pk_lane *lanes,
                                 unsigned long long of, unsigned long long known)
 {
@@ -296,7 +297,7 @@ void pk_lanes_make(struct pk_lanes *a, const struct pk_lane *lanes)
     advance(a, made);
     a->single = a->idle = 0;
     const unsigned long long live = enter(a, lanes);
-    if (bits(live) * FEW <= a->lanes) /* steps without lanes are faster */
+    if (bits(live) * FEW <= a->lanes) /* for few steps it is faster not to use lanes */
         return;
     rest(a, live);
     for (size_t l = 0; l < a->lanes; l++)

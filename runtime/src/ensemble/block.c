@@ -1,10 +1,12 @@
-/* A block of members with the same fixed steps at the same times, from row to row. */
+/* Integrates a block of members that make the same fixed steps at the same times, from one output
+ * row to the next. */
 #include <string.h>
 
 #include "../core/attitude.h"
 #include "ensemble.h"
 
-/* Ends the members in lanes `bits` with `status`; from then on their lanes repeat another lane. */
+/* Ends the members in lanes `bits` with `status`. From then on these lanes repeat the numbers of
+ * another lane. */
 static void retire(struct pk_block *b, const struct pk_ensemble *e, size_t first,
                    unsigned long long bits, enum pk_status status, unsigned long long *live)
 {
@@ -74,8 +76,8 @@ static void together(struct pk_block *b, pk_real from, pk_real end, pk_real h)
         b->from[l] = from, b->end[l] = end, b->h[l] = h;
 }
 
-/* Repeats the last step, but only to t, into b->spare, like pk_integrator_aside(). Returns the
- * lanes that failed. */
+/* Repeats the last step, but only as far as time t, and stores the state there in b->spare, like
+ * pk_integrator_aside(). Returns the lanes that failed. */
 static unsigned long long aside(const struct pk_block *of, const struct pk_block_stepper *s,
                                 const struct pk_integrator *clock, pk_real t)
 {

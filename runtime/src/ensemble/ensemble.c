@@ -1,5 +1,5 @@
-/* Ensembles: chooses how to integrate members, and moves one member from row to row. See also
- * member.c for one member, and block.c for members in lanes. */
+/* Ensembles: chooses how to integrate members, and moves one member from one output row to the
+ * next. See also member.c for one member, and block.c for members in lanes. */
 #include <stdio.h>
 #include <string.h>
 
@@ -19,7 +19,8 @@ int pk_ensemble_fixed(const struct pk_ensemble *e)
     return !(e->method->traits & PK_ADAPTIVE) || stepper(e) != NULL;
 }
 
-/* Returns the bytes for lanes in which each member has its own steps; 0 if there are none. */
+/* Returns the bytes for the lanes if each member has its own steps, or 0 if there are no such
+ * lanes. */
 static size_t lanes_size(const struct pk_ensemble *e)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
@@ -33,8 +34,8 @@ static size_t lanes(const struct pk_ensemble *e)
     return s ? s->lanes : pk_lanes_count(&problem, e->method);
 }
 
-/* Returns the number of integrators: one per lane, and one to reach rows within steps; if lanes
- * share their steps, pk_member_count(). */
+/* Returns the number of integrators. If lanes share their steps, this is pk_member_count();
+ * otherwise there is one per lane, and one that reaches output rows within steps. */
 static size_t integrators(const struct pk_ensemble *e)
 {
     return stepper(e) ? pk_member_count(e, lanes(e)) : lanes(e) + 1;
@@ -47,7 +48,7 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
     return integrators(e) * pk_member_size(e) + (stepper(e) ? pk_block_size(e) : lanes_size(e));
 }
 
-/* A member that is integrated from row to row; `kept`: whether rows are stored. */
+/* A member that is integrated from one output row to the next. `kept`: whether it stores rows. */
 struct way {
     const struct pk_ensemble *e;
     struct pk_member *m, *aside;

@@ -7,11 +7,11 @@
 #include "event_screen.h"
 
 enum { N = 8, STRIDE = PK_MOST_SAMPLES / N, TAIL = 4, LANES = PK_LANES };
-#define SAFE PK_C(1.001) /* sums are rounded differently from events_look.c */
+#define SAFE PK_C(1.001) /* margin, since sums are rounded in another order than in events_look.c */
 
-/* Computes the difference of h^2 q'' between motion and cubic at both ends. `bad` is nonzero in
- * lanes where it is so large that the interpolant is useless. Inner loops are over vectors of
- * lanes. */
+/* Computes the differences of h^2 q'' between the motion and its cubic Hermite interpolant at both
+ * ends of the step. Sets `bad` to nonzero in lanes where a difference is so large that the
+ * interpolant is useless. Inner loops are over vectors of lanes. */
 static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b, pk_bits *bad)
 {
     const size_t m = b->n_q * b->lanes;
@@ -34,7 +34,8 @@ static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b
     }
 }
 
-/* Evaluates the quintic (first-order variables: quartic) and its derivative at x in 0 .. 1. */
+/* Evaluates the quintic interpolant (for first-order variables a quartic) and its derivative at x,
+ * a fraction 0 .. 1 of the step. */
 static void between(const struct pk_screen *s, const struct pk_block *b, pk_real x)
 {
     const size_t m = b->n_q * b->lanes, all = b->n * b->lanes;
@@ -80,7 +81,7 @@ static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *
     const unsigned long long failed = s->members(b, s->trial, s->trial + first, s->a_between);
     for (size_t l = 0; l < W; l++)
         bad[l] |= failed >> l & 1 ? ~(pk_bits)0 : 0;
-    for (size_t k = first; k < end - first; k += LANES) { /* first-order variables in v */
+    for (size_t k = first; k < end - first; k += LANES) { /* only first-order variables, in v */
         const pk_real *v0 = b->state + first + k, *v1 = b->next + first + k;
         const pk_real *a0 = s->a0 + k, *a1 = s->a1 + k, *a = s->a_between + k;
         const pk_real *length = b->h + k % W;
@@ -154,7 +155,8 @@ void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
     s->members = stepper->members;
     s->values = stepper->values;
     for (size_t k = 0; k < system->events.n; k++)
-        if (system->events.table[k].stop > 1) /* pk_events_functions() shifts limits by rounding */
+        /* pk_events_functions() shifts limits by rounding, s->values does not */
+        if (system->events.table[k].stop > 1)
             s->values = NULL;
     const struct pk_slot slots[] = {{&s->a0, n * W},
                                     {&s->a1, n * W},
@@ -191,7 +193,8 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
         const pk_real x = (1 - pk_events_cosines[j * STRIDE]) / 2;
         if (j > 0 && j < N)
             between(s, b, x);
-        if (j == 0 && !(of & ~known)) /* values are known from the last step */
+        /* values at the start are those at the end of the last step */
+        if (j == 0 && !(of & ~known))
             continue;
         const pk_real *state = j == 0 ? b->state : j < N ? s->trial : b->next;
         for (size_t l = 0; l < W; l++)
@@ -207,7 +210,7 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
     for (size_t l = 0; l < W; l++)
         if (of >> l & 1 && !bad[l])
             clear |= 1ull << l;
-    /* The last sample is the first sample of the next steps. */
+    /* The last sample of these steps is the first sample of the next steps. */
     memcpy(s->g, s->g + (size_t)N * s->functions * W, s->functions * W * sizeof *s->g);
     return clear;
 }

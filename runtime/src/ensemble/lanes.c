@@ -1,6 +1,6 @@
-/* Members in SIMD lanes, see lanes.h. The steps of pk/step/ensemble.h are instantiated here for
- * systems with lane kernels as function pointers, or with a kernel for one state.
- */
+/* Members in SIMD lanes, see lanes.h. The steps of pk/step/ensemble.h are instantiated here for two
+ * cases: systems whose lane kernels are called by function pointers, and systems with kernels for
+ * one state. */
 #include <string.h>
 
 #include "lanes.h"
@@ -83,7 +83,8 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
     return NULL;
 }
 
-/* Families have no blocks: their loops are over members of families, not over lanes. */
+/* Systems with families have no blocks: their kernels loop over members of families, not over
+ * lanes. */
 const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
                                                    const struct pk_method *method)
 {
@@ -150,7 +151,7 @@ void pk_block_copy_lane(struct pk_block *b, size_t from, size_t to)
                                {b->next, parts},
                                {b->P, pk_params_reals(b->system)},
                                {b->u, b->system->n_inputs},
-                               {b->work, 2 * b->n}}; /* slopes of the first stage */
+                               {b->work, 2 * b->n}}; /* work: slopes of the first stage */
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         for (size_t i = 0; i < all[k].rows; i++)
             all[k].x[i * W + to] = all[k].x[i * W + from];

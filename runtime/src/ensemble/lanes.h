@@ -1,6 +1,7 @@
-/* Members in SIMD lanes: the memory of a block, and the steps that it makes. It has two uses. In
- * block.c all lanes share the time and length of each step, and rows are copied from them. In
- * adaptive_lanes.c each lane has its own time and step, which its integrator takes over. */
+/* Members in SIMD lanes: the memory of a block of lanes, and the steps that it makes. Blocks have
+ * two uses. In block.c all lanes share the time and length of each step, and output rows are copied
+ * from the lanes. In adaptive_lanes.c each lane has its own time and step, and the lane's
+ * integrator takes over the step. */
 #ifndef PK_SRC_LANES_H
 #define PK_SRC_LANES_H
 
@@ -13,8 +14,8 @@ const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *syste
                                                    const struct pk_method *method);
 /* Returns the number of stages whose slopes a block keeps. */
 int pk_block_stages(const struct pk_method *method);
-/* Describes a block of this system and method, and lays out its memory, with b->spare if `spares`.
- * Returns the number of pk_real; with base NULL it does no more. */
+/* Describes a block for this system and method, and assigns its memory, which includes b->spare if
+ * `spares` is nonzero. Returns the number of pk_real; if base is NULL, it does no more. */
 size_t pk_block_lay_out(struct pk_block *b, const struct pk_problem *problem,
                         const struct pk_method *method, int spares, pk_real *base);
 /* Copies an integrator's state, params and inputs to lane l. */

@@ -1,6 +1,6 @@
 /* One member of an ensemble: its initial state, and its singularities if its steps are made in a
- * lane. Its integrator then makes no steps: it takes over those of the lane and watches for
- * singularities in them (singularity.c), by the kernels for one state. */
+ * lane. In a lane, the member's integrator makes no steps itself: it takes over those of the lane
+ * and watches for singularities in them (singularity.c), by the kernels for one state. */
 #include <string.h>
 
 #include "ensemble.h"

@@ -1,7 +1,7 @@
 /* The impulse at a switch s(q, t) = 0 across which L or a constraint jumps: the corner condition of
- * Weierstrass and Erdmann. Before it, momenta are p- and the energy is h-. After it, rates are v+,
- * with an impulse alpha along the gradient s_q, and impulses Lambda along the constraint rows J v +
- * j0 = 0 of the new side:
+ * Weierstrass and Erdmann. Before the switch, momenta are p- and the energy is h-. After it, rates
+ * are v+, with an impulse alpha along the gradient s_q, and impulses Lambda along the constraint
+ * rows J v + j0 = 0 of the new side:
  *
  *     p(v+) = p- + alpha s_q + J^T Lambda,   J v+ + j0 = 0,
  *     E = h(v+) - h- + alpha s_t + Lambda.j0 = 0.
@@ -70,8 +70,9 @@ void pk_corner_rows(struct corner *x, const pk_real *v)
         pk_project_rows(&x->w, x->q, v);
 }
 
-/* Replaces the force d by M^-1 (d + J^T mu), where mu makes J d = -rate; M and J are at v. Returns
- * -1 if singular. */
+/* Replaces the force d by the change of rates M^-1 (d + J^T mu) that it causes; mu is such that J
+ * times this change is -rate. M and J are taken at the rates v. Returns -1 if M or J M^-1 J^T is
+ * singular. */
 static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *rate, pk_real *mu)
 {
     struct pk_projection *w = &x->w;
@@ -87,8 +88,8 @@ static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *
     return 0;
 }
 
-/* Solves for v(alpha) on the current side by Newton's method, from x->v and x->lambda, and for its
- * derivative. */
+/* Solves for the rates v(alpha) on the current side of the switch by Newton's method, starting from
+ * x->v and x->lambda, and for the derivative of v by alpha. */
 static int rates(struct corner *x, pk_real alpha)
 {
     struct pk_projection *w = &x->w;
@@ -96,7 +97,8 @@ static int rates(struct corner *x, pk_real alpha)
     for (int count = 0; count < MOST; count++) {
         pk_real change = 0, size = 0;
         pk_corner_momenta(x, x->v);
-        if (count && !pk_all_finite(x->p, w->m)) { /* undoes part of d outside the domain of L */
+        /* the correction d has left the domain of L: undoes part of it */
+        if (count && !pk_all_finite(x->p, w->m)) {
             part /= 2;
             for (size_t i = 0; i < w->m; i++)
                 x->v[i] -= part * d[i];
@@ -160,7 +162,7 @@ int pk_corner_leave(struct corner *x, pk_real direction, int free)
         const pk_real s = pk_corner_speed(x), bend = pk_corner_dot(x->slope, x->along, w->m);
         if (!free)
             return 1;
-        if (count == 0) { /* tests the part of s_q outside the span of the rows */
+        if (count == 0) { /* tests whether s_q is outside the span of the rows */
             memcpy(w->d, x->slope, w->m * sizeof *w->d);
             pk_ldl_solve(w->M, w->m, w->d);
             first = pk_abs(s);

@@ -1,8 +1,8 @@
-/* Locates the roots of an event function within a window of a step. The polynomial through samples
- * of the interpolant only proposes times. Nodes are times at which the method itself gives exact
- * values, and a root is found between two nodes of opposite signs (root.c). Where the polynomial
- * has a minimum of |g| near zero, more nodes are computed towards it, so that two close roots are
- * found too. */
+/* Locates the roots of an event function g within a window, which is the whole step or a part of
+ * it. The polynomial through samples of the interpolant only proposes times. Nodes are times at
+ * which the method itself gives exact values, and a root is found between two nodes where g has
+ * opposite signs (root.c). Where the polynomial has a minimum of |g| near zero, more nodes are
+ * computed towards this minimum, so that two close roots are found too. */
 #include <string.h>
 
 #include "events.h"
@@ -10,9 +10,11 @@
 
 enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, PIECES = 3 };
 #define MARGIN PK_C(0.03125) /* error of an interpolant, relative to the range of g */
-#define TURNED PK_C(1e-7)    /* accuracy of the Chebyshev angle of an extremum */
+/* accuracy of the angle, in radians, at which the polynomial is extremal */
+#define TURNED PK_C(1e-7)
 
-/* Returns the value below which g may be 0: errors of interpolant and, at a kink, polynomial. */
+/* Returns the value of |g| below which g may be 0: the error of the interpolant plus that of the
+ * polynomial, which matters at a kink of g. */
 static pk_real near_zero(const struct pk_shape *shape)
 {
     return MARGIN * shape->range + (pk_real)shape->order / 2 * shape->tail;
@@ -28,8 +30,8 @@ struct along {
     int count;
 };
 
-/* A point of the polynomial at an angle, from 0 at the start of the window to pi at its end; its
- * slope is up to a factor. */
+/* A point of the polynomial sum c_k cos(k angle), whose angle goes from 0 at the start of the
+ * window to pi at its end. `slope` is the derivative of g by the angle up to a positive factor. */
 struct point {
     pk_real x, g, slope;
 };
@@ -60,8 +62,8 @@ static void append(struct along *a, pk_real x, pk_real g)
     a->g[a->count++] = g;
 }
 
-/* Gets the exact value at x. The values of all functions are cached at two times: the last x, and
- * just after the first switch in the list. */
+/* Gets the exact value of g at x. The values of all functions are cached for two times: the last x,
+ * and the time just after the first switch in the list. */
 static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
 {
     struct pk_events *e = a->e;
@@ -79,8 +81,8 @@ static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
     return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
 }
 
-/* Adds a node at x, unless x is before the last node. After the first switch in the list there is
- * no motion, so that the last node is just after it. */
+/* Adds a node at x, unless x is before the last node. Crossings after the first switch in the list
+ * are not searched for, so that the last node is just after this switch. */
 static enum pk_status settle(struct along *a, pk_real x)
 {
     const int behind = x > a->e->near;
@@ -117,7 +119,8 @@ static pk_real vertex(const pk_real *x, const pk_real *g)
 }
 
 /* Returns whether a convex function through three points, with its least value in the middle, may
- * reach zero: not if the extended chords do not, which bound it. */
+ * reach zero. It does not if the two chords, extended beyond the middle, do not reach zero, since
+ * the function lies above them. */
 static int may_cross(const pk_real *x, const pk_real *g)
 {
     const pk_real l = x[1] - x[0], r = x[2] - x[1], sign = g[1] > 0 ? PK_C(1.0) : PK_C(-1.0);
@@ -125,8 +128,8 @@ static int may_cross(const pk_real *x, const pk_real *g)
            sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
 }
 
-/* Searches the minimum of |g| near `at` until a value has crossed zero: by parabolas and, since it
- * may be a kink, by golden sections of the longer interval. */
+/* Searches for the minimum of |g| near `at` until some value of g has the opposite sign. Uses
+ * parabolas and, since the minimum may be a kink, golden sections of the longer interval. */
 static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real right)
 {
     pk_real x[3] = {left, at, right}, g[3];
@@ -254,7 +257,7 @@ static enum pk_status nodes(struct along *a)
                                            pk_abs(last) <= MARGIN * shape->range))) {
         PK_TRY(settle(a, end));
         if (end < h && a->count > 1 && !(a->g[a->count - 1] > 0 || a->g[a->count - 1] < 0))
-            a->count--; /* the next window continues from zero */
+            a->count--; /* leaves a zero at the end of the window to the next window */
     }
     return PK_DONE;
 }
@@ -263,7 +266,8 @@ static enum pk_status nodes(struct along *a)
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
     const struct pk_event *events = a->it->problem.system->events.table;
-    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* direction: along the motion */
+    /* the direction of a limit is along the motion */
+    const int limit = a->k < e->n_events && events[a->k].stop > 1;
     const int asked = (a->k < e->n_events ? events[a->k].direction : 0) *
                       (limit ? a->it->own->direction : 1);
     if ((asked && asked != direction) || x > e->near)
@@ -292,9 +296,9 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
         pk_real lo = a.x[j - 1], hi = a.x[j];
         const pk_real before = a.g[j - 1], after = a.g[j];
         if (!(before > 0 || before < 0) || !opposite(before, after))
-            continue; /* leaving zero is no crossing */
+            continue; /* a motion that starts at zero does not cross zero */
         if (!(after > 0 || after < 0) && j + 1 < a.count && !opposite(before, a.g[j + 1]))
-            continue; /* touches zero without crossing */
+            continue; /* g touches zero without changing its sign */
         if (after > 0 || after < 0)
             PK_TRY(pk_root(truth, &a, &lo, before, &hi, after, pk_events_width(e, it, lo)));
         enlist(e, &a, hi, before < 0 ? it->own->direction : -it->own->direction);

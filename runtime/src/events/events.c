@@ -14,10 +14,10 @@
 
 #include "events.h"
 
-enum { HALVINGS = 20 }; /* halvings of the time to a singularity */
-enum { SHORTER = 17 };  /* retries of a step, each 8 times shorter */
+enum { HALVINGS = 20 }; /* limit of steps towards a singularity, each by half of the time left */
+enum { SHORTER = 17 };  /* limit of retries of a step, each 8 times shorter */
 #define GROWTH PK_C(64.0)
-enum { ROUNDINGS = 16 }; /* so many units in the last place count as 0 */
+enum { ROUNDINGS = 16 }; /* limit, in units in the last place, of a value that counts as 0 */
 
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
@@ -79,7 +79,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
     const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
-    events->proposes = dense && !exact; /* exact flows compute each state by a series */
+    events->proposes = dense && !exact; /* an exact flow has no cheap interpolant, only a series */
     events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
@@ -95,7 +95,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               block, scout);
 }
 
-/* Saves or restores all but the parameters at the end: except for sides, they are the caller's. */
+/* Saves or restores the memory except the parameters at its end, which belong to the caller; but
+ * the sides of switches among the parameters are saved. */
 enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
 {
     struct pk_events shape;
@@ -143,8 +144,8 @@ static pk_real largest(const pk_real *x, size_t n)
     return most;
 }
 
-/* Returns the change of limit k, which is linear in q, from q0 - d to q0 + d, or 0 if it is
- * rounding. */
+/* Returns by how much the function of limit k changes from the position q0 - d to q0 + d, or 0 if
+ * the change is rounding. The function of a limit is linear in q. */
 static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t k, const pk_real *d)
 {
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1), ends[2];
@@ -158,8 +159,8 @@ static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t 
     return pk_abs(ends[1] - ends[0]) > rounding ? ends[1] - ends[0] : 0;
 }
 
-/* Returns whether a motion that starts on limit k leaves by it: by its rate or, at rest, by its
- * acceleration. */
+/* Returns whether a motion that starts on limit k moves beyond it: by its rate or, if that does not
+ * change the limit's function, by its acceleration. */
 static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, size_t k,
                           int backwards)
 {
@@ -169,9 +170,10 @@ static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, s
     return rise * (pk_real)it->problem.system->events.table[k].direction > 0;
 }
 
-/* Stops a run that starts beyond a limit, or on it up to rounding and moving out, since it would
- * cross nothing. If the run goes on, this rounding is subtracted, so that the start counts as
- * inside (pk_events_functions()) and a later way out crosses the limit. */
+/* Stops a run that starts beyond a limit, or starts on a limit (up to rounding) and moves outwards,
+ * since such a run would not cross the limit. If a run that starts on a limit goes on, the rounding
+ * error of its start is subtracted from then on (pk_events_functions()); the start then counts as
+ * inside, and a later way out crosses the limit. */
 static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int backwards)
 {
     const struct pk_event *table = it->problem.system->events.table;
@@ -206,11 +208,11 @@ static int stop_beyond_limit(struct pk_events *e, struct pk_integrator *it, int 
     return 1;
 }
 
-/* Returns the rounding error of function k at the start of the step: its change if all numbers are
- * off by some units in the last place. */
+/* Returns the rounding error of function k at the start of the step: its change if all numbers of
+ * the state change by some units in the last place. */
 static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, size_t k)
 {
-    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* signs of the changes */
+    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* signs of the changes of numbers */
     enum { OFF = sizeof off / sizeof *off };
     const pk_real small = PK_C(1e-6);
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -222,9 +224,9 @@ static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, siz
     return ROUNDINGS * PK_EPS / small * pk_abs(g[k] - pk_events_end(e, 0)[k]);
 }
 
-/* Returns whether an adaptive step is so much longer than all time before it, and a function has
- * grown so much in it, that the step does not resolve how the function began. This may be so in a
- * first step from zero, where only the run gives a scale. */
+/* Returns whether an adaptive step is too long to resolve how a function began: it is much longer
+ * than all time integrated before this step, and the function has grown very much in it. This may
+ * happen in a first step from a state of zeros, where the scale of errors is from the run alone. */
 static int outgrown(struct pk_events *e, const struct pk_integrator *it)
 {
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
@@ -244,7 +246,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     return found;
 }
 
-/* Undoes the last step, and the error scale that it has set. */
+/* Undoes the last step, and forgets the error scale that this step has set. */
 static enum pk_status take_back(struct pk_events *e, struct pk_integrator *it)
 {
     it->own->progress.passed -= pk_abs(it->t - e->from);
@@ -267,13 +269,14 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    const int clear = pk_events_ahead(e, it); /* no event is at the start of such a step */
+    /* no event is at the start of a step that crosses nothing */
+    const int clear = pk_events_ahead(e, it);
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || stop_beyond_limit(e, it, limit < it->t)))
         return it->status;
     for (int count = 0;; count++) {
         if (pk_integrator_step(it, limit) != PK_DONE)
             return it->status;
-        if (!(it->t < e->from || it->t > e->from)) /* `limit` is reached */
+        if (!(it->t < e->from || it->t > e->from)) /* no step: t was at `limit` */
             return it->status;
         if (clear && it->own->ahead->taken) {
             e->at_switch = 0;
@@ -301,8 +304,8 @@ static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk
     return status;
 }
 
-/* Follows the motion up to a singularity, each step by half of the time left, since events may come
- * before it and the failed step has no end. */
+/* Follows the motion up to a singularity, since events may come before it and the failed step has
+ * no end. Each step covers half of the time left until the singularity. */
 static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 {
     const enum pk_status ended = it->status;

@@ -6,28 +6,30 @@
 
 #include "../core/internal.h"
 
-/* Samples of a window; limit of nodes of a function in it; numbers per entry in the list of
- * crossings (time from the start of the step, function, direction). */
+/* The last sample of a window has the index PK_MOST_SAMPLES. A function has at most PK_MOST_NODES
+ * nodes (times with exact values) in a window. Each crossing in the list has PK_EVENT_ENTRY
+ * numbers: time from the start of the step, function, direction. */
 enum { PK_MOST_SAMPLES = 16, PK_MOST_NODES = 4 * PK_MOST_SAMPLES, PK_EVENT_ENTRY = 3 };
 
 /* Limit of crossings of one switch in the list, which ends at the first switch. */
 enum { PK_MOST_TOGETHER = 4 };
 
-/* On an interpolant less accurate than the method's own, g has no root if |g| is this many times
- * larger than its variation. */
+/* An interpolant may be less accurate than the method's own. On such an interpolant, an event
+ * function g has no root if |g| is larger than its variation by this factor. */
 #define PK_CLEAR_OF PK_C(2.0)
 
 /* One function in a window: the polynomial sum c_k cos(k angle) through its samples. */
 struct pk_shape {
     pk_real c[PK_MOST_SAMPLES + 1];
-    pk_real range, tail;    /* max - min of the samples; sum of the last |c_k| */
-    pk_real others;         /* sum of |c_k| over k > 0, plus tail */
-    pk_real last_x, last_g; /* time and value of the last exact value */
+    pk_real range, tail;    /* max - min of the samples; sum of the last few |c_k| */
+    pk_real others;         /* sum of |c_k| over k > 0, plus `tail` */
+    pk_real last_x, last_g; /* last node: its time and the exact value there */
     int order;
-    /* clear: the polynomial is the function up to 1/40 of the range, or has no root; lost: it does
-     * not resolve the function; crosses: it may have a root; jumps: the function jumps. */
+    /* clear: the polynomial agrees with the function up to 1/40 of the range, or the function has
+     * no root. lost: the polynomial does not resolve the function. crosses: the function may have a
+     * root. jumps: the function has a jump. */
     int clear, lost, crosses, jumps;
-    int in_a_row; /* successive narrowest windows with `lost` */
+    int in_a_row; /* number of narrowest windows in succession with `lost` */
 };
 
 /* Returns the number of functions: events, then switches. */
@@ -36,20 +38,21 @@ static inline size_t pk_events_count(const struct pk_events *e)
     return e->n_events + e->n_switches;
 }
 
-/* Returns all g at sample j of the window, from 0, its start, to PK_MOST_SAMPLES, its end. One more
- * sample is scratch memory for other times. */
+/* Returns the values of all functions g at sample j of the window. Sample 0 is at the start of the
+ * window and sample PK_MOST_SAMPLES at its end; one more sample is scratch memory. */
 static inline pk_real *pk_events_sample(const struct pk_events *e, int j)
 {
     return e->g + pk_events_count(e) * (size_t)j;
 }
 
-/* Returns all g at the start (0) or the end (1) of the step. */
+/* Returns the values of all functions at the start (0) or the end (1) of the step. */
 static inline pk_real *pk_events_end(const struct pk_events *e, int end)
 {
     return e->ends + (end ? pk_events_count(e) : 0);
 }
 
-/* Returns the time at the distance x from the start of the step, along the motion. */
+/* Returns the time t of a point of the step. x is the time from the start of the step to this
+ * point, positive also in a motion backwards in time. */
 static inline pk_real pk_events_time(const struct pk_events *e, const struct pk_integrator *it,
                                      pk_real x)
 {
@@ -72,7 +75,7 @@ static inline pk_real pk_events_width(const struct pk_events *e, const struct pk
     return PK_C(4.0) * PK_EPS * t + PK_EPS * PK_EPS * pk_abs(it->t - e->from);
 }
 
-/* Returns whether the next step is neither the first nor one after a step that was cut. */
+/* Returns whether the next step is not the first one and no crossing cut the step before it. */
 static inline int pk_events_goes_on(const struct pk_events *e) { return e && e->begun && !e->cut; }
 
 /* Returns whether steps made in advance (pk/adaptive_lanes.h) are known to cross nothing. */
@@ -86,28 +89,30 @@ static inline int pk_events_ahead(const struct pk_events *e, const struct pk_int
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t);
 /* Finds all crossings in the step, window by window, and reports them. */
 enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it);
-/* cos(pi j / 16); pk_events_node() returns x of sample j. */
+/* cos(pi j / 16). pk_events_node() returns the time of sample j from the start of the step. */
 extern const pk_real pk_events_cosines[PK_MOST_SAMPLES + 1];
 pk_real pk_events_node(const struct pk_events *e, int j);
-/* Evaluates all g at a state. */
+/* Evaluates all event and switch functions g at a state. */
 void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                          const pk_real *q, const pk_real *v, pk_real *g);
 /* Copies the caller's params into e->params, which `it` uses during a step. */
 void pk_switches_enter(struct pk_events *e, struct pk_integrator *it);
 /* Records the state at the end of the step. */
 void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it);
-/* Sets the sides of switches at the state of `it`, if it has not made a step from there. */
+/* Sets the side of each switch by the state of `it`, unless `it` has already made a step. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it);
 /* Returns whether switches that were zero at the start of the step went to another side than
- * guessed. If so, sets this side, and resets `it` to the start of the step. */
+ * guessed. If so, sets the side to which they went, and resets `it` to the start of the step. */
 int pk_switches_turn(struct pk_events *e, struct pk_integrator *it);
-/* Moves the switches listed up to `last` to their new sides; `attempted`: length of the step. */
+/* Moves the listed switches that cross up to the time `last` to their new sides. `attempted`:
+ * length of the step before it was cut. */
 enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, pk_real last,
                                 pk_real attempted);
 /* Returns the number of pk_real for impulses, or 0 if there are none. */
 size_t pk_impulse_size(const struct pk_system *system, size_t n);
-/* Applies the impulses at `count` simultaneous switches, which[i] going to side[i], at e->t, e->q,
- * e->v: changes the rates in e->trial_v and the sides. Returns PK_NO_IMPULSE on failure. */
+/* Applies the impulses at `count` switches that are crossed at once, at e->t, e->q, e->v; the
+ * switch which[i] goes to side[i]. Changes the rates in e->trial_v and the sides. Returns
+ * PK_NO_IMPULSE on failure. */
 enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const size_t *which,
                           const pk_real *side, size_t count);
 int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size);
@@ -117,8 +122,8 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
 enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k);
 /* Adds the crossings of function k in the window to the list, in the order of the motion. */
 enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k);
-/* Reports the listed crossings up to the first event that stops the run or the first switch, and
- * simultaneous crossings. */
+/* Reports the listed crossings in order, up to the first event that stops the run or the first
+ * switch, and the crossings at the same time as this one. */
 enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it);
 
 #endif

@@ -12,8 +12,9 @@
 #include "events.h"
 
 enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
-enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* limit of windows; limit where g is NaN */
-enum { NOISE = 8 }; /* g is noise after so many unresolved narrowest windows */
+/* limit of the number of windows; lower limit if g is not finite */
+enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 };
+enum { NOISE = 8 }; /* g is noise after so many narrowest windows that do not resolve it */
 
 /* Evaluates the quintic Hermite interpolant through q, v and accelerations at the ends, and its
  * derivative; for first-order variables the quartic through values and rates at the ends and the
@@ -36,7 +37,7 @@ static PK_INLINE void hermite(const struct pk_events *e, const struct pk_integra
 }
 
 /* Sets the quartic terms of first-order variables from their rates at a quarter of the step.
- * Returns whether a cubic may be off by 1/32 of their change half-way. */
+ * Returns whether a cubic without these terms may be off half-way by 1/32 of the change. */
 static int states_bend(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from, x = PK_C(0.25), y = 1 - x;
@@ -57,8 +58,8 @@ static int states_bend(struct pk_events *e, struct pk_integrator *it)
     return worthless;
 }
 
-/* Sets e->bend, the difference of h^2 q'' between motion and cubic at both ends. Returns whether
- * the cubic may be off by 1/32 of the change half-way. */
+/* Sets e->bend, the differences of h^2 q'' between the motion and its cubic Hermite interpolant at
+ * both ends of the step. Returns whether this cubic may be off half-way by 1/32 of the change. */
 static int is_worthless(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from;
@@ -131,14 +132,14 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         most = pk_max(most, g);
         finite &= pk_finite(g);
     }
-    const int far = pk_max(least, -most) > 4 * (most - least); /* all g are far from zero */
+    const int far = pk_max(least, -most) > 4 * (most - least); /* all samples are far from zero */
     shape->order = N;
     shape->range = most - least;
     shape->clear = far;
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* makes |c_0| exceed the other terms */
+    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* if far: makes |c_0| exceed the other terms */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
@@ -158,7 +159,8 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->tail = tail;
     shape->others = others + tail;
     shape->lost = shape->crosses && tail > shape->range / 16;
-    /* A jump is unresolved even in the narrowest window, and its samples are monotone. */
+    /* The function has a jump if it is unresolved even in the narrowest window, with monotone
+     * samples. */
     for (int j = 0; j < SAMPLES; j += stride) {
         const pk_real step = pk_events_sample(e, j + stride)[k] - pk_events_sample(e, j)[k];
         back += pk_abs(step);
@@ -167,8 +169,9 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         shape->jumps = 1;
 }
 
-/* Returns whether all g on the quintic interpolant are farther from zero than they vary. It is free
- * in an adaptive Runge-Kutta method; then dense output, with more stages, is not needed. */
+/* Returns whether every event function, on the quintic interpolant, is farther from zero than it
+ * varies. This test costs nothing in an adaptive Runge-Kutta method; if it succeeds, dense output,
+ * which has more stages, is not needed. */
 static int is_far(struct pk_events *e, struct pk_integrator *it)
 {
     int far = 1;

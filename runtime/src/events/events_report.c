@@ -6,8 +6,9 @@
 
 #include "events.h"
 
-/* Computes the state just after a crossing. Methods of the runtime reproduce the state by which it
- * was located; GSL's bsimp may differ in the last digits, and then takes a slightly later time. */
+/* Computes the state just after a crossing. Methods of the runtime reproduce the state by which the
+ * crossing was located; GSL's bsimp may differ in the last digits, and a slightly later time is
+ * then used. */
 static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];
@@ -46,8 +47,9 @@ static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *en
     return wanted || it->problem.system->events.table[k].stop;
 }
 
-/* Keeps the side of each event from the end of this step to the start of the next: projection onto
- * the constraints moves the state by rounding, and the same zero could be crossed twice. */
+/* Stores the side of zero on which each event function is at the end of this step, for the start of
+ * the next step: projection onto the constraints moves the state by rounding, and the same zero
+ * could be crossed twice. */
 static void hold(struct pk_events *e)
 {
     const pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -78,7 +80,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
         const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
         const int stop = tell(e, it, entry);
-        if (it->status < 0) /* a step failed, or dense output in found() */
+        if (it->status < 0) /* a step failed, or the dense output that found() asked for */
             return it->status;
         const int is_switch = entry[1] >= (pk_real)e->n_events;
         if ((stop || is_switch) && !stopped && !passed)

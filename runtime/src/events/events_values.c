@@ -33,7 +33,7 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
     p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
-/* Evaluates the switches alone; a zero gets the sign of the switch's side. */
+/* Evaluates the switches alone; a value of 0 gets the sign of the side where the switch is held. */
 static void switches(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                      const pk_real *q, const pk_real *v, pk_real *g)
 {

@@ -8,13 +8,16 @@
 
 #include "corner.h"
 
-#define SAME (PK_C(64.0) * PK_EPS) /* relative change below which nothing has jumped */
-#define AGREE PK_C(1e-8) /* relative difference of rates below which two orders of switches agree */
+#define SAME (PK_C(64.0) * PK_EPS) /* a smaller relative change at a switch is not a jump */
+/* two impulses may be applied in either order if the rates differ by less than this fraction */
+#define AGREE PK_C(1e-8)
 
-/* Kinds of reasons of PK_NO_IMPULSE. `index` is the switch; `other` is a row or a second switch. */
+/* Values of `kind` in the reason of PK_NO_IMPULSE. Its `index` is the switch; its `other` is a
+ * constraint row or a second switch. */
 enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
-/* Moves switch k to its other side, and the switches whose arguments contain it. */
+/* Moves switch k to its other side, and moves the switches whose arguments contain switch k if
+ * their arguments change sign. */
 static void turn(struct corner *x, size_t k, pk_real side)
 {
     struct pk_events *e = x->e;
@@ -34,7 +37,8 @@ static enum pk_status refuse(struct corner *x, size_t k, int why, size_t other)
     return pk_fail_with(x->it, PK_NO_IMPULSE, PK_WHY(.kind = why, .index = k, .other = other));
 }
 
-/* Sets *found to the bits of enum pk_impulse for what jumps, at the state before the impulse. */
+/* Sets *found to the bits of enum pk_impulse for the quantities that jump at switch k, by comparing
+ * both sides at the state before the impulse. */
 static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
 {
     struct pk_projection *w = &x->w;

@@ -1,4 +1,4 @@
-/* The side of zero on which each switch is held during a step, and its change; see pk/events.h.
+/* The side of zero on which each switch is held during a step, and its changes; see pk/events.h.
  *
  * A step uses the equations of one side throughout, even if its stages or its end lie on the other
  * side; events_report.c then cuts the step back to the zero. This keeps the order of the method.
@@ -11,8 +11,8 @@
 
 #include "events.h"
 
-/* PK_SLIDING follows MOST_BRIEF successive switchings, each within the fraction SHORT of the
- * attempted step or within some units in the last place of t. */
+/* A run fails with PK_SLIDING after MOST_BRIEF successive switchings, each within the fraction
+ * SHORT of the attempted step or within some units in the last place of t. */
 enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
 #define SHORT PK_F(sqrt)(PK_EPS)
 
@@ -49,7 +49,8 @@ void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
     memcpy(e->trial_v, it->v, e->n * sizeof *e->trial);
 }
 
-/* Sets sides until none changes, since arguments may contain other switches. */
+/* Sets the sides of all switches. Repeats this until no side changes, since the argument of a
+ * switch may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
     pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);

@@ -29,11 +29,12 @@
 
 #include "gauss.h"
 
-#define REGULAR PK_C(0.95) /* bound of the norms in tests 2 and 3; regularity needs < 1 */
-#define STRAIGHT PK_C(0.5) /* bound for the average over the straight path from v0 */
-#define LASTING PK_C(0.3)  /* a smaller change of derivatives certifies later steps too */
+/* limit of the norms in tests 2 and 3; below 1, the matrices are regular */
+#define REGULAR PK_C(0.95)
+#define STRAIGHT PK_C(0.5) /* limit of the norm in straight(), for the path from v0 to V */
+#define LASTING PK_C(0.3)  /* if derivatives change by less, later steps are certified too */
 #define LEAST_LEAP PK_C(1e-4)
-#define NEWTON_RATE PK_C(0.25) /* usual first convergence rate of Newton's method */
+#define NEWTON_RATE PK_C(0.25) /* usual ratio of the first two corrections of Newton's method */
 enum { MOST_POINTS = 400 };
 
 /* Returns |J1^-1 J2 - I|, where J1 is factored in w->lu. */
@@ -63,7 +64,7 @@ static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_re
 }
 
 /* Returns whether all matrices between J1(tau1), factored in w->lu, and J2(tau2) are regular. If
- * so, w->lu is J2 factored; if not, it is undefined. */
+ * so, w->lu then holds J2 factored; if not, w->lu is undefined. */
 static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J1,
                 size_t stride1, pk_real tau1, const pk_real *J2, size_t stride2, pk_real tau2)
 {
@@ -116,7 +117,8 @@ static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
     return pk_gauss_mass_factor(w, w->M) == 0;
 }
 
-/* The first part of test 2, for the derivatives in w->jacobian; leaves J(h) factored in w->lu. */
+/* The first part of test 2 (see above): returns whether J(tau h) with the derivatives in
+ * w->jacobian is regular for 0 <= tau <= 1. If so, w->lu holds J(h) factored. */
 static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * w->nn;
@@ -165,7 +167,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
-/* Checks that M is positive definite at the stages; other checks cover the ends of the step. */
+/* Checks that M is positive definite at the stages; other code checks M at the ends of the step. */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     const size_t n_q = it->n_q, n = it->n;
@@ -180,8 +182,9 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
     return PK_DONE;
 }
 
-/* Computes the next point of the continued solution, a step of `to` h, predicted from two points.
- * Returns PK_DONE if it is found and all matrices up to it are regular. */
+/* Computes the next point of the continuation, the solution of a step of length `to` h; it is first
+ * extrapolated from the last two points. Returns PK_DONE if the solution is found and all matrices
+ * between the last point and this one are regular. */
 static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h,
                               pk_real was, pk_real at, pk_real to)
 {
@@ -291,7 +294,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
         it->reason.kind = PK_BY_FIXED_POINT;
         if (!pk_gauss_iterate(it, w, PK_BY_MASS))
             return PK_NO_CONVERGENCE;
-        /* If all iterations contracted, this is the solution nearest to the guess. */
+        /* If all iterations contracted, V is the solution nearest to the guess. */
         w->kept->contraction = w->kept->worst_rate <= PK_GAUSS_FAST ? 0 : PK_INFINITY;
         return pk_gauss_certify(it, w);
     }

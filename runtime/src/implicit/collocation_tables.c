@@ -85,7 +85,8 @@ void pk_collocation(const struct pk_gauss *table, pk_real *c, pk_real *b, pk_rea
             for (int j = 0; j < s; j++)
                 mu[i * s + j] += integral[i][k] * P[j][k] / square;
     }
-    for (int i = 0; i < s && !table->c; i++) { /* conjugate numbers sum to 1 exactly */
+    /* conjugate numbers, mu_ij and mu_ji, sum to 1 exactly */
+    for (int i = 0; i < s && !table->c; i++) {
         mu[i * s + i] = PK_C(0.5);
         for (int j = 0; j < i; j++)
             mu[j * s + i] = 1 - mu[i * s + j];
@@ -100,7 +101,7 @@ void pk_gauss_make_matrices(struct pk_gauss_matrices *M)
     memset(M, 0, sizeof *M);
     for (int l = 0; l < S; l++) {
         pk_legendre(c[l], c[S - 1 - l], S, P, I[l]);
-        I[l][S] = 0; /* the interpolant of degree 7 has no term P_8 */
+        I[l][S] = 0; /* the interpolant has degree 7, so that it has no term P_8 */
         for (int k = 0; k < S; k++)
             M->powers[k * S + l] = k ? M->powers[(k - 1) * S + l] * c[l] : 1;
     }

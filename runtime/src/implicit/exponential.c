@@ -25,11 +25,12 @@
 enum { KEPT = 2 }; /* stored matrices: for the step, and for the shorter last step of an interval */
 
 struct work {
-    size_t n_q, n, m; /* m = n_q + n + 1 */
+    size_t n_q, n, m; /* m = n_q + n + 1, the order of L */
     struct pk_pairs L, E[KEPT], x, y;
-    struct pk_pairs series;           /* Taylor series for dense output in a piece of the step */
-    pk_real *piece, *at;              /* length and number of this piece */
-    pk_real *scale, *norm, *h, *last; /* balancing; norm of L; h of each E; index of the last E */
+    struct pk_pairs series; /* Taylor series for dense output in a piece of the step */
+    pk_real *piece, *at;    /* length of this piece; its index in the step */
+    /* factors of balancing; norm of L; step size of each E; index of the last E used */
+    pk_real *scale, *norm, *h, *last;
     pk_real *room;
 };
 
@@ -71,7 +72,8 @@ static struct work work_of(const struct pk_integrator *it)
     return w;
 }
 
-/* Solves M y = r with iterative refinement, M = L D L^T factored; y = hi + lo. */
+/* Solves M y = r with iterative refinement, where M = L D L^T is factored, and y = hi + lo has
+ * twice the precision. */
 static void refined(const struct work *w, const pk_real *M, const pk_real *factors,
                     const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
 {
@@ -113,8 +115,9 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     return PK_DONE;
 }
 
-/* Computes L from accelerations at multiples of unit vectors so large that c is below the round-off
- * of a: then the differences have no more round-off than a. */
+/* Computes L from accelerations a at multiples of unit vectors. The multiples are so large that the
+ * constant term c is below the round-off of a; the differences a - c then have no more round-off
+ * than a. */
 static enum pk_status from_accelerations(struct pk_integrator *it, const struct work *w)
 {
     const size_t n_q = w->n_q, n = w->n, m = w->m;

@@ -26,8 +26,10 @@
 
 #include "gauss.h"
 
-/* Row i has the weights that extrapolate from the last step's stages and its end (nodes c_j and 1)
- * to 1 + c_i h / last_h; if the last stage is the end, from the stages only. */
+/* Sets row i of w->predict to the weights that extrapolate stage rates from the last step to stage
+ * i of the next step, which is at 1 + c_i h / last_h in units of the last step. They apply to the
+ * last step's stages (nodes c_j) and its end (node 1); or, if the last stage is the end, to the
+ * stages only. */
 static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
 {
     const size_t s = w->s, nodes = w->c[s - 1] < 1 ? s + 1 : s;
@@ -119,7 +121,7 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
             return status;
         w.kept->slow_h = it->own->h;                        /* the step is too long for
                                                                fixed-point iteration */
-        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* it held the low part of v */
+        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* LOW_X held the low part of v */
         it->own->flags = 0;
     }
     pk_gauss_predict(it, &w);

@@ -8,11 +8,13 @@
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* Relative corrections below this that no longer decrease are round-off, not divergence. */
+/* Corrections whose relative size is below this and no longer decreases are round-off: the
+ * iteration does not diverge. */
 #define PK_GAUSS_ROUND (PK_C(16384.0) * PK_EPS)
-/* An iteration ends at this relative error: 1e8 of them still add up to round-off. */
+/* An iteration ends at this relative error: the sum of 1e8 such errors is at most the round-off of
+ * as many steps. */
 #define PK_GAUSS_BIAS (PK_EPS / PK_C(8192.0))
-/* If a step is longer than the last one by more than this factor, it is not predicted from it. */
+/* A step longer than the last step by more than this factor is not predicted from the last step. */
 #define PK_GAUSS_REACH PK_C(64.0)
 /* A contraction bound below these constants certifies the branch of short steps: SURE also in later
  * steps that reuse the matrix, SURE_ONCE in the step that computes it. See branch.c. */
@@ -30,15 +32,17 @@
 /* Data stored from one step to the next. */
 struct pk_gauss_kept {
     pk_real h, lu_h, last_h; /* step sizes for which hA, lu and last_V were computed */
-    pk_real ratio;           /* step size ratio for which `predict` was computed */
-    pk_real slow_h;          /* step size at which gauss_nystrom.c did not converge */
-    /* For newton.c. best: iterations with a new matrix. wait: further steps that recompute it.
-     * patience: last start value of `wait`. noisy: iteration ended in the round-off of forces. */
+    pk_real ratio;           /* ratio of step sizes for which `predict` was computed */
+    pk_real slow_h;          /* step size for which gauss_nystrom.c did not converge */
+    /* For newton.c. best: number of iterations that a new matrix needs. wait: number of further
+     * steps that recompute the matrix. patience: value at which `wait` started last. noisy: whether
+     * the iteration ended in the round-off of forces. */
     int best, wait, patience, noisy;
-    /* For branch.c: contraction bounds of lu and of the last step; first and worst ratio of
-     * successive corrections. loose: ratio of the sharp to the quick bound; loose_for: number of
-     * further matrices for which it is used. sure: lu is certified for later steps. fresh: lu was
-     * made in this step. */
+    /* For branch.c. contraction, last_contraction: bounds of the contraction factor for lu and in
+     * the last step. first_rate, worst_rate: first and largest ratio of successive corrections.
+     * loose: ratio of the sharp bound to the quick bound. loose_for: number of further matrices for
+     * which `loose` is used. sure: whether lu is certified for later steps. fresh: whether lu was
+     * computed in this step. */
     pk_real contraction, last_contraction, first_rate, worst_rate, loose;
     int loose_for, sure, fresh;
 };
@@ -47,33 +51,37 @@ struct pk_gauss_work {
     const struct pk_gauss *table;
     size_t s;
     struct pk_pattern pattern; /* sparsity of the derivatives: a band with a border, or dense */
-    int closed;                /* some unknowns are multipliers, accelerations or sums */
-    /* n_q: number of coordinates. n: of rates and other first-order variables. places: of unknowns
-     * per stage (dense: the first ones of n, without quadratures; otherwise may exceed n). nn: of
-     * entries that a kernel writes for a matrix. across: distance between rows of its border. */
+    int closed; /* whether some unknowns are multipliers, accelerations or sums, not rates */
+    /* n_q: number of coordinates. n: number of rates and other first-order variables. places:
+     * number of unknowns per stage; if dense, these are the first of the n variables, without
+     * quadratures; otherwise there may be more than n. nn: number of entries of a matrix that a
+     * kernel writes. across: distance in memory between rows of the border of such a matrix. */
     size_t n_q, n, places, nn, across;
-    pk_real *place;             /* not dense: coordinate of each unknown, or < 0 */
-    pk_real *V, *Q, *P, *F, *G; /* at stages: rates, coordinates, momenta, h b pdot, residual; n
-                                   numbers each, Q n_q */
-    pk_real *last_V;            /* V of the last step, for the predictor */
-    pk_real *jacobian;          /* s sets of M, p_q, pdot_q, pdot_v */
-    struct pk_band lu, other;   /* Newton's matrix, factored; another one, not factored */
+    pk_real *place; /* if not dense: coordinate of each unknown, < 0 if it has none */
+    /* At all stages: rates V, coordinates Q, momenta P, F = h b pdot, residuals G; n numbers per
+     * stage, n_q for Q. */
+    pk_real *V, *Q, *P, *F, *G;
+    pk_real *last_V;          /* stage rates V of the last step, for the predictor */
+    pk_real *jacobian;        /* s sets of M, dp/dq, dpdot/dq, dpdot/dv */
+    struct pk_band lu, other; /* Newton's matrix, factored; another matrix, not factored */
     pk_real *mass, *mean_q, *mean_v, *scale;
-    pk_real *c, *b, *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* tableau; names with _p: for p */
-    pk_real *hh, *norms;        /* h^2 a^_ir a_rj; maximum norms of hA, hA_p, hh */
-    pk_real *mu_columns, *rest; /* mu by columns, for gauss8; work memory of other files */
-    /* For branch.c: derivatives at the start and at the last point of a continuation, V at the last
-     * two points; M of each stage; vectors in the order of the pattern. before_J, for newton.c:
-     * derivatives of the last iteration. */
+    pk_real *c, *b, *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* tableau; mu_p and hA_p are for p */
+    pk_real *hh, *norms;        /* products h^2 a^_ir a_rj; maximum norms of hA, hA_p, hh */
+    pk_real *mu_columns, *rest; /* mu stored by columns, for gauss8; memory of other files */
+    /* For branch.c. start_J, old_J: derivatives at the start and at the last point of a
+     * continuation. old_V, older_V: V at its last two points. M: the M of each stage. x, y, z:
+     * vectors in the order of the pattern. For newton.c. before_J: derivatives of the last
+     * iteration. */
     pk_real *start_J, *old_J, *old_V, *older_V, *M, *x, *y, *z, *before_J;
     struct pk_gauss_kept *kept;
 };
 
-/* The matrix of an iteration. SIMPLIFIED: Newton's at the predicted stages; FULL: Newton's,
- * recomputed in each iteration; BY_MASS: M (fixed-point iteration). */
+/* The matrix of an iteration. PK_SIMPLIFIED: Newton's matrix at the predicted stages. PK_FULL:
+ * Newton's matrix, recomputed in each iteration. PK_BY_MASS: M, which makes a fixed-point
+ * iteration. */
 enum pk_gauss_mode { PK_SIMPLIFIED, PK_FULL, PK_BY_MASS };
 
-/* In gauss_work.c: returns the work arrays of an integrator; `kept` is also in its block. */
+/* In gauss_work.c. Returns the work arrays of an integrator; they and `kept` are in its block. */
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);
 enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *w);
 
@@ -97,70 +105,76 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w);
 /* Computes V -= (matrix)^-1 G, and replaces G by that correction. */
 void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
-/* Corrects V and P of quadratures by their residual, after V solves the other equations. */
+/* Corrects V and P of quadratures by their residuals, once V solves the other equations. */
 void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work *w);
 /* Sets w->scale, the scale of the rate of each coordinate, from V and q/h. */
 void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w);
-/* Iterates from V. Returns 0 if the iteration does not converge. */
+/* Iterates, starting at V. Returns 0 if the iteration does not converge. */
 int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
 
-/* pk_gauss_mass() evaluates M, the other M, p_q, pdot_q, pdot_v into J, w->nn numbers each. */
+/* pk_gauss_mass() evaluates M. pk_gauss_derivatives() evaluates M, p_q, pdot_q and pdot_v into J,
+ * w->nn numbers for each. */
 void pk_gauss_mass(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                    pk_real *M);
 void pk_gauss_derivatives(struct pk_integrator *it, const struct pk_gauss_work *w, pk_real t,
                           const pk_real *q, const pk_real *v, pk_real *J);
 /* Evaluates the derivatives at each stage into w->jacobian. */
 void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *w);
-/* Assembles Newton's matrix for a step of tau h, with `mass` times M; does not factor it.
- * Derivatives of stage j are at J + j * stride; stride 0: one set for all stages. */
+/* Assembles Newton's matrix for a step of length tau h, without factoring it. M in this matrix is
+ * multiplied by `mass`. The derivatives for stage j are at J + j * stride; stride 0 means that all
+ * stages have the same derivatives. */
 void pk_gauss_matrix(const struct pk_gauss_work *w, const pk_real *J, size_t stride, pk_real tau,
                      pk_real mass, const struct pk_band *matrix);
-/* Computes and factors the matrix of `mode` in w->lu, for BY_MASS in w->jacobian. Returns 0 if it
- * is singular. */
+/* Computes and factors the matrix of `mode`: in w->jacobian for PK_BY_MASS, otherwise in w->lu.
+ * Returns 0 if it is singular. */
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
 /* The function pk_method.equations: returns the dense w->lu of the last step, or NULL. */
 const pk_real *pk_gauss_equations(struct pk_integrator *it);
-/* Returns whether a new matrix costs less than an iteration or two. It is then computed with the
- * derivatives at each predicted stage, and recomputed as soon as convergence is slower. */
+/* Returns whether a new matrix costs less than an iteration or two. If so, the matrix is computed
+ * with the derivatives at each predicted stage, and recomputed once convergence gets slower. */
 int pk_gauss_small(const struct pk_gauss_work *w);
-/* Factors M = L D L^T in place; returns 0, or a PK_FAILURE_MASS with the coordinate whose pivot is
- * not positive. mass_solve() computes x = M^-1 x with the factors, x in the order of
+/* Factors M = L D L^T in place. Returns 0, or a PK_FAILURE_MASS with the coordinate whose pivot is
+ * not positive. pk_gauss_mass_solve() computes x = M^-1 x with the factors; x is in the order of
  * coordinates. */
 int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x);
 /* Replaces M by its comparison matrix, whose inverse is entrywise at least |M^-1| if the comparison
  * matrix is positive definite: A. M. Ostrowski, Comment. Math. Helv. 10 (1937) 69. */
 void pk_gauss_compare(const struct pk_gauss_work *w, pk_real *M);
-/* Returns the number of first variables, of n, that occur in Newton's equations. */
+/* Returns how many of the n variables, counted from the first, occur in Newton's equations. */
 static inline size_t pk_gauss_read(const struct pk_gauss_work *w)
 {
     return w->pattern.dense ? w->places : w->n;
 }
-/* lu_solve() computes x = lu^-1 x for s stages, x in the order of coordinates. solve_with()
- * computes y = lu^-1 (y + A x) for one stage; if dense, also y + A x for the quadratures. */
+/* pk_gauss_lu_solve() computes x = lu^-1 x for s stages; x is in the order of coordinates.
+ * pk_gauss_solve_with() computes y = lu^-1 (y + A x) for one stage; if dense, y becomes only y + A
+ * x for quadratures. */
 void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, size_t s,
                        pk_real *x);
 void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_real *x,
                          const struct pk_band *lu, pk_real *y);
-/* In gauss_places.c: pk_gauss_band() returns the matrix whose entries are at `numbers`; the others
- * copy a vector of s stages from the order of coordinates to that of the unknowns, and back. */
+/* In gauss_places.c. pk_gauss_band() describes the array `numbers` as a matrix of unknowns. The two
+ * other functions copy a vector of s stages from the order of coordinates to the order of unknowns,
+ * and back. */
 struct pk_band pk_gauss_band(const struct pk_gauss_work *w, pk_real *numbers);
 void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *x, pk_real *y);
 void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_real *y, pk_real *x);
 
-/* Returns twice the spectral radius of J1^-1 J2 - I, J1 factored in w->lu, J2 in w->other,
- * estimated by a power iteration. */
+/* Returns twice the spectral radius of J1^-1 J2 - I, estimated by a power iteration; J1 is factored
+ * in w->lu, and J2 is in w->other. */
 pk_real pk_gauss_radius(const struct pk_gauss_work *w);
 /* Returns a bound of the contraction factor of the fixed-point iteration with `count` sets of
  * derivatives; not finite if M is not positive definite. May overwrite w->lu if not dense. */
 pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                              const pk_real *J, size_t count);
-/* Returns the least of max_i (|M^-1 X| x)_i / x_i over several x > 0, a bound of M^-1 X in a norm
- * with weights 1/x. X is w->other, M of each stage is factored in w->M; M = 1 if NULL. */
+/* Returns the least value of max_i (|M^-1 X| x)_i / x_i for several vectors x > 0: a bound of M^-1
+ * X in the maximum norm with weights 1/x. X is in w->other, and M of each stage is factored in
+ * w->M; if the argument M is NULL, M is replaced by 1. */
 pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M);
 
-/* Certifies that V is on the branch of short steps. Otherwise replaces V by the solution there, or
- * returns PK_AMBIGUOUS_STEP, with the longest step that has one in the reason. */
+/* Certifies that V is on the branch of short steps. Otherwise replaces V by the solution on this
+ * branch, or returns PK_AMBIGUOUS_STEP with the longest step that has such a solution in the
+ * reason. */
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w);
 
 #endif

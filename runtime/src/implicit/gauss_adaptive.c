@@ -22,7 +22,7 @@ static enum pk_status init(struct pk_integrator *it)
         pk_gauss_dense_init(it);
         it->own->made = 1;
     }
-    /* Stage rates are not computed if nothing depends on them, but are passed to kernels. */
+    /* Kernels get stage rates as an argument; if no kernel depends on them, they stay 0. */
     memset(w.v, 0, it->n * PK_GAUSS_S * sizeof *w.v);
     return PK_DONE;
 }

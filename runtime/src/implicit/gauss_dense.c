@@ -26,17 +26,18 @@
 
 enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
 
-/* length of the shortest piece relative to the step */
+/* length of the shortest piece of a step, relative to the step */
 #define LEAST PK_C(0x1p-10)
 
-/* Work arrays after those of the step. */
+/* Work arrays of dense output, which follow those of the step. */
 struct parts {
     pk_real *node, *weight;
-    pk_real *P, *to_alpha;  /* P_k at the nodes, row k; matrix that maps a at the nodes to alpha */
-    pk_real *q, *v, *a, *b; /* at the nodes: 2 halves of n by 8 (q: n_q by 8); b: previous a */
-    pk_real *series;        /* n by 3 TERMS coefficients, for a, v and q */
-    pk_real *from;          /* q and v at the start of the piece */
-    pk_real *at, *width;    /* start and length of the piece relative to the step */
+    pk_real *P, *to_alpha; /* row k: P_k at the nodes; matrix from a at the nodes to alpha */
+    /* values at 16 nodes, in two halves of n by 8 (q: n_q by 8); b: previous a */
+    pk_real *q, *v, *a, *b;
+    pk_real *series;     /* n by 3 TERMS coefficients: TERMS each for a, v and q */
+    pk_real *from;       /* q and v at the start of the piece */
+    pk_real *at, *width; /* start and length of the piece relative to the step */
 };
 
 static size_t lay_out(struct parts *d, size_t n_q, size_t n, pk_real *base)

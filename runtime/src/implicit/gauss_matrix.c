@@ -11,10 +11,11 @@
 
 #include "gauss.h"
 
-#define SMALL (PK_GAUSS_SURE / 4) /* a bound below this is good enough */
-#define LITTLE PK_C(0.8)          /* iteration ends if a bound is not reduced by this factor */
+#define SMALL (PK_GAUSS_SURE / 4) /* the search for a bound ends at a bound below this */
+/* the search for a bound also ends if a bound is above this fraction of the least one so far */
+#define LITTLE PK_C(0.8)
 #define TINY PK_F(sqrt)(PK_EPS)
-#define SURELY_BELOW PK_C(0.2) /* three smaller growth factors prove a radius < .5 */
+#define SURELY_BELOW PK_C(0.2) /* three successive growth factors below this prove a radius < .5 */
 #define SURELY_ABOVE PK_C(1.5)
 enum { MOST_TURNS = 16, TURNS = 16 };
 
@@ -61,7 +62,8 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it)
     return it->own->flags & PK_HAVE_LU && w.pattern.dense ? w.lu.corner : NULL;
 }
 
-/* Computes y >= |M^-1 X| x with |M^-1| <= (comparison matrix)^-1, which is factored in w->M. */
+/* Computes an upper bound y of |M^-1 X| x. For |M^-1| it uses the inverse of the comparison matrix,
+ * which is factored in w->M and bounds |M^-1| from above. */
 static void add_sizes(const struct pk_gauss_work *w, const pk_real *M, const pk_real *x, pk_real *y)
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border, s = w->s;
@@ -110,9 +112,9 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
     return least;
 }
 
-/* Returns a bound without solving equations: M = D^(1/2) C D^(1/2), D its diagonal; |C^-1| <= e /
- * det C, since the eigenvalues of C > 0 sum to n; the other factors are bounded by Frobenius norms
- * and norms of the tableau. */
+/* Returns a bound of the contraction factor without solving equations. M = D^(1/2) C D^(1/2), where
+ * D is the diagonal of M. Then |C^-1| <= e / det C, since the n eigenvalues of C are positive and
+ * sum to n. The other factors are bounded by Frobenius norms and norms of the tableau. */
 static pk_real quick_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                                  const pk_real *J, size_t count)
 {
@@ -179,7 +181,7 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
         if (!(size > TINY) || !pk_finite(size))
             return size;
         growth[turn] = size;
-        if (turn >= 4) { /* far from the threshold a few iterations suffice */
+        if (turn >= 4) { /* if the radius is far from the threshold, a few iterations suffice */
             const pk_real one = growth[turn - 1], two = growth[turn - 2];
             const pk_real most = pk_max(size, pk_max(one, two));
             const pk_real least = pk_min(size, pk_min(one, two));
@@ -226,9 +228,9 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
         const pk_real norm = w->closed ? PK_INFINITY : contraction(w, J, stride);
         if (pk_finite(norm))
             return norm;
-        /* Norms give no bound: M couples too strongly, or, with additional unknowns (`closed`), the
-         * matrix at h = 0 is not only M. M^-1 J is not a band, so the spectral radius of J(0)^-1
-         * J(h) - I is used. */
+        /* Norms give no bound if M couples coordinates too strongly or if, with additional unknowns
+         * (`closed`), the matrix at h = 0 is not only M. M^-1 J is not a band matrix; so the
+         * spectral radius of J(0)^-1 J(h) - I is used instead. */
         it->own->flags &= ~PK_HAVE_LU;
         pk_gauss_matrix(w, J, stride, 0, 1, &w->lu);
         pk_gauss_matrix(w, J, stride, 1, 1, &w->other);

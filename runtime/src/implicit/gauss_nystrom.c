@@ -44,8 +44,8 @@ static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
     }
 }
 
-/* Replaces a by the new a; returns the largest correction relative to the largest a of its
- * coordinate. */
+/* Replaces the stage accelerations a by the new ones. Returns the largest relative correction: for
+ * each coordinate, its largest correction is divided by its largest new a. */
 static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
 {
     pk_real worst = 0;

@@ -75,11 +75,13 @@ int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
 {
     const struct pk_band band = pk_gauss_band(w, M);
     for (size_t i = 1; i < w->places && w->pattern.dense && w->places < w->n; i++)
-        memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* drops columns */
+        /* drops the columns of quadratures */
+        memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M);
     size_t at = pk_band_ldl_factor(&band, w->pattern.dense ? NULL : w->place);
     if (!at--)
         return 0;
-    while (!w->pattern.dense && at && w->place[at] < 0) /* goes back to a coordinate */
+    /* goes back to an unknown that has a coordinate */
+    while (!w->pattern.dense && at && w->place[at] < 0)
         at--;
     return PK_FAILED(PK_FAILURE_MASS, w->pattern.dense   ? at
                                       : w->place[at] < 0 ? 0
@@ -143,7 +145,8 @@ struct block {
     pk_real mass, a, a_p, tau2;
 };
 
-/* Computes entries x, x + 1, ... of a block, into every `apart`-th entry of a row of the matrix. */
+/* Computes `count` entries of a block, from entry x on, and writes them to to[0], to[apart], to[2
+ * apart], ... in a row of the matrix. */
 static inline void fill(const struct block *b, size_t x, size_t count, pk_real *to, size_t apart)
 {
     const size_t nn = b->nn;

@@ -105,8 +105,8 @@ enum pk_status pk_gauss_init(struct pk_integrator *it)
     return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Computes h b_i, with the first and last, or the last, adjusted so that their sum is h; then h
- * a_ij = mu_ij h b_j. */
+/* Computes h b_i, then h a_ij = mu_ij h b_j. The first and last h b_i (for methods that are not
+ * symmetric, only the last) are adjusted so that all h b_i sum to h. */
 void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h)
 {
     const size_t s = w->s;

@@ -49,8 +49,9 @@ int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_all_finite(w->G, s * n);
 }
 
-/* Computes the size of the correction G relative to each coordinate's own scale, and relative to a
- * shared scale that tolerates errors of coordinates at rest among moving coordinates. */
+/* Computes the size of the correction in w->G, relative to each coordinate's own scale and relative
+ * to scales that share part of the largest one. The shared scales tolerate errors of coordinates
+ * that are at rest while others move. */
 static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w, pk_real *own,
                   pk_real *shared)
 {
@@ -111,7 +112,7 @@ void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
             pk_gauss_mass_solve(w, w->jacobian, w->G + i * n);
     else
         pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
-    for (size_t k = 0; k < m; k++) { /* G becomes the change of V after rounding */
+    for (size_t k = 0; k < m; k++) { /* G becomes the change of V, including its rounding */
         const pk_real before = w->V[k];
         w->V[k] -= w->G[k];
         w->G[k] = before - w->V[k];
@@ -128,9 +129,9 @@ void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work 
         }
 }
 
-/* Returns whether a slow iteration diverges: the largest of 25 corrections is not less than the
- * largest of the 25 before. Single corrections may oscillate, since the eigenvalues of h^2 A^2 are
- * complex. */
+/* Returns whether a slow iteration diverges: the largest of the last 25 corrections is not less
+ * than the largest of the 25 corrections before them. Single corrections may oscillate, since the
+ * eigenvalues of h^2 A^2 are complex, where A is the method's matrix. */
 static int rising(pk_real size, int count, pk_real *window)
 {
     window[0] = pk_max(window[0], size);
@@ -142,13 +143,13 @@ static int rising(pk_real size, int count, pk_real *window)
     return up;
 }
 
-/* Keeps the matrix for the next step unless that needs more iterations than a new matrix. If it
- * does, the matrix is recomputed for some steps, twice as many each time, before it is kept
- * again. */
+/* Keeps the matrix for the next step unless this step took more iterations than one with a new
+ * matrix. In that case the matrix is recomputed for some steps before it is kept again; their
+ * number doubles each time. */
 static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh, int count)
 {
     if (!(it->own->flags & PK_HAVE_STEP)) {
-        it->own->flags |= PK_REFRESH; /* the prediction was missing, so the count is no measure */
+        it->own->flags |= PK_REFRESH; /* stages were not predicted, so count is no measure */
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
@@ -199,8 +200,8 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return 0;
         const pk_real rate = count ? size / before : PK_C(1.0);
-        /* If the matrix does not change, one correction is enough. Further corrections are the
-         * round-off of forces whose terms cancel, near rest. */
+        /* With an unchanged matrix, one correction is enough. Further corrections, near rest, are
+         * the round-off of forces whose terms cancel. */
         const int same = mode == PK_FULL && count && changed(w) <= PK_GAUSS_STEADY;
         stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
         if (stuck >= 4) {

@@ -15,8 +15,8 @@
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
-#define KEEP PK_C(1.2) /* least increase of the step size, to reuse Newton's matrix */
-/* Fraction of the tolerance; corrections below it that do not decrease as expected are rounding. */
+#define KEEP PK_C(1.2) /* a smaller increase is not made, so that Newton's matrix can be reused */
+/* Fraction of the tolerance. Smaller corrections that do not decrease as expected are rounding. */
 #define LITTLE PK_C(1e-3)
 enum { MOST_ITERATIONS = 10 };
 
@@ -154,7 +154,8 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     enum pk_status status;
     if (it->own->h > w->kept->h || it->own->h < w->kept->h)
         pk_gauss_set_step(it, w, it->own->h);
-    for (size_t k = 0; k < it->n_q; k++) /* scale for q = 0: the distance moved in the step */
+    /* gives q = 0 a tolerance, from the distance moved in the step */
+    for (size_t k = 0; k < it->n_q; k++)
         r->dq[k] = it->q[k] + it->own->h * it->v[k];
     pk_radau_tolerances(it, r, r->dq, it->v);
     do {
@@ -172,8 +173,8 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     return status;
 }
 
-/* Returns the ratio of the next step size to this one, from the error and the last step's error;
- * smaller if the iteration took long. */
+/* Returns the ratio of the next step size to this one, from the errors of this step and the last
+ * one. The ratio is smaller if Newton's iteration took long. */
 static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
 {
     const pk_real error = pk_max(it->own->error, PK_C(1e-10));

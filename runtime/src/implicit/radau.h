@@ -4,7 +4,7 @@
 
 #include "gauss.h"
 
-/* Work arrays after those of the stages. */
+/* Work arrays of the Radau method, which follow those of the stages. */
 struct pk_radau_parts {
     struct pk_band E;
     pk_real *pdot, *dq, *dv, *of_q, *of_v, *x;
@@ -12,18 +12,18 @@ struct pk_radau_parts {
 };
 
 struct pk_radau_kept {
-    pk_real left;     /* last step: sum of all later corrections / last correction */
-    pk_real enough;   /* fraction of the tolerance at which the iteration ends */
+    pk_real left;     /* sum of the omitted corrections of the last step / its last correction */
+    pk_real enough;   /* fraction of the tolerance at which Newton's iteration ends */
     pk_real h, error; /* size and error of the last accepted step */
 };
 
-/* Sets the tolerance of each component, r->of_q and r->of_v, from the larger of the given (q, v)
- * and the values at the start. */
+/* Sets the tolerances r->of_q and r->of_v of all components. Each is computed from the larger of
+ * the given value in (q, v) and the value at the start of the step. */
 void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_parts *r,
                          const pk_real *q, const pk_real *v);
 
-/* Computes it->own->error of the solved stages. again: if it exceeds 1, computes it by the second
- * formula of radau_error.c. */
+/* Computes it->own->error from the solved stages. If this error exceeds 1 and `again` is nonzero,
+ * computes it once more by the second formula of radau_error.c. */
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again);
 

@@ -1,12 +1,14 @@
-/* The error estimate of a step of adaptive Radau, of order 3, as in RADAU5: with gamma the real
- * eigenvalue of A, f = (v, pdot), J the derivative of f by y = (q, p), z_i = (stage i) - y0,
+/* The error estimate of a step of adaptive Radau, of order 3, as in RADAU5. With gamma the real
+ * eigenvalue of the method's matrix A, f = (v, pdot), J the derivative of f by y = (q, p), z_i =
+ * (stage i) - y0, and constants e_i, the estimate err solves
  *
  *     (I - h gamma J) err = gamma h f(y0) + e1 z1 + e2 z2 + e3 z3,
  *
- * solved again with f(y0 + err) if err rejects a step after a start or a rejection. For y = (q, p)
- * this is one system of n for the error of v, M dv + (dp/dq) dq = dp; tolerances are on q and v.
- * Like RADAU5 this replaces rtol by .1 rtol^(2/3) and scales atol alike, since the result has order
- * 5 and the estimate order 3: the error is then proportional to rtol.
+ * If err would reject the first step or a step after a rejection, this equation is solved again
+ * with f(y0 + err) in place of f(y0). For y = (q, p) this is one system of n equations for the
+ * error of v, M dv + (dp/dq) dq = dp; tolerances are on q and v. Like RADAU5 this replaces rtol by
+ * .1 rtol^(2/3) and scales atol alike, since the result has order 5 and the estimate order 3: the
+ * error is then proportional to rtol.
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5. */
@@ -20,7 +22,7 @@
 static const pk_real E_OF_STAGE[] = {GAMMA * (-13 - 7 * SQRT6) / 3, GAMMA * (-13 + 7 * SQRT6) / 3,
                                      -GAMMA / 3};
 
-/* Returns the factor by which RADAU5 scales tolerances for the power 2/3. */
+/* Returns the factor that scales tolerances as in RADAU5, with the power 2/3 of rtol. */
 static pk_real factor_of(const struct pk_integrator *it)
 {
     const pk_real rtol = pk_max(it->options.rtol, 10 * PK_EPS);
@@ -100,7 +102,7 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
             r->dv[k] += it->v[k];
         }
         pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);
-        memcpy(w->x, r->dv, n * sizeof *w->x); /* since estimate() overwrites dv */
+        memcpy(w->x, r->dv, n * sizeof *w->x); /* a copy, since estimate() overwrites dv */
         it->own->error = estimate(it, w, r, w->x, w->y);
     }
     return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;

@@ -79,7 +79,8 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
     }
 }
 
-/* Guesses V, on a line through the rates at middle and end of the last part, and the kick. */
+/* Guesses V by extrapolation, for each rate on a line through its values at the middle and the end
+ * of the last part, and guesses the kick. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
     const int before = it->own->flags & PK_HAVE_STEP; /* otherwise last_V is not set */

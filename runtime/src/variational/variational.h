@@ -11,41 +11,48 @@
 
 /* An iteration ends at this relative error; see newton.c. */
 #define PK_VARIATIONAL_BIAS (PK_EPS / PK_C(8192.0))
-/* Fraction of the largest scale that is added to each unknown's own scale: forces, as differences
- * of coordinates, and M mix the round-off of all unknowns. */
+/* Forces (as differences of coordinates) and M mix the round-off of all unknowns. So this fraction
+ * of the largest scale is added to each unknown's own scale. */
 #define PK_VARIATIONAL_SHARE (PK_C(1.0) / 1024)
 
-/* A composition of steps with the discrete Lagrangian of L at the middle, or at both `ends`. */
+/* A composition of steps, called parts. The discrete Lagrangian is that of L at the middle of a
+ * part, or with `ends` at both ends. */
 struct pk_variational {
-    const struct pk_splitting *parts; /* drift: lengths of the parts, as fractions of the step */
+    /* parts->drift: lengths of the parts, as fractions of the step */
+    const struct pk_splitting *parts;
     int ends;
 };
 
-/* There are n degrees of freedom. The first m have momenta: coordinates, then body rates.
- * Quaternions follow, then other first-order variables. */
+/* There are n rates and other first-order variables. The first m of them have momenta: rates of
+ * coordinates, then body rates. Quaternions follow, then other first-order variables. */
 struct pk_variational_work {
     const struct pk_variational *table;
-    size_t n, m, c;          /* c: number of constraint rows */
-    size_t rotation, states; /* indices of the first body rate, first state */
-    size_t turned;           /* number of rotations */
-    pk_real t, end, h;       /* start, end and size of this part of the step */
-    pk_real *to;             /* a state like it->own->next: the start of the part, later its end */
+    size_t n, m, c; /* c: number of constraint rows */
+    /* index of the first body rate; of the first variable after quaternions */
+    size_t rotation, states;
+    size_t turned;     /* number of rotations */
+    pk_real t, end, h; /* start time, end time and length of this part of the step */
+    /* a state, laid out like it->own->next: first the start of the part, later its end */
+    pk_real *to;
     pk_real jump, worst; /* size of the first correction; largest ratio of corrections above FAR */
-    /* `at` holds M: of the start, and after pk_variational_rates() of the end, factored. Its other
-     * members are constraints at the end. */
+    /* `at` holds M at the start, factored; after pk_variational_rates() it holds M at the end. Its
+     * other members are the constraints at the end. */
     struct pk_projection at;
-    /* Arrays of n numbers; those for q have `rotation` numbers. */
-    pk_real *V, *dV, *scale;        /* unknown rates; their correction; their scale */
-    pk_real *p, *f, *p_end, *f_end; /* momenta and forces: at the middle or the start; at the end */
-    pk_real *f_start;               /* forces at the start of this part */
-    pk_real *q_at, *v_at; /* state at the middle; with `ends`, v_at is the start with rates V */
-    pk_real *q_end, *v_end, *low_q, *low_v; /* state at the end, and its low parts */
-    pk_real *kick, *pull, *root, *spare;    /* mu, J^T mu; roots of M's diagonal */
-    pk_real *last_V, *last_h;               /* V and h of the last part, for the guess */
-    pk_real *kept, *kept_kick, *slope; /* in follow(): last V, last kick, dV/d(part of the step) */
-    pk_real *pivot, *A_pivot;          /* pivots of lu; pivots of at.A within the step */
-    /* n by n: J at the start; factored Newton matrix. Families have none: their matrix is M or,
-     * with constraints, [M J^T; J 0], in the memory of the system. */
+    /* Arrays of n numbers each; those for coordinates have `rotation` numbers. */
+    pk_real *V, *dV, *scale; /* unknown rates; their correction; their scale */
+    /* momenta, forces: at the middle (with `ends`: start); at the end */
+    pk_real *p, *f, *p_end, *f_end;
+    pk_real *f_start;     /* forces at the start of this part */
+    pk_real *q_at, *v_at; /* state at the middle; with `ends`, v_at is v at the start with V */
+    /* state at the end; low parts of its compensated sums */
+    pk_real *q_end, *v_end, *low_q, *low_v;
+    pk_real *kick, *pull, *root, *spare; /* mu; J^T mu; roots of M's diagonal; scratch memory */
+    pk_real *last_V, *last_h;            /* V and length of the last part, for the guess */
+    /* for follow(): V and kick at its last point; slope of V over the fraction of the step */
+    pk_real *kept, *kept_kick, *slope;
+    pk_real *pivot, *A_pivot; /* pivots of lu; pivots of at.A in this step */
+    /* n by n matrices: J at the start; Newton's matrix, factored. Families have neither: their
+     * matrix is M or, with constraints, [M J^T; J 0], in the memory of the system. */
     pk_real *J, *lu;
     int whole;
 };
@@ -72,7 +79,7 @@ void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *
                             pk_real *p, pk_real *pdot);
 /* Factors M at a state (for families under constraints, [M J^T; J 0]), and sets w->root. Returns
  * PK_SINGULAR_MASS, PK_NOT_FINITE or PK_NO_PROJECTION on failure. pk_variational_by_mass() sets x =
- * M^-1 x; for such families, only motion that the rows allow. */
+ * M^-1 x; for families under constraints, x is then only the motion that the rows allow. */
 enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variational_work *w,
                                    pk_real t, const pk_real *q, const pk_real *v);
 /* Evaluates the residuals of the constraint rows and factors J M^-1 J^T; M must be factored. */
@@ -88,16 +95,17 @@ int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work
 void pk_variational_residual(const struct pk_variational_work *w, pk_real *out);
 /* Returns the largest of w->scale. */
 pk_real pk_variational_most(const struct pk_variational_work *w);
-/* Replaces r(V) in w->dV by the correction of V, and corrects w->kick, with the matrix M or by
- * Newton's method. phi and J are those at the end. Returns the sign of the matrix's determinant (1
- * at h = 0), or 0 if it is singular. */
+/* Replaces r(V) in w->dV by the correction of V, and corrects w->kick: by Newton's method if
+ * `newton` is nonzero, otherwise with the matrix M. phi and J are those at the end. Returns the
+ * sign of the determinant of the matrix (1 at h = 0), or 0 if it is singular. */
 int pk_variational_correction(struct pk_integrator *it, struct pk_variational_work *w, int newton);
-/* Solves for V and w->kick of one part of the step, which begins at w->to; also sets p and f at V,
- * and the end. Returns PK_NO_CONVERGENCE or PK_AMBIGUOUS_STEP on failure. */
+/* Solves for V and w->kick of one part of the step, which begins at w->to. Also sets momenta and
+ * forces for this V, and the state at the end. Returns PK_NO_CONVERGENCE or PK_AMBIGUOUS_STEP on
+ * failure. */
 enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variational_work *w);
-/* Solves for v from p, n numbers each, at the end w->to; corrects both so that J v + j0 = 0; low_p
- * holds the low part of p. Returns PK_NO_CONVERGENCE, PK_NO_PROJECTION, PK_NOT_FINITE, or as
- * pk_variational_mass(). */
+/* Solves for the rates v that have the momenta p (n numbers each) at the end w->to, and corrects
+ * both so that J v + j0 = 0; low_p holds the low part of p. Returns PK_NO_CONVERGENCE,
+ * PK_NO_PROJECTION, PK_NOT_FINITE, or a failure of pk_variational_mass(). */
 enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variational_work *w,
                                     pk_real *p, pk_real *low_p);
 

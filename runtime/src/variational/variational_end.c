@@ -1,9 +1,9 @@
-/* The end of a variational step; see variational.c. Solves p(t, q, v) = p for v by Newton's method
- * on M, one linear solve if L is quadratic in v. With constraints, forces at the end move p off the
- * allowed momenta: p -= J^T nu restores J v + j0 = 0. */
+/* The end of a variational step; see variational.c. Solves p(t, q, v) = p for the rates v by
+ * Newton's method on M, with one linear solve if L is quadratic in v. With constraints, the forces
+ * at the end change p so that J v + j0 = 0 is violated; the correction p -= J^T nu restores it. */
 #include "variational.h"
 
-/* Relative correction whose square is far below round-off. */
+/* A relative correction below this is the last one, since its square is far below round-off. */
 #define SMALL (PK_F(sqrt)(PK_EPS) / 64)
 enum { MOST = 50 };
 
@@ -83,7 +83,7 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         pk_variational_momenta(it, w->end, q, v, w->p, w->f_start);
         if (!pk_all_finite(w->p, w->m))
             return PK_NOT_FINITE;
-        if (count == 0 || !quadratic) /* M does not change later */
+        if (count == 0 || !quadratic) /* if L is quadratic, M is constant in this iteration */
             PK_TRY(matrices(it, w, q, v));
         left = 0;
         for (size_t k = 0; k < w->m; k++)

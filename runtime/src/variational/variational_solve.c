@@ -14,16 +14,18 @@
 
 enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 
-/* FAST, SURE: largest ratio of successive corrections above FAR for which the solution counts as
- * the one nearest the guess, with M and by Newton's method. GENTLE: limit of the change of r - M V
- * in the step, relative to the rates. FIRST, SHORTEST: fractions of the step, for follow(). */
+/* The solution counts as the one nearest the guess if the largest ratio of successive corrections
+ * above FAR is at most FAST (iteration with M) or SURE (Newton's method). GENTLE is the limit of
+ * the change of r - M V in the step, relative to the rates. FIRST and SHORTEST are the first and
+ * the least part of the step in follow(). */
 #define FAR PK_C(0.1)
 #define FAST PK_C(0.7)
 #define SURE PK_C(0.5)
 #define GENTLE PK_C(0.5)
 #define FIRST PK_C(0.125)
 #define SHORTEST (PK_C(1.0) / 16777216)
-/* In units of the rounding of phi: of its terms and of q1 = q0 + h V; see project.c. */
+/* A phi up to this counts as 0, in units of its rounding error, which comes from the terms of phi
+ * and from q1 = q0 + h V; see project.c. */
 #define ROUND PK_C(4.0)
 #define STALLED (PK_C(1024.0) * PK_EPS)
 
@@ -78,7 +80,8 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
         w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
     }
-    if (w->c && !w->whole) { /* uses the shortest motion in the metric of M */
+    /* spare: the shortest motion, in the metric of M, that changes phi by as much as its terms */
+    if (w->c && !w->whole) {
         w->at.system->constraints.solve(w->at.params, NULL, w->at.phi_size, w->spare, w->at.mu);
         for (size_t k = 0; k < w->m; k++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->spare[k] / w->h));
@@ -96,8 +99,8 @@ static void set_scale(struct pk_variational_work *w)
 }
 
 /* Raises the scale after the first correction to at least the change of rates in the step, in the
- * metric of M, so that rates that begin at 0 have a scale too. Sets w->jump, without first-order
- * variables that begin at 0, which had no scale. */
+ * metric of M, so that rates that begin at 0 have a scale too. Sets w->jump to the size of this
+ * correction, without first-order variables that begin at 0, since these had no scale. */
 static void raise_scale(struct pk_variational_work *w)
 {
     const pk_real *v = pk_variational_to(w, PK_V);
@@ -136,7 +139,8 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
                     w->kick, w->pull);
 }
 
-/* Returns 1 if it converges. Sets *sign to the sign of the last determinant. */
+/* Iterates from V and w->kick. Returns 1 on convergence, otherwise 0. Sets *sign to the sign of the
+ * last determinant. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
@@ -151,7 +155,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
             return 0;
         pk_variational_residual(w, w->dV);
         const pk_real off = w->c ? broken(it, w) : 0;
-        if (small && off <= ROUND) /* all results belong to this V */
+        if (small && off <= ROUND) /* p, f and phi belong to this V */
             return 1;
         if (count == 0)
             set_scale(w);
@@ -223,8 +227,9 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
     return PK_DONE;
 }
 
-/* Returns whether forces at the middle are close to those at the start, or momenta at the end to
- * those at the start, so that the iteration contracts for all shorter steps too. */
+/* Returns whether the forces at the middle are close to those at the start or, with `ends`, the
+ * momenta at the end are close to those at the start. The iteration then contracts for all shorter
+ * steps too. */
 static int is_gentle(struct pk_variational_work *w)
 {
     for (size_t k = 0; k < w->n; k++) {

@@ -57,7 +57,7 @@ struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
     struct pk_variational_work w = {.table = (const struct pk_variational *)it->method->table};
     w.n = it->n;
     w.turned = pk_system_rotations(problem->system, problem->params);
-    /* Without constraints, only M of `at` is used, in the work memory. */
+    /* Without constraints, `at` is in the work memory, and only its M is used. */
     w.at =
         pk_project_parts(&it->problem, it->n, it->own->project ? it->own->project : it->own->work);
     w.c = w.at.c;

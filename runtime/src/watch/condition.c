@@ -5,7 +5,7 @@
 
 #include "../core/project.h"
 
-#define CLOSE PK_C(1.03) /* accuracy of a spectral radius, as a factor */
+#define CLOSE PK_C(1.03) /* a computed spectral radius is correct up to this factor */
 enum { TURNS = 40 };
 
 struct parts {
@@ -30,7 +30,8 @@ static size_t lay_out(struct parts *w, const struct pk_problem *problem,
     w->most = unknowns(system, method, n);
     w->most = w->most > n ? w->most : n;
     w->most = w->most > c ? w->most : c;
-    w->most = system->constraints.factor ? 0 : w->most; /* families kept as loops: no matrices */
+    /* families kept as loops have no matrices */
+    w->most = system->constraints.factor ? 0 : w->most;
     const size_t m = w->most;
     const struct pk_slot slots[] = {{&w->project, pk_project_room(problem, n)},
                                     {&w->u, system->n_inputs},
@@ -92,7 +93,7 @@ static pk_real radius(struct parts *w, size_t m)
     return least;
 }
 
-/* Sets w->X = |A^-1| |A|, m by m; returns its spectral radius. */
+/* Sets w->X = |A^-1| |A|, an m by m matrix; returns its spectral radius, the condition number. */
 static pk_real scaled(struct parts *w, size_t m)
 {
     memset(w->X, 0, m * m * sizeof *w->X);
@@ -103,7 +104,8 @@ static pk_real scaled(struct parts *w, size_t m)
     return radius(w, m);
 }
 
-/* Returns the condition number of A from its factors L D L^T, whose upper half still holds A. */
+/* Returns the condition number of A from its factors L D L^T. The upper triangle of `factors` still
+ * holds that of A. */
 static pk_real of_ldl(struct parts *w, const pk_real *factors, size_t m)
 {
     for (size_t i = 0; i < m; i++) {
@@ -138,8 +140,8 @@ static pk_real of_lu(struct parts *w, const pk_real *factors, size_t m)
     return scaled(w, m);
 }
 
-/* Returns the condition number of J M^-1 J^T. Adds to w->lost the errors of accelerations by
- * rounding of lambda, and to `terms` the accelerations due to lambda. */
+/* Returns the condition number of J M^-1 J^T. Adds to w->lost the errors of accelerations due to
+ * rounding of the multipliers lambda, and to `terms` the accelerations due to lambda. */
 static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real *q,
                        const pk_real *v, pk_real *terms)
 {
@@ -148,7 +150,7 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
     if (pk_project_factor(at, c, q, v))
         return PK_INFINITY;
     const pk_real found = of_ldl(w, at->A, c);
-    if (!at->system->constraints.multipliers) { /* assumes the largest loss without lambda */
+    if (!at->system->constraints.multipliers) { /* lambda is unknown: assumes the largest loss */
         for (size_t k = 0; k < m; k++)
             w->lost[k] += found * terms[k];
         return found;
@@ -223,7 +225,7 @@ void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
         most(&c->lost, PK_INFINITY, t);
         return;
     }
-    pk_real *const terms = w.pivot; /* the pivots are not in use yet */
+    pk_real *const terms = w.pivot; /* `pivot` is not in use yet */
     most(&c->mass, of_ldl(&w, at.M, m), t);
     for (size_t i = 0; i < m; i++) {
         w.lost[i] = terms[i] = 0;

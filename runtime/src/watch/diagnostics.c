@@ -11,13 +11,14 @@
 
 #define PK_SQRT2 PK_C(1.41421356237309504880168872420969808)
 
-/* For a constant X of scale S, in units of PK_EPSILON S: the error of evaluating X, and its random
- * walk by one rounding per sample. */
+/* For a constant of the motion X of scale S, rounding errors in units of PK_EPSILON S. EVALUATION
+ * is the error of one evaluation of X; WALK is the random walk of X by one rounding per sample. */
 #define EVALUATION PK_C(16.0)
 #define WALK PK_C(2.0)
 
-/* For the size of the terms of a constant: the number of random sign vectors, the relative change
- * of each number along them, and the fraction of that size below which a constant counts as 0. */
+/* For the size of the terms of a constant of the motion: DIRECTIONS is the number of random vectors
+ * of signs, STEP the relative change of each number along such a vector; below the fraction SHARE
+ * of this size, a constant counts as 0. */
 enum { DIRECTIONS = 8 };
 #define STEP PK_C(1e-4)
 #define SHARE PK_C(0.1)
@@ -36,8 +37,9 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
     for (; elapsed > drift->edge && drift->edge > 0; drift->edge *= PK_SQRT2)
         drift->marks[drift->n_marks++ % PK_DRIFT_MARKS] = drift->max;
     drift->samples++;
-    /* A NaN must show, and stay: the first comparison lets it through, the second one, which is
-     * false for a stored NaN, keeps it. */
+    /* A NaN must enter a maximum and stay there. The first comparison of each condition is false
+     * for a new NaN, which is then stored; the second one is false for a stored NaN, which then
+     * stays. */
     if (!(pk_abs(scale) <= drift->scale) && drift->scale >= 0)
         drift->scale = pk_abs(scale);
     if (!(pk_abs(d) <= drift->max) && drift->max >= 0)
@@ -71,7 +73,8 @@ pk_real pk_drift_slope(const struct pk_drift *drift)
     return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
 }
 
-/* Returns the slope of ln max over ln t by least squares, from marks first .. last. */
+/* Returns the slope of ln(largest deviation) over ln t by least squares, from the marks first ..
+ * last. */
 static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
 {
     const pk_real count = (pk_real)(last - first + 1), middle = (pk_real)(last - first) / 2;
@@ -106,8 +109,8 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
     enum pk_growth growth;
     const unsigned long n = drift->n_marks;
     unsigned long first = n > PK_DRIFT_MARKS ? n - PK_DRIFT_MARKS : 0;
-    /* Marks at the level of round-off are left out, since they follow no law, and zeros, which have
-     * no logarithm. */
+    /* Marks at the level of round-off are left out, since they follow no law; so are marks that are
+     * 0, since they have no logarithm. */
     const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
     const pk_real least = max > level + walk ? level * (drift->scale - drift->max) : 0;
     while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > least))
@@ -140,7 +143,7 @@ const char *pk_growth_text(enum pk_growth growth)
     return (unsigned)growth < PK_GROWTH_COUNT ? text[growth] : "?";
 }
 
-/* Returns the number of momenta; 0 if the system does not say which are constant. */
+/* Returns the number of momenta, or 0 if the system does not tell which momenta are constant. */
 static size_t momenta_of(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
@@ -186,7 +189,7 @@ static void raise_scale(struct pk_drift *drift, pk_real size)
         drift->scale = size;
 }
 
-/* Evaluates all constants at a state: momenta, then those of `conserve`. */
+/* Evaluates all constants at a state: the momenta, then the values of the kernel `conserve`. */
 static void constants(const struct pk_problem *of, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *pdot, pk_real *x)
 {
@@ -205,10 +208,11 @@ static int same_vector(const char *a, const char *b)
            strchr("xyz", a[last]) && strchr("xyz", b[last]);
 }
 
-/* Raises the scales S. A constant may be 0, as a component of a vector or a sum that cancels. So S
- * is at least SHARE of the size of its terms |y_i dX/dy_i|, and components of a vector share the
- * largest S. The size is a root mean square over random signs of y_i, which takes two evaluations
- * per direction for any number of y_i. */
+/* Raises the scales S of constants of the motion X. X may be 0, as a component of a vector or as a
+ * sum that cancels. So S is at least SHARE of the size of its terms |y_i dX/dy_i|, where y_i are
+ * the numbers of the state, and the components of a vector share the largest S. The size is a root
+ * mean square over random signs of the changes of y_i; two evaluations per direction give it for
+ * any number of y_i. */
 static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, pk_real *work)
 {
@@ -271,11 +275,12 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
     unsigned long samples = 0;
     for (size_t i = 0; i < momenta_of(problem) + system->n_conserved; i++)
         samples |= monitor->momenta[i].samples;
-    if (samples && (samples & (samples - 1)) == 0) /* at samples 1, 2, 4, 8, ... */
+    if (samples && (samples & (samples - 1)) == 0) /* if the number of samples is 1, 2, 4, 8, ... */
         widen(monitor, t, q, v, u, c + system->n_conserved);
 }
 
-/* Saves or restores a drift; checks the number of restored marks, and that `edge` can grow. */
+/* Saves or restores a drift. A restored drift is wrong if it has too many marks, or if `edge`, the
+ * time of the next mark, cannot grow. */
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k)
 {
     enum { MOST = 1 << 16 };
