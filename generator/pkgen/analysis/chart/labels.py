@@ -47,8 +47,8 @@ class _Box:
 
 
 def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]]]) -> None:
-    """Writes the labels into the axes, off the `curves` if possible. Limits and layout must be
-    final."""
+    """Writes the labels into the axes, not over the `curves` if possible. The limits of the axes
+    and the layout of the figure must be final."""
     figure = axes.figure
     renderer = figure.canvas.get_renderer()
     scale = figure.dpi / 72
@@ -102,7 +102,8 @@ def _price(box: _Box, taken: list[_Box], covered: list[tuple[float, float]], roo
 
 
 def _along(transform, xs: list[float], ys: list[float]) -> list[tuple[float, float]]:
-    """Returns points along a curve in pixels, whose distance is below the size of a label."""
+    """Returns points along a curve, in pixels. Successive points are closer together than the size
+    of a label."""
     ends = [tuple(transform((x, y))) for x, y in zip(xs, ys, strict=True)]
     found = ends[:1]
     for (x0, y0), (x1, y1) in pairwise(ends):

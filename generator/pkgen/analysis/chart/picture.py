@@ -23,12 +23,13 @@ MOST = 6  # most methods
 PALE = "Pale: runs that another of the same method beats, or that may be luck."
 SIZE = 2.8
 SPREAD = 0.35  # opacity of the bar from the least to the largest error of several starts
-LETTER, SIDES = 1.32, 18.0  # in millimetres: mean width of a letter at 7 points, both margins
-COLUMN = 120.0  # least width in millimetres of a higher picture
+# In millimetres: the mean width of a letter at 7 points, and the sum of both side margins.
+LETTER, SIDES = 1.32, 18.0
+COLUMN = 120.0  # pictures at least this wide, in millimetres, are higher than narrower ones
 
 
 def sentence(answers: Sequence[Answer]) -> str:
-    """Returns the answers for one measure of cost as a sentence, from loose to tight."""
+    """Returns the answers for one measure of cost as a sentence, from low to high accuracy."""
     told = []
     for a in answers:
         if a.method is None or a.point is None:

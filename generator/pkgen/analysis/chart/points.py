@@ -6,7 +6,7 @@ from dataclasses import field
 
 from ...record import record
 
-LOST = 1.0  # relative error of a motion that is lost
+LOST = 1.0  # a run with this relative error or more has failed
 AXES = ("seconds", "work")  # measures of cost
 
 EXPLICIT = "explicit Runge–Kutta, fixed step"
@@ -33,9 +33,10 @@ FAMILIES = (
 
 @record
 class ChartedMethod:
-    """A method. `imaginary` and `real` are its stability limits on these axes, of h times the
-    eigenvalue: infinite if there is none, 0 if no step is stable, None if unknown. `peer` is a
-    package with its version, or "" for a method of the runtime."""
+    """A method. `imaginary` and `real` are its stability limits: the largest |h lambda| of a stable
+    step of size h, for an eigenvalue lambda on the imaginary or the negative real axis. They are
+    infinite if every step is stable, 0 if no step is, None if unknown. `peer` names the package
+    of the method with its version, or is "" for a method of pkgen's runtime."""
 
     name: str
     order: int
@@ -101,12 +102,12 @@ class Point:
     rejections: int | None
     evaluations: int | None
     jacobians: int | None
-    work: int | None  # evaluations; a Jacobian counts as those of its finite differences
+    work: int | None  # evaluations; a Jacobian counts as one per number of the state
     took: float  # CPU seconds of the whole measurement
     drifts: dict[str, float] = field(default_factory=dict)
     least: float | None = None  # range of errors over several starts; `error` is their median
     most: float | None = None
-    lucky: bool = False  # keeps an accuracy that slightly finer runs do not
+    lucky: bool = False  # keeps an accuracy, but slightly finer runs miss it
 
     @property
     def arrived(self) -> bool:

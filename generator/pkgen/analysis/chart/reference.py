@@ -1,11 +1,11 @@
 """Computes reference states beyond double precision, in __float128 (or else in long double): by
-gauss of order 16 at a tolerance near round-off, then at a looser one, and by dop853, whose step
-shares no code with gauss. The largest difference of the three runs is the reference's error. All
-use the model's C equations, which other tests check.
+gauss of order 16 at a tolerance near round-off, then at a looser one, and by dop853, an independent
+method: the C code of its step is not that of gauss. The largest difference of the three runs is the
+reference's error. All three runs use the model's C equations, which other tests check.
 
-States are compared at the ends of a hundred equal intervals. The largest magnitude of every
-coordinate and rate is the scale of errors; of a chaotic motion, the time is found until which the
-reference is valid.
+States are compared at the ends of a hundred equal intervals. Errors of a coordinate or rate are
+relative to its largest magnitude during the motion. The three runs of a chaotic motion agree only
+up to some time, after which the reference is invalid; this time is found.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from .exact import Exact, difference
 from .measure import Program
 
 TIMES = 100
-PRECISE = ("gauss", "dop853")  # methods of the reference
-MUST_AGREE = 1e-13  # largest error of a reference for a full chart
+PRECISE = ("gauss", "dop853")  # the methods that compute the reference
+MUST_AGREE = 1e-13  # a reference with a larger error is not good enough for a full chart
 SLOWEST = 60.0  # most CPU seconds of one integration
 
 # By scalar type: tolerances of gauss, of the second run of gauss, and of dop853. At 1e-22 dop853,
@@ -35,8 +35,9 @@ TOLERANCES = {"__float128": (1e-28, 1e-25, 1e-22), "long double": (1e-18, 1e-17,
 
 @record
 class Reference:
-    """Reference states at equal intervals up to `until`. `error` is that of the last state, `worst`
-    the largest of all; until the time `holds` the error is below MUST_AGREE."""
+    """Reference states at equal intervals, in `path`. `error` is the error of the last state,
+    `worst` is the largest error of any state. Up to the time `holds` errors are below MUST_AGREE.
+    """
 
     path: list[State]
     scales: list[float]
@@ -80,7 +81,8 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
 
 
 def best(structure: Facts) -> str:
-    """Returns the method for the tightest runs: gauss is invalid if there are kinks."""
+    """Returns the method for the tightest runs. It is gauss, or dop853 if the equations have kinks,
+    at which gauss is inaccurate."""
     return "gauss" if structure.smooth_in_pieces else "dop853"
 
 

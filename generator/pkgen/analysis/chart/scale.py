@@ -1,4 +1,5 @@
-"""Steps and tolerances of methods, as charts and the choice by `accuracy` try them."""
+"""Computes the steps and tolerances that are tried in charts, and in the choice of a method for
+`accuracy` in a scene."""
 
 from __future__ import annotations
 
@@ -24,6 +25,7 @@ def slope(one: Any, other: Any) -> float:
 
 
 def two_digits(tolerance: float) -> float:
-    """Rounds a tolerance down to two significant digits, below 1: a run takes no larger one."""
+    """Rounds a tolerance down to two significant digits, and to at most 0.99, since `pkgen run`
+    refuses tolerances of 1 or more."""
     size = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
     return min(float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}"), 0.99)

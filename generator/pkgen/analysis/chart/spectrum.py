@@ -28,7 +28,8 @@ DAMPED = 1e-6  # an eigenvalue with a relative imaginary part below this counts 
 
 @record
 class Spectrum:
-    """The fastest oscillation and decay of the motion up to `until`, per unit of time; 0: none."""
+    """The largest angular frequency `omega` and the largest decay rate `rho` along the motion up to
+    the time `until`, per unit of time. Each is 0 if the motion does not oscillate or decay."""
 
     omega: float
     rho: float

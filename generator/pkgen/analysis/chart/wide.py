@@ -22,7 +22,8 @@ PROBE = "#include {}\nint main(int n, char **x) {{ return x && {}(n) < 0; }}\n"
 
 
 def precise_tools(scalar: str) -> Toolchain | None:
-    """Returns a compiler that has the type, with flags; None if no compiler here has it."""
+    """Returns a C compiler that supports the scalar type, with its flags; None if no installed
+    compiler supports the type."""
     macro, libraries, header, function = TYPES[scalar]
     flags = ("-O2", "-ffp-contract=off", "-std=gnu11", macro)
     own = replace(find_toolchain(), flags=flags, gsl_cflags=None, gsl_libs=libraries)

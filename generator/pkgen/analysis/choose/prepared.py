@@ -39,7 +39,8 @@ class Prepared:
     def of(
         files: dict[str, str], name: str, structure: object, *, land: bool, events: bool = False
     ) -> Prepared:
-        """Compiles the program. `land`: only methods whose steps end at rows. Raises BuildError."""
+        """Compiles the program. With `land`, it has only methods whose steps end at the times of
+        rows. Raises BuildError."""
         began = time.perf_counter()
         able = candidates(structure, all_methods(None))  # this compiles the runtime
         methods = tuple(dict.fromkeys(c.name for c in able))

@@ -12,8 +12,10 @@ from .reference import Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-MARGIN = 0.98  # largest (error + 2 floor)/accuracy of a trial; the run reproduces its trial
-LEAST_CAP = 0.004  # seconds; shorter trials are never stopped
+# A trial keeps the accuracy if its error, plus twice the error of the reference, is at most MARGIN
+# times the accuracy. The later run reproduces its trial, so the margin may be small.
+MARGIN = 0.98
+LEAST_CAP = 0.004  # a trial is never stopped before this many seconds
 SLOWER = 1.3  # the search of a candidate stops at this many times the least cost
 NEAR = (3.0, 1.3, 1.3)  # rounds of timing: candidates within these times the least cost
 TIE = 1.05
@@ -34,7 +36,7 @@ class Race:
         aim, every = MARGIN * asked.accuracy - 2 * check.floor, check.every or asked.every
         found, first = [], FIRST if check.method == "gauss" else FIRST_OF_MANY
         stride = first * check.span / max(check.exact.steps, 1)
-        # The reference's method runs first: its time limits the time of the others.
+        # The method of the reference runs first: its time limits that of the other candidates.
         for candidate in sorted(self._able(), key=lambda c: c.name != check.method):
             accuracy = aim / growth(asked, check, "symplectic" in candidate.method.flags)
             start = min(every, stride) if candidate.method.fixed else accuracy
@@ -46,8 +48,9 @@ class Race:
         return sorted(found, key=lambda f: asked.able.index(f.candidate))
 
     def _able(self) -> list[Candidate]:
-        """Returns the candidates to run. If only a part is tried and round-off prevents the
-        accuracy, errors of the energy dominate afterwards, so only symplectic methods are run."""
+        """Returns the candidates to run. If only the first part of the scene is tried and round-off
+        prevents the accuracy, energy errors dominate after this part. Then only symplectic methods
+        are run, whose energy errors stay bounded."""
         steady = self.check.steady(self.asked) and self.check.span < self.asked.until
         able = [c for c in self.asked.able if not steady or "symplectic" in c.method.flags]
         return able or list(self.asked.able)

@@ -19,8 +19,8 @@ from .trials import Trial
 
 TRIALS = 8
 AIM = 0.85  # intended error of a trial, relative to the accuracy
-LOST = 0.1  # a larger error is not proportional to a power of the setting
-BLIND = 3.0  # step is divided by this after such an error
+LOST = 0.1  # an error above this is not proportional to a power of the setting
+BLIND = 3.0  # after an error above LOST, the step is divided by BLIND
 GAIN = 1.05  # least speedup for which another trial is made
 LOOSEST, TIGHTEST = 0.5, 2.0**-51
 # Factor on the setting if a method's first trial is too slow: a larger tolerance, since the error
@@ -143,10 +143,10 @@ class _Steps:
         return round(self.interval / trial.setting)
 
     def affordable(self, trial: Trial, setting: float, limit: float) -> float | None:
-        """Returns the setting, or the shortest step that is expected to take at most `limit`
-        seconds; None if that is no shorter than the trial's. Half of a trial's time is assumed not
-        to depend on the step. A first error may show nothing, so that a longer step than `setting`
-        is tried, too."""
+        """Returns the step to try after `trial`: `setting` or, if a run with this step would take
+        more than `limit` seconds, the shortest step that does not. Returns None if this is no
+        shorter than the step of `trial`. Half of the time of `trial` is assumed not to depend on
+        its step."""
         if not limit < math.inf:
             return setting
         most = math.floor(self._count(trial) * (2 * limit / trial.seconds - 1))
@@ -184,8 +184,9 @@ class _Tolerances:
         return setting if trial.seconds <= limit else None
 
     def gain(self, kept: Trial, setting: float) -> float:
-        """Returns the speedup. If rows determine the steps, only an implicit method has any, by
-        fewer iterations."""
+        """Returns the expected speedup by `setting` instead of the setting of the trial `kept`. If
+        every step ends at the next row, the number of steps stays the same. Then only an implicit
+        method is faster, since it needs fewer iterations."""
         power = self.order
         if kept.steps <= 1.02 * (kept.compared - 1):
             power = ITERATIONS if self.implicit else math.inf

@@ -47,8 +47,9 @@ SAID_OF = {  # legend texts that differ from the name of the class
     "constant lost": "another constant is lost",
 }
 SIZE = 2.6  # size of a glyph, in points
-APART, CLEAR = 17.0, 8.0  # least distance of two glyphs of a class, of any class, in points
-MARGIN = 0.25  # margin of an isolated cell's square, relative to the cell
+# Least distances, in points: of two glyphs of the same class, and of any two glyphs.
+APART, CLEAR = 17.0, 8.0
+MARGIN = 0.25  # an isolated cell is drawn as a smaller square with this margin, relative to a cell
 UNCONFIRMED = "unconfirmed"
 DEEP = 2  # radius in cells of the neighbourhood that measures the depth inside a region
 
@@ -63,7 +64,8 @@ def edges(values: np.ndarray) -> np.ndarray:
 
 
 def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look) -> set:
-    """Colours the cells; `kinds` has one row per element of xs. Returns the classes drawn."""
+    """Colours the cells of a map, each by the class of its point. `kinds` has the classes, with a
+    row for each element of xs and a column for each element of hs. Returns the classes drawn."""
     order = list(CLASSES)
     cells = np.array([[order.index(kind) for kind in row] for row in kinds])
     colours = ListedColormap([_colour(kind, look) for kind in order])
@@ -99,7 +101,8 @@ def _neighbours(cells: np.ndarray) -> np.ndarray:
 
 
 def _alone(cells: np.ndarray) -> np.ndarray:
-    """Returns which cells have no neighbour of their own class; such a point may be accidental."""
+    """Returns for each cell of a map whether no neighbour has the same class. The class of such an
+    isolated cell may be accidental."""
     return (_neighbours(cells) != cells).all(axis=0) if min(cells.shape) > 1 else cells < 0
 
 
@@ -137,7 +140,8 @@ def glyphs(
 
 
 def _depth(cells: np.ndarray) -> np.ndarray:
-    """Returns the number of cells of the same class in the neighbourhood of each cell."""
+    """Returns for each cell the number of cells of its class within DEEP cells: it is largest deep
+    inside the region of a class."""
     padded = np.pad(cells, DEEP, constant_values="")
     rows, columns = cells.shape
     return sum(

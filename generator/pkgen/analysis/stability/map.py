@@ -41,22 +41,22 @@ class StabilityMap:
     compilation: Compilation
     asked: MapOptions
     until: float
-    motion: Motion  # the start only: the motion is not integrated
-    rest: Rest  # at the model's own start and parameters
+    motion: Motion  # only the start: the fields of an integrated motion have no values
+    rest: Rest  # the equilibria, for the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
     steps: dict[str, tuple[float, ...]]
-    predictions: tuple[Prediction, ...]  # at the model's own start and parameters
+    predictions: tuple[Prediction, ...]  # for the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
-    interrupted: str = ""  # says how much of an interrupted map is complete
+    interrupted: str = ""  # if the map was interrupted: a text that says how much is complete
     cycle: Cycle | None = None  # the limit cycle that the motion approaches
     lost: tuple[cycles.Lost, ...] = ()
     ghosts: tuple[Ghost, ...] = ()
     turned: range = range(0)  # indices of quaternion components among the rates v
 
     def place(self, state: tuple[float, ...]) -> float:
-        """Returns the value of the varied quantity in a state (q, v)."""
+        """Returns the value of the varied quantity, the vertical axis, for a state (q, v)."""
         at = None if self.primary is None else self.rest.equilibria[self.primary]
         return self.asked.axis.place(state, at, self.motion)
 
@@ -132,10 +132,12 @@ def make(
     predicted = {}
     for name, step in maps.items():
         whole = cycles.predictions(cycle, lost.get(name))
-        # The Floquet multipliers of a cycle replace the eigenvalues along it.
+        # If there are predictions from the multipliers of a cycle, the eigenvalues along the cycle
+        # are not used.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # If the equilibrium is stable, the "local" estimate does not extend the range of steps.
+    # The range of step sizes covers all predictions, except "local" ones if the equilibrium is
+    # stable.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
     steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}
@@ -239,7 +241,8 @@ def _spread(count: int) -> list[int]:
 
 
 def _kept(futures: list[Future[Made]]) -> list[Made]:
-    """Returns the results of completed jobs, without None. Raises the exception of a failed job."""
+    """Returns the results of the completed jobs, except those that are None. Raises the exception
+    of a failed job."""
     found = []
     for future in futures:
         if future.done() and not future.cancelled():
@@ -300,6 +303,7 @@ def _quaternions(compilation: Compilation) -> range:
 
 
 def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
-    """Returns the largest displacement of a non-cyclic coordinate from the equilibrium."""
+    """Returns the largest distance, over all coordinates that are not cyclic, between the start and
+    the equilibrium."""
     apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
     return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)

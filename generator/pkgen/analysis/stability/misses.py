@@ -8,7 +8,7 @@ from .measure import FAILED, Growth, Measured, Row
 from .predict import Prediction
 from .rest import UNDECIDED
 
-TOLERANCE = 0.01  # least relative difference of a miss
+TOLERANCE = 0.01  # a larger relative difference of prediction and measurement is a miss
 LISTED = 4  # most resonances named in one sentence
 NEXT = 0.03  # relative distance within which a failing point is near a prediction
 
@@ -16,12 +16,13 @@ NEXT = 0.03  # relative distance within which a failing point is near a predicti
 @record
 class Miss:
     method: str
-    kind: str  # kind of the prediction, or response, below, above, growth
+    kind: str  # the kind of a prediction, or "response", "below", "above" or "growth"
     text: str
 
 
 def difference(predicted: float | None, measured: float | None) -> float | None:
-    """Returns the relative difference; 0 if neither event happens, None if only one does."""
+    """Returns the difference of the measured and the predicted step size, relative to the latter.
+    If neither step size exists, it is 0; if only one exists, it is None."""
     if predicted is None and measured is None:
         return 0.0
     if predicted is None or measured is None:
@@ -32,7 +33,8 @@ def difference(predicted: float | None, measured: float | None) -> float | None:
 
 
 def _missed(off: float | None, sharp: bool = True) -> bool:
-    """Whether a difference is a miss; estimates (not `sharp`) may be off by a factor of 2."""
+    """Whether `off`, a result of difference(), is a miss. If `sharp` is false, the prediction is an
+    estimate, which may be wrong by a factor of 2."""
     return off is None or (abs(off) > TOLERANCE if sharp else not -0.5 <= off <= 1)
 
 
