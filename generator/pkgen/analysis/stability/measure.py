@@ -112,9 +112,9 @@ def row(
 
 
 def _settled(asker: Asker, point: Point) -> Point:
-    """Changes the class of a "growing" point of a linear model to "wrong amplitude" if no eigenvalue
-    of the method's step is outside the unit circle. Then the run settles at a finite but wrong
-    amplitude, since long steps sample the driving force coarsely."""
+    """Changes the class of a "growing" point of a linear model to "wrong amplitude" if no
+    eigenvalue of the method's step is outside the unit circle. Then the run settles at a finite but
+    wrong amplitude, since long steps sample the driving force coarsely."""
     if point.kind != "growing":
         return point
     found = radius(asker, point.method, point.h)

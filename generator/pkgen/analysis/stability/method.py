@@ -94,8 +94,8 @@ class StepMap:
 
     @_once
     def limit(self, ratio: float) -> float | None:
-        """Returns the stability limit y of a mode with -growth/frequency = `ratio`. It is None if
-        there is no limit up to FURTHEST, and 0 if the motion grows at any step size."""
+        """Returns the stability limit y of an oscillator with the damping ratio `ratio`. It is None
+        if there is no limit up to FURTHEST, and 0 if the motion grows at any step size."""
         known = self.traits.imaginary
         if self.states and self.traits.real == math.inf:
             return None

@@ -32,7 +32,8 @@ def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
 
 
 def _shown(made: StabilityMap) -> list[tuple[int, tuple[str, bool]]]:
-    """Returns _unknowns() with indices, without body rates, which are 0 at equilibria."""
+    """Returns the elements of _unknowns() with their indices. Body rates are left out, since they
+    are 0 at equilibria."""
     first = made.turned.start - 3 * len(made.turned) // 4
     still = range(first, made.turned.start)
     return [(i, one) for i, one in enumerate(_unknowns(made)) if i not in still]
@@ -50,7 +51,8 @@ def place(made: StabilityMap, at: Equilibrium) -> str:
 
 
 def _sizes(states: list[tuple[float, ...]]) -> list[float]:
-    """Returns the largest magnitude of each column, or of all columns for one that starts at 0."""
+    """Returns the largest magnitude of each number of the states. If a number is 0 in the first
+    state, the largest magnitude of all numbers is returned for it."""
     whole = max((abs(x) for state in states for x in state), default=0.0)
     return [max(map(abs, column)) if column[0] else whole for column in zip(*states, strict=True)]
 
