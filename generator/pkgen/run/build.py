@@ -49,7 +49,8 @@ def _choice(
     parts: Sequence[str] = WHOLE,
     gsl: bool = True,
 ) -> str:
-    """Returns the text of CHOICE_FILE; `of` is the C name of the struct pk_run_model."""
+    """Returns the text of CHOICE_FILE, a C file that defines the struct pk_run_model of the model
+    `name`. `of` is the C name of this struct."""
     families = [
         family
         for family in dict.fromkeys(method.family for method in METHODS.values())
@@ -93,8 +94,9 @@ def _linked(
     form: Sequence[str] = (),
     own: Sequence[Own] = (),
 ) -> None:
-    """Compiles the files of a model with flags `form` and links them with `arguments`. Steps are
-    inlined in the model, or in its blocks if it has any."""
+    """Compiles the C files of a model with the compiler flags `form`, and links them with the
+    linker arguments `arguments`. The steps of methods are inlined in the C code of the model or, if
+    the model has blocks of coordinates, in the C code of the blocks."""
     form = [*form, *in_c.flags(own)]
     files = {**files, in_c.FILE: in_c.tables(own)} if own else files
     for file_name, text in files.items():
@@ -119,11 +121,11 @@ def build_library(
 ) -> Path:
     """Returns the path of a shared library that integrates the model `name`, built from its files.
 
-    Steps of `methods` are inlined. The library contains the families of `methods` and `able`, or
-    all methods if both are empty; with `ensemble` also ensembles, with `diagnose` diagnostics and
-    the functions of pk/stability.h. `parts` are blocks of coordinates that are integrated
-    separately; the model itself then has only outputs. Raises BuildError with the compiler's
-    messages."""
+    The steps of `methods` are inlined. The library contains the method families of `methods` and
+    `able`, or all methods if both are empty. With `ensemble` it can integrate ensembles; with
+    `diagnose` it has diagnostics and the functions of pk/stability.h. `parts` are blocks of
+    coordinates that are integrated separately; if there are any, the C code of the model itself
+    only computes outputs. Raises BuildError with the compiler's messages."""
     tools = _portable(tools or find_toolchain(), files)
     inlined = _inlined(tools, methods, own, ensemble)
     every, names = known(own), [name for name in (*methods, *able) if name]

@@ -101,7 +101,8 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
 
 
 def name_places(report: dict, compilation: Compilation) -> None:
-    """Adds to results on particles their positions, and in words the other terms of L."""
+    """Adds to diagnostics of particles the names of the particles' positions, and a text on those
+    terms of the Lagrangian that belong to no particle."""
     for name, found in report.get("diagnostics", {}).items():
         if name in OF_PARTICLES and found["status"] == "PK_DONE":
             particles = compilation.equations.particles
@@ -110,5 +111,6 @@ def name_places(report: dict, compilation: Compilation) -> None:
 
 
 def of_whole(text: str | None) -> bool:
-    """Whether a requested diagnostic forbids the reduction of a scene."""
+    """Whether `text`, the value of --diagnose, names a diagnostic that needs the whole model,
+    without reductions by the scene."""
     return text is not None and not {*asked(text)} <= {*OF_REDUCED}

@@ -118,8 +118,8 @@ class Library:
 
 
 class Run:
-    """A run that has ended: its `code`, `report`, `messages`, and whether a constant is
-    `not_finite`."""
+    """A run that has ended. It has an exit code `code`, `report` and `messages`; `not_finite` tells
+    whether a constant of the model, computed from parameters, is not finite."""
 
     def __init__(self, library: Library, settings: Structure, poll: Poll | None, idle: bool):
         self._c, self._model = library.c, library.model
@@ -160,9 +160,9 @@ class Run:
         return codes[0]
 
     def rows(self, low: bool = False) -> numpy.ndarray:
-        """Returns the kept rows, shape (rows, columns); the first column is t, or the member and
-        then t. With `low`: returns corrections to these numbers, for more digits than a double has.
-        """
+        """Returns the rows that the run has in memory, of shape (rows, columns). The first column
+        is t; in an ensemble, the first column is the member and the second is t. With `low`,
+        returns corrections, which added to the rows give more digits than a double has."""
         import numpy
 
         high, rest, columns = POINTER(c_double)(), POINTER(c_double)(), c_size_t()
@@ -183,7 +183,8 @@ class Run:
         return numpy.ctypeslib.as_array(numbers, (count, columns.value)).copy()
 
     def laps(self, seconds: float) -> float:
-        """Returns the processor seconds of the run repeated without rows; infinite if it fails."""
+        """Repeats the run without rows, for up to `seconds`. Returns the CPU seconds of one run, or
+        infinity if the run fails."""
         return self._c.pk_run_laps(self._run, seconds) or float("inf")
 
     def evaluate(
@@ -201,7 +202,7 @@ class Run:
 
         count, n = v.shape
         t = numpy.ascontiguousarray(numpy.broadcast_to(t, (count,)), dtype=float)
-        # First-order variables are in v only: the runtime ignores their places in q.
+        # First-order variables are in v only: the runtime ignores q at their indices.
         whole = numpy.zeros((count, n))
         whole[:, : q.shape[1]] = q
         v = numpy.ascontiguousarray(v, dtype=float)
@@ -249,7 +250,7 @@ class Run:
         return rates
 
     def given(self) -> dict[str, list[float]]:
-        """Returns the parameters and the initial state that the run uses."""
+        """Returns the values of the parameters and the initial state that the run uses."""
         return json.loads(self._c.pk_run_given(self._run))
 
     def close(self) -> None:

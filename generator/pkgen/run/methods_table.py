@@ -111,7 +111,7 @@ def in_words(requires: Iterable[str]) -> list[str]:
     """Returns in words the properties of a system that a method requires."""
     found = [fact.replace("_", " ") for fact in requires]
     found = [WORDS.get(fact, fact) for fact in found]
-    if found[1:]:  # the other requirements imply it
+    if found[1:]:  # other requirements imply "mass constant"
         found = [fact for fact in found if fact != "mass constant"]
     return found
 

@@ -20,7 +20,7 @@ def constant(compilation: Compilation, given: dict[int, float]) -> str:
 
     known: dict[int, float] = {}
     below: dict[int, frozenset[int]] = {}
-    for index, slot in enumerate(slots):  # a default may depend on earlier parameters
+    for index, slot in enumerate(slots):  # in order: a default may use earlier parameters
         values[Symbol(Kind.PARAMETER, index)] = given.get(index, 0.0)
         if index not in given:
             (values[Symbol(Kind.PARAMETER, index)],) = evaluate(g, [slot.default], values)

@@ -58,8 +58,8 @@ class Runnable:
     compilation: Compilation
     settings: Settings
     ensemble: Ensemble | None = None
-    threads: int | None = None  # None: all processors
-    library: Path | None = None  # None: not built
+    threads: int | None = None  # None: one per processor
+    library: Path | None = None  # None: the library is not built yet
 
     def columns(self, listed: int = sys.maxsize) -> list[Quantity]:
         member = [self.ensemble.member] if self.ensemble else []

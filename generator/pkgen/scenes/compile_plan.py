@@ -66,12 +66,13 @@ class Overrides:
 
 
 def of_run(options: argparse.Namespace) -> Use:
-    """Returns the restrictions of a model in a run. Only a scene removes parts of the model."""
+    """Returns which parts of a model a run uses. Without a scene, it uses the whole model."""
     off = switched_off(options.no_reduce) if options.scene else EVERY
     if options.diagnose:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
-        # Normal modes need an equilibrium, and cyclic coordinates can move there: they are removed.
+        # The diagnostic `modes` needs an equilibrium. At an equilibrium of the other coordinates,
+        # cyclic coordinates may move: they are removed.
         off |= {*REDUCTIONS} - ({"cyclic"} if options.diagnose == "modes" else set())
     asked = _asked(options, record_columns(options), off)
     asked = replace(asked, apart=not asked.several)
@@ -96,7 +97,8 @@ def promised(plan: CompilePlan, scene: Scene) -> Expr | None:
 
 
 def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePlan:
-    """Returns the plan in a compilation; makes a plan if the compilation was not for a run."""
+    """Returns the plan with which a model was compiled for a run. If it was compiled for another
+    purpose, makes a plan."""
     if compilation.plan.method:
         return compilation.plan
     declared = compilation.declared
@@ -131,7 +133,7 @@ def _plan(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> Co
     elif made is not None:
         several = asked.several or scene.swarm is not None
         exact = EXACT not in asked.off and not several and (given.rtol or given.step) is None
-        # The scene has no tolerance here: a scene that sets one also sets a method.
+        # Only options can set a tolerance here: a scene with a tolerance also sets a method.
         method, source = default_method(made, given.else_of(DEFAULTS).rtol, exact), DEFAULT
     return CompilePlan(None, method, source, given)
 

@@ -16,7 +16,8 @@ from .expects import of_run, written
 
 @record
 class Verdict:
-    """The verdict on one expectation; `value` and `bound` are its two sides at the largest miss."""
+    """The verdict on one expectation of a scene. `value` and `bound` are the values of the left and
+    right side of the relation where it is missed by most."""
 
     text: str
     span: Span
@@ -49,7 +50,7 @@ class Judge:
     ):
         self.model, self.scene, self.values = model, scene, values
         self.report, self.member = report, member
-        self.constants: dict[Expr, float] = {}  # values of sides that are equal in all members
+        self.constants: dict[Expr, float] = {}  # values that all members share
 
     def verdicts(self) -> list[Verdict]:
         compared = iter(self.report["expects"])

@@ -163,7 +163,7 @@ def reads(model: Model, scene: Scene) -> frozenset[str]:
 
 
 def columns(scene: Scene) -> list[str]:
-    """Returns the names of the recorded columns."""
+    """Returns the names of the columns that the scene records; [] if it does not choose any."""
     return [item.name for item in scene.record.columns] if scene.record else []
 
 
@@ -203,8 +203,8 @@ def _is_column(model: Model, name: str) -> bool:
 
 
 def _claims(model: Model, value: Expr) -> Expr:
-    """Returns the expression with claimed constants, which are not outputs, replaced by their
-    definitions."""
+    """Returns the expression with the model's claimed constants of motion, which are no outputs,
+    replaced by their definitions."""
     claims = {item.name: item for item in model.conserved}
 
     def written(part: Expr) -> Expr | None:

@@ -25,8 +25,8 @@ def is_motion(text: str) -> bool:
 
 
 def _stems(column: str) -> set[str]:
-    """Returns the name of a column without indices and primes, with and without its last component:
-    `leg.com.x` and `leg.com` for `leg[2].com.x'`."""
+    """Returns two names for a column such as `leg[2].com.x'`: `leg.com.x`, without indices and
+    primes, and `leg.com`, without the last component."""
     name = re.sub(r"\[[^\]]*\]", "", column).partition("'")[0]
     return {name, name.rpartition(".")[0]}
 

@@ -74,7 +74,7 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
     inputs: dict[str, float] = {}
     names = {p.name for p in found.model.parameters}
     for item in scene.assignments:
-        if item.varies:  # A function of t is compiled with the model.
+        if item.varies:  # A function of t is no number, but part of the compiled model.
             continue
         for index, value in found.assigned(item):
             if item.name not in names:

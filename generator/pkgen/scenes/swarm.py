@@ -34,8 +34,9 @@ def _started(model: Model, item: Start, index: int | None) -> str:
 def members(
     model: Model, scene: Scene, values: Values, known: Mapping[str, Column], given: Collection[str]
 ) -> Ensemble:
-    """Returns the ensemble of a scene's swarm. `known` has the quantities that may differ between
-    members and have an effect. `given` has starts that options set equally for all members."""
+    """Returns the ensemble that a scene's swarm defines. `known` has the quantities that may differ
+    between members and have an effect. `given` has the names of starts that options set to the same
+    value in all members."""
     swarm = scene.swarm
     first, last = (integer(end, values.sizes) for end in (swarm.lo, swarm.hi))
     count = np.arange(first, last + 1, dtype=float)

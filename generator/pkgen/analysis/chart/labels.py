@@ -13,8 +13,11 @@ PAD = 1.0  # margin around a label, in points
 # Vertical offsets of a label from its anchor, in label heights, in the order of preference. Each
 # offset is tried to the left and to the right of the anchor.
 REACH = (0.0, 0.6, -0.6, 1.1, -1.1, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.2, -4.2, 5.5, -5.5, 7, -7)
-COVERED = 0.35  # cost of each point of a curve under a label; full overlap of two labels costs 4
-FAR = 0.12  # cost of each label height of vertical distance
+# A label takes the position with the least cost. Each point of a curve under the label costs
+# COVERED, each label height of vertical distance from the anchor costs FAR. A full overlap with
+# another label costs 4.
+COVERED = 0.35
+FAR = 0.12
 
 
 @record

@@ -75,7 +75,8 @@ def picture(chart: Chart, axis: str, look: Look):
 
 
 def _beside(chart: Chart) -> str:
-    """Returns a sentence with the times of other packages relative to pkgen, loose to tight."""
+    """Returns a sentence with the times of other packages, relative to the time of pkgen for the
+    same accuracy, from low to high accuracy."""
     told = []
     for b in chart.beside:
         ratios = [chart.times(a) for a in b.answers]

@@ -86,9 +86,9 @@ class ChartedMethod:
 
 @record
 class Point:
-    """A measured point. If the run failed, `error` and `seconds` are None. `slow`: the run was
-    stopped at the time limit, which is no failure. Counts that another package does not report are
-    None."""
+    """A measured run of a method at one setting. If the run failed, `error` and `seconds` are None.
+    If `slow` is true, the run was stopped at the time limit, which does not count as a failure.
+    Numbers of steps and evaluations are None if another package does not report them."""
 
     method: str
     setting: float

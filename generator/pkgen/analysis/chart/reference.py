@@ -26,10 +26,11 @@ from .measure import Program
 TIMES = 100
 PRECISE = ("gauss", "dop853")  # the methods that compute the reference
 MUST_AGREE = 1e-13  # a reference with a larger error is not good enough for a full chart
-SLOWEST = 60.0  # most CPU seconds of one integration
+SLOWEST = 60.0  # an integration for the reference is stopped after these CPU seconds
 
-# By scalar type: tolerances of gauss, of the second run of gauss, and of dop853. At 1e-22 dop853,
-# whose h ~ tolerance^(1/8), takes as long as gauss.
+# For each scalar type: the tolerances of the first and the second run of gauss, and of dop853. The
+# step of dop853 is proportional to tolerance^(1/8). At the tolerance 1e-22 it takes as long as the
+# runs of gauss, so a tighter tolerance would take too long.
 TOLERANCES = {"__float128": (1e-28, 1e-25, 1e-22), "long double": (1e-18, 1e-17, 1e-17)}
 
 

@@ -20,14 +20,16 @@ from .sweep import TIGHTEST, Bench
 # Factors on the setting of a point: True: on a fixed step size, False: on a tolerance.
 FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}
 LOOSER = {True: (1.06, 1.12, 1.18, 1.25), False: (1.8, 3.2, 6.0, 10.0)}
-TRIALS = 12  # most trials between two points
-NEAR = 1.03  # least ratio of costs that is worth a trial
+TRIALS = 12  # largest number of trials to find the loosest setting of a method for an accuracy
+NEAR = 1.03  # a trial must promise to be cheaper than the best point by this factor
 AIM = 0.8  # intended error of a trial, relative to the accuracy
-INNER = (0.25, 0.75)  # bounds on a trial between the looser (0) and the tighter point (1)
-COARSER, FALLING = 1.2, 0.7  # errors fall if a setting COARSER times finer reduces them by FALLING
-FOREMOST = 3  # most methods measured in one round of _go_on()
-UNSEEN = 1e-2  # intended reduction of an error that is not known
-ROUNDS, TIMED = 3, 1.5  # rounds of timing, for points within TIMED times the fastest
+# Bounds on the setting of a trial, between those of the looser point (0) and the tighter point (1).
+INNER = (0.25, 0.75)
+# Errors of a method still fall if a setting finer by COARSER multiplies them by less than FALLING.
+COARSER, FALLING = 1.2, 0.7
+FOREMOST = 3  # largest number of methods that are measured in one round of _go_on()
+UNSEEN = 1e-2  # if the error of a method is unknown: intended ratio of the next to the last error
+ROUNDS, TIMED = 3, 1.5  # rounds of timing; points within TIMED times the fastest take part
 
 
 class Search:

@@ -20,20 +20,23 @@ from .points import ChartedMethod, Point, Track
 from .scale import pieces, slope
 from .spectrum import Spectrum
 
-# Most points of a method, seconds to time a point, seconds for all except drawing.
+# A full and a quick chart: the largest number of points of a method, the seconds in which a point
+# is timed by repetitions, the seconds for everything except drawing.
 FULL, QUICK = (16, 0.03, 55.0), (9, 0.004, 10.0)
 SWEPT = 2 / 3  # fraction of the time for the sweep; the rest is for search.py
 LEAST = 0.25  # fraction of the time that measurements get even if the reference took it all
 LOOSEST, TIGHTEST = 1e-2, 1e-14  # range of tolerances
 DECADES = 14.0  # the points of a method should reduce its error by this many powers of ten
-FINER = (1.12, 4.0)  # bounds on the ratio of successive steps
-UNKNOWN = 1.4  # ratio of steps after a failed step
-PAST_LIMIT = 1.5  # first step in units of the stability limit; if none, see LONGEST
-LONGEST = 3.0  # first step in radians of the fastest oscillation, or the order if larger
-ANSWER = 1e-3  # largest error of a first step that may already be an answer
-LONGER = 3  # factor to longer steps than the first, if it may be an answer
+FINER = (1.12, 4.0)  # bounds on the ratio of a step size to the next shorter one
+UNKNOWN = 1.4  # this ratio if the run with the longer step failed, so that its error is unknown
+PAST_LIMIT = 1.5  # the first step size, in units of the method's stability limit, if it has one
+# Else the first step is so long that the fastest oscillation advances by this angle in radians, or
+# by the order of the method if that is larger.
+LONGEST = 3.0
+ANSWER = 1e-3  # if the first step has a smaller error, it may be an answer: longer steps are tried
+LONGER = 3  # factor from a step size to the next longer one in this case
 ROUND_OFF = 3e-16
-EASED = 1e-8  # errors below this that no longer fall are round-off
+EASED = 1e-8  # an error below this that no longer falls with the step is round-off
 
 
 def processor() -> float:

@@ -16,13 +16,15 @@ from .trials import Trial
 # times the accuracy. The later run reproduces its trial, so the margin may be small.
 MARGIN = 0.98
 LEAST_CAP = 0.004  # a trial is never stopped before this many seconds
-SLOWER = 1.3  # the search of a candidate stops at this many times the least cost
-NEAR = (3.0, 1.3, 1.3)  # rounds of timing: candidates within these times the least cost
+SLOWER = 1.3  # a candidate is given up if it costs this many times as much as the cheapest so far
+# Candidates are timed in three rounds. A candidate takes part in a round if its cost is at most
+# this many times the least cost.
+NEAR = (3.0, 1.3, 1.3)
 TIE = 1.05
-# First fixed step, if rows are farther apart, in units of the reference's mean step: after a
-# reference by gauss, whose steps are nearly the longest possible; after other references.
+# The first fixed step to try is the time between rows or, if shorter, this many mean steps of the
+# reference: FIRST if the reference is by gauss, whose steps are long, else FIRST_OF_MANY.
 FIRST, FIRST_OF_MANY = 4, 30
-LAPS = 0.002  # seconds to time a run
+LAPS = 0.002  # a run is repeated for these seconds to measure its time
 
 
 class Race:

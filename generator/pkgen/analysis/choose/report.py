@@ -8,7 +8,7 @@ from .choice import Choice
 from .reference import EXACT
 from .search import Found
 
-SHOWN = 0.1  # least seconds of compilation that are reported
+SHOWN = 0.1  # a compilation that takes fewer seconds is not reported
 
 
 def lines(choice: Choice, time: str, brief: bool) -> list[str]:

@@ -23,17 +23,19 @@ LOST = 0.1  # an error above this is not proportional to a power of the setting
 BLIND = 3.0  # after an error above LOST, the step is divided by BLIND
 GAIN = 1.05  # least speedup for which another trial is made
 LOOSEST, TIGHTEST = 0.5, 2.0**-51
-# Factor on the setting if a method's first trial is too slow: a larger tolerance, since the error
-# may be far too small; a shorter step, since equations of long steps take long to solve.
+# Factors on the setting if the first trial of a method is too slow. A tolerance is multiplied by
+# LOOSENED, since the error may be far smaller than necessary. A step is multiplied by SHORTENED,
+# since the implicit equations of long steps take long to solve.
 LOOSENED, SHORTENED = 100.0, 0.25
-ITERATIONS = 40  # model: an implicit step takes rtol^(-1/ITERATIONS) iterations
+ITERATIONS = 40  # an implicit step is assumed to take rtol^(-1/ITERATIONS) iterations
 FURTHEST = 1e5  # largest factor on the setting from one trial to the next
 
 
 @dataclass
 class Found:
-    """The result for one candidate. If it does not keep the accuracy, or would take too long,
-    `kept` is None and `verdict` is the reason."""
+    """The result of the search for one candidate. `kept` is the trial with the loosest setting that
+    keeps the accuracy. If the candidate does not keep it, or would take too long, `kept` is None
+    and `verdict` is the reason."""
 
     candidate: Candidate
     kept: Trial | None = None

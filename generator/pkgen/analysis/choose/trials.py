@@ -14,13 +14,13 @@ from ...run.settings import Settings
 from ..chart.measure import Program
 
 LAND, DENSE = "land", "dense"
-MANY = 256  # with more rows, largest magnitudes between rows are not measured
+MANY = 256  # a run with more rows is not searched for larger magnitudes between rows
 
 
 @record
 class Trial:
-    """A run of one method at one setting. `error` is relative to the largest magnitude of each
-    column; it is infinite if the run fails."""
+    """A run of one method at one setting. `error` is the largest error of any column, relative to
+    the largest magnitude of the column; it is infinite if the run fails."""
 
     method: str
     rows: str  # LAND or DENSE
@@ -33,10 +33,10 @@ class Trial:
     seconds: float
     took: float
     steps: int
-    compared: int  # number of rows compared
+    compared: int  # number of rows that were compared with the exact rows
     error: float
     holds: float  # time until which the accuracy was kept
-    max_step: float | None = None  # limit of its adaptive steps
+    max_step: float | None = None  # upper limit of adaptive steps; None: no limit
     columns: tuple[float, ...] = field(default=(), repr=False)
 
     @property

@@ -127,7 +127,8 @@ class Whole:
         return trial
 
     def _tighter(self, found: Found, more: float) -> float:
-        """Returns a setting that gives TIGHTER times the error, divided by `more`."""
+        """Returns the setting of `found`, tightened so that the error is expected to become TIGHTER
+        times as large; and further divided by `more`."""
         method = found.candidate.method
         power = max(method.order, 1) if method.fixed else 1
         setting = found.kept.setting * TIGHTER ** (1 / power) / more

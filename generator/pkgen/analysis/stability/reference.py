@@ -63,7 +63,7 @@ class Reference:
         self.leaves, self.horizon, self.followed = False, math.inf, False
         self._kept: list[numpy.ndarray] = []  # rows of t, energy, v.p, and |v.p| + |L|
         self._states: list[numpy.ndarray] = []
-        self._reported: tuple[int, dict] = 0, {}  # number of records when a report was last made; the report
+        self._reported: tuple[int, dict] = 0, {}  # number of records, and report on them
         self._room = MOST_REALS // (2 * system.n)
         self._keep(numpy.array([[0.0, *system.start]]))
 

@@ -31,13 +31,13 @@ class System:
         given = self.run.given()
         self.given = given
         self.n, self.m = len(given["v"]), len(given["q"])  # numbers of unknowns and of coordinates
-        self.turning = 3 * given["rotations"]  # number of body rates; quaternions follow them
+        self.turning = 3 * given["rotations"]  # number of body rates in v, before quaternions
         self.bound = bool(given["rotations"] or given["constraints"])
         self.start = numpy.array(
             [*map(_number, given["q"]), *[0.0] * (self.n - self.m), *map(_number, given["v"])]
         )
         self.until = settings.until
-        self.idle = numpy.zeros(self.n, bool)  # unknowns on which no rate depends, such as cyclic coordinates
+        self.idle = numpy.zeros(self.n, bool)  # unknowns on which no rate depends
         self.idle[given["cyclic"]] = True
         others = self.m + 7 * given["rotations"]
         if self.n > others:

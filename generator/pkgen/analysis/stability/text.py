@@ -125,7 +125,8 @@ def rates(made: StabilityMap) -> Table:
 
 
 def ghosts(made: StabilityMap) -> Table:
-    """Returns the table of ghosts (ghosts.py), each at the middle one of its step sizes."""
+    """Returns the table of ghosts, spurious orbits of a method (ghosts.py). If a ghost was found at
+    several step sizes, its row is for the middle one."""
     rows = []
     for g in made.ghosts:
         one = g.middle
