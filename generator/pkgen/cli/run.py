@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
     checkpoints.over(options, outcome)
-    if outcome.code == DONE and not outcome.whole:  # The program that reads the pipe has ended.
+    if outcome.code == DONE and not outcome.whole:  # e.g. in `pkgen run MODEL | head`
         return DONE
     tell(options, what, outcome)
     if left is not None and not options.json:
@@ -168,7 +168,7 @@ def _to_file(
     """Runs a model with the rows written to `output`. Returns the outcome, and the path of the rows
     if the run did not finish, else None."""
     left = None
-    unfinished = Outcome(INTERRUPTED, {}, "")  # remains in the JSON file if pkgen is killed
+    unfinished = Outcome(INTERRUPTED, {}, "")  # what the JSON file says if pkgen is killed
     more = checkpoints.settings(options, asked)
     npy = output.suffix == ".npy"
     kept = "begun" if options.resume else "all" if more else ""

@@ -206,7 +206,7 @@ def own_methods(own: Sequence[Own]) -> list[dict[str, object]]:
     return load(build_library({"no_model.c": NO_MODEL}, "no_model", own=own)).methods(own=True)
 
 
-LISTED = RUNTIME / "methods.json"  # stored, since stability limits take seconds to compute
+LISTED = RUNTIME / "methods.json"  # a stored list: to compute stability limits takes seconds
 
 
 def runtime_methods() -> list[dict[str, object]]:

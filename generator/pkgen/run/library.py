@@ -173,7 +173,8 @@ class Run:
         return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
 
     def members(self) -> numpy.ndarray:
-        """Returns a row per ensemble member: status, last valid time, numbers set by `reduced`."""
+        """Returns a row for each member of the ensemble: its status, its last valid time, and the
+        numbers that the setting `reduced` requests."""
         import numpy
 
         numbers, columns = POINTER(c_double)(), c_size_t()

@@ -93,7 +93,8 @@ def simulate(
 def followed(
     run: Runnable, on_progress: Callable[[float], None] | None = None, **more: object
 ) -> tuple[Run, Outcome]:
-    """Runs the model; returns run and outcome. Rows stay in memory unless `more` contains csv."""
+    """Runs the model. Returns the Run object and the outcome. The rows stay in memory, unless
+    `more` contains `csv`, the file to which they are written."""
     with children.stopping() as stopped:
 
         def poll(part: float) -> bool:

@@ -73,7 +73,8 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
     as_written = wrong(declared, lengths.given(options.size), alone)
     if as_written:
         raise ModelError(declared.source, as_written)
-    # Without --set, the motion is that of the scene alone, which has no drift errors.
+    # `found` includes errors about drifts of constants. Without --set they are left out: the motion
+    # is that of the scene alone, which has no such errors.
     for item in found if options.set else compiled:
         why = ", ".join(text for name, text in _OTHERWISE.items() if getattr(options, name))
         place = declared.source.place(item.span)

@@ -145,7 +145,7 @@ def _refuse_unfit(name: str, asked: Overrides, model: Model) -> None:
         raise UsageError(unknown("--method", name, methods, "method"))
     if asked.options is None or "adaptive" in methods[name].traits:
         return
-    inner = "fast" in methods[name].requires  # respa: max_step bounds the inner steps
+    inner = "fast" in methods[name].requires  # method respa: max_step limits its inner steps
     for option in ("rtol", "atol", *(() if inner else ("max_step",))):
         if getattr(asked.options, option) is not None:
             shown = "--" + option.replace("_", "-")

@@ -42,9 +42,9 @@ def precise_tools(scalar: str) -> Toolchain | None:
 def library(
     files: dict[str, str], name: str, able: Sequence[str], types: Iterable[str] = TYPES
 ) -> tuple[Path, str] | None:
-    """Returns the library of a model with the methods `able`, in the first type that a compiler
-    has, and this type; None if there is none. Raises BuildError if the model fails to compile or
-    link."""
+    """Compiles a model and the methods `able` in the first of `types` that a C compiler supports.
+    Returns the path of the library and the type, or None if no type is supported. Raises BuildError
+    if the model fails to compile or link."""
     for scalar in types:
         if tools := precise_tools(scalar):
             return build_library(files, name, able=able, tools=tools), scalar

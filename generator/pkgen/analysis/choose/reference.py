@@ -158,7 +158,8 @@ class _Finder:
         return self.tight(first.method) if slow and self.span > 0 else first
 
     def beside(self, name: str, cap: float) -> Trial:
-        """Returns the run of another method, the last of those that reach the end."""
+        """Returns a run of another method than `name`, for comparison. The methods for the
+        reference are tried from the last to the first, until one reaches the end."""
         for other in reversed([other for other in self.asked.exact if other != name]):
             trial = self.loose(other, cap)
             if trial.arrived:
@@ -166,9 +167,10 @@ class _Finder:
         return trial
 
     def in_more_digits(self, check: Check) -> Check:
-        """Returns a check against two runs in a wider type: the error of runs in double is their
-        round-off, which may be smaller for another method. Returns the same check if there is no
-        wider type, or if these runs agree no better."""
+        """Returns a check whose exact rows are those of a run in a scalar type wider than double.
+        With them the error of a trial can be measured even if it is round-off, which is smaller in
+        some methods. The difference of two runs in the wider type is the error of the check.
+        Returns `check` itself if there is no wider type, or if the error would not be smaller."""
         name, asked = "gauss" if check.method == EXACT else check.method, self.asked
         how = {"cap": SLOWEST, "every": self.interval}
         precise = precise_rows(asked, name, self.span, max_step=asked.max_step, **how)
@@ -183,8 +185,9 @@ class _Finder:
 
 
 def precise_rows(asked: Task, name: str, span: float, **how: float | None) -> Trials | None:
-    """Returns trials in a wider type, with the rows of a tight run as exact rows; None if there is
-    no wider type or the run does not reach the end."""
+    """Makes a tight run in a scalar type wider than double. Returns a Trials object in this type,
+    with the rows of the run as exact rows. Returns None if no wider type is available, or if the
+    run does not reach the end."""
     precise = asked.precise()
     if precise is None:
         return None

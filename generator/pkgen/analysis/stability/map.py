@@ -297,7 +297,8 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 def _quaternions(compilation: Compilation) -> range:
     """Returns the indices of quaternion components among the rates v."""
     count = len(single_rotations(compilation.model))
-    # Body rates precede quaternions, and are not first-order variables here.
+    # In v, the body rates come directly before the quaternions. They are among the states of the
+    # equations, but not counted as first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
 

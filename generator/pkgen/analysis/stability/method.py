@@ -210,7 +210,8 @@ class StepMap:
 
 
 def combined(kind: str, fast: float, slow: float) -> float:
-    """Returns a angle(fast) + b angle(slow) - 2 pi turns, which is 0 at the resonance `kind`."""
+    """Returns `a * fast + b * slow - 2 pi * turns`, which is 0 at the resonance `kind`; `fast` and
+    `slow` are the rotation angles of the two modes."""
     a, b, turns = PAIRS[kind]
     return a * fast + b * slow - turns * TWO_PI
 

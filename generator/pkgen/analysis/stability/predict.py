@@ -43,7 +43,7 @@ class Prediction:
     h: float | None
     y: float | None
     sharp: bool = True
-    known: tuple[float | None, str] | None = None  # measured h and description, if known
+    known: tuple[float | None, str] | None = None  # h as measured, with a description
 
 
 def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:

@@ -12,13 +12,14 @@ UNDECIDED = "not decided by the linear terms"
 
 @record
 class Mode:
-    """A motion Re(shape exp(lambda t)), lambda = growth + i frequency, shape = re + i im."""
+    """A mode of small motions: the displacement from the equilibrium at time t is Re(shape
+    exp(lambda t)), with lambda = growth + i frequency and shape = re + i im."""
 
     growth: float
     frequency: float
     re: tuple[float, ...]
     im: tuple[float, ...]
-    on_group: bool = False  # a body's rotation rate, which limits Lie-group methods only
+    on_group: bool = False  # the mode is a body's rotation: it limits Lie-group methods only
 
     @property
     def rate(self) -> float:
