@@ -72,7 +72,7 @@ class Chart:
         return answer.point.seconds / mine.seconds
 
     def subtitle(self) -> str:
-        """Returns the parameters and nonzero initial values."""
+        """Returns the subtitle of a picture: parameters and nonzero initial values."""
         said = [f"{name} = {value:.6g} {unit}".rstrip() for name, value, unit in self.values]
         if len(said) > TITLE_PARAMETERS:
             said = [*said[:TITLE_PARAMETERS], "…"]

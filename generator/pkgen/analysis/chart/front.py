@@ -33,7 +33,8 @@ def strong(chart: Chart) -> list[str]:
 
 
 def drawn(chart: Chart, most: int) -> list[str]:
-    """Returns `most` methods: the first of strong(), and one for each other package."""
+    """Returns the `most` methods that a picture shows: one of each other package, and the first
+    ones of strong()."""
     peers = []
     for beside in chart.beside:
         names = [a.method.name for a in beside.answers if a.method]

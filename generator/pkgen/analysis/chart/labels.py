@@ -38,7 +38,7 @@ class _Box:
     y1: float
 
     def shared(self, other: _Box) -> float:
-        """Returns the area of the intersection of the boxes, relative to this box."""
+        """Returns the area that this box shares with the other one, relative to this box."""
         w = min(self.x1, other.x1) - max(self.x0, other.x0)
         h = min(self.y1, other.y1) - max(self.y0, other.y0)
         if w <= 0 or h <= 0:

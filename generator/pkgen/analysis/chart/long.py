@@ -75,7 +75,8 @@ def measure(
     step: float | None,
     show: Show,
 ) -> Long:
-    """Measures the drifts. Raises NumericsFailed if the model has no constant or no method runs."""
+    """Measures the drifts of the model's constants of motion. Raises NumericsFailed if there is no
+    constant, or if no method can run."""
     name = compilation.model.name
     fixed = [m for m in chosen if m.fixed and "exact" not in m.flags]
     show(0.0, "compiling")

@@ -19,7 +19,7 @@ from .scale import divided
 
 AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
 
-# The signature of Program.point.
+# The signature of Program.point, which methods of other packages implement too.
 Measured = Callable[[ChartedMethod, float, float, float, Measure], Point]
 
 

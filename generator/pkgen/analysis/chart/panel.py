@@ -70,7 +70,8 @@ class Curve:
         return found
 
     def best(self) -> list[tuple[float, float]]:
-        """Returns the points, except lucky ones, that no other beats in both error and cost."""
+        """Returns the points of the curve: those that no other point beats in both error and cost,
+        without lucky ones (Point.lucky)."""
         found: list[tuple[float, float]] = []
         for value, cost, point in sorted(self.good(), key=lambda g: g[:2]):
             if not point.lucky and (not found or cost < found[-1][1]):
@@ -78,7 +79,8 @@ class Curve:
         return found[::-1]
 
     def failures(self) -> list[float]:
-        """Returns the costs of failed points; an unknown cost is estimated from the step size."""
+        """Returns the costs of the failed runs. If a cost is unknown, it is estimated from the step
+        size."""
         good, found = self.good(), []
         for point in (p for p in self.track.points if p.failed):
             cost = point.cost(self.axis)
@@ -90,7 +92,8 @@ class Curve:
         return found
 
     def cliff(self) -> tuple[float, float] | None:
-        """Returns the error (at most 1) and the cost at the stability limit, or None."""
+        """Returns the error (at most 1) and the cost of the method at its stability limit, or None
+        if no such point is known."""
         good = self.good()
         if self.limit is None or not good:
             return None
@@ -101,7 +104,8 @@ class Curve:
 def draw(
     axes, curves: list[Curve], styles: Mapping[str, Style], chart: Chart, failures: bool
 ) -> Callable[[], None]:
-    """Draws the curves. Returns a function that places the names, to be called after the layout."""
+    """Draws the curves. Returns a function that writes the names of the curves; it must be called
+    after the layout of the figure."""
     drawn, labels = [], []
     for curve in sorted(curves, key=lambda c: styles.get(c.name, BEHIND).strong):
         style = styles.get(curve.name, BEHIND)

@@ -43,7 +43,8 @@ def sentence(answers: Sequence[Answer]) -> str:
 
 
 def picture(chart: Chart, axis: str, look: Look):
-    """Returns a figure; the style of `look` must be active. `axis` is one of UNITS."""
+    """Draws the chart and returns the figure. The style of `look` must be active. `axis`, a key of
+    UNITS, is the measure of cost."""
     from matplotlib import pyplot
 
     inches, width = look.inches, look.width
@@ -94,5 +95,6 @@ def _spread(axes, points, axis: str, colour: str) -> None:
 
 
 def write(chart: Chart, stem: Path, look: Look, axis: str) -> list[Path]:
-    """Writes STEM.svg (which the page needs) and the other formats; returns their paths."""
+    """Writes the picture as SVG, which the HTML page needs, and in the formats of `look`. Returns
+    the paths of the files."""
     return style.written(lambda look: picture(chart, axis, look), stem, look)

@@ -137,7 +137,8 @@ class Point:
         return "done" if self.good else "lost"
 
     def cost(self, axis: str) -> float | None:
-        """Returns the cost; `axis` is one of AXES, or "steps"."""
+        """Returns the cost of the run: CPU seconds, evaluations or steps, as `axis` says (one of
+        AXES, or "steps")."""
         cost = getattr(self, axis)
         return None if cost is None else float(cost)
 
@@ -154,6 +155,7 @@ class Track:
         return [p for p in self.points if p.good]
 
     def cost_at(self, error: float, axis: str) -> float | None:
-        """Returns the least cost of a point with at most this error, or None."""
+        """Returns the least cost of a point whose error is at most `error`, or None if there is no
+        such point."""
         costs = [p.cost(axis) for p in self.good if p.error is not None and p.error <= error]
         return min((c for c in costs if c is not None), default=None)

@@ -90,7 +90,7 @@ def best(structure: Facts) -> str:
 def _agree(program: Program, scalar: str, method: str) -> Reference:
     tight, loose, other = TOLERANCES[scalar]
     runs = [(method, tight), (method, loose), ("dop853", other)]
-    if method == "dop853":  # dop853 is compared with itself
+    if method == "dop853":  # the third run would repeat the first method
         runs = [(method, other), (method, other * 100)]
     paths = [_path(program, *run) for run in runs]
     exact, checks = paths[0], paths[1:]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-ROUNDING = 1e-12  # tolerance on a quotient that should be an integer
+ROUNDING = 1e-12  # rounding error of a quotient that should be an integer
 
 
 def pieces(interval: float, step: float) -> int:
@@ -15,7 +15,8 @@ def pieces(interval: float, step: float) -> int:
 
 
 def divided(interval: float, step: float) -> float:
-    """Returns the step, shortened so that it divides the interval, as in a run."""
+    """Returns the step, shortened so that a whole number of steps fills the interval. `pkgen run`
+    does the same."""
     return interval / pieces(interval, step)
 
 

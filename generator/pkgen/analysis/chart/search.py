@@ -160,7 +160,8 @@ class Search:
         return found
 
     def _go_on(self, accuracy: float, axis: str) -> bool:
-        """Measures the first methods of _ahead(); returns whether it measured any."""
+        """Measures the next point of the first methods of _ahead(). Returns whether there was such
+        a method."""
         able = self._ahead(accuracy, axis)[:FOREMOST]
         return any([self._measure(method, setting) for _, method, setting in able])
 
@@ -238,7 +239,8 @@ class Search:
         return next((p for p in points if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
 
     def _measure(self, method: ChartedMethod, setting: float, again: bool = False) -> Point | None:
-        """Returns a new point; None if it is already known or unusable, or if the time is up."""
+        """Measures a method at a setting and returns the point. Returns None if the point is
+        already known, if it cannot be used, or if the time is up."""
         known, old = self.points[method.name], self._known(method.name, setting)
         if self.left <= 0 or (old is not None and not again):
             return None

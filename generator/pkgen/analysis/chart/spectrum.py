@@ -43,7 +43,8 @@ class Spectrum:
         return max(self.omega, self.rho) or 1.0 / self.until
 
     def limit(self, method: ChartedMethod) -> float | None:
-        """Returns the step at which a fixed-step method becomes unstable; None if none is known."""
+        """Returns the step size at which a fixed-step method becomes unstable; None if no limit is
+        known."""
         if not method.fixed:
             return None
         limits = [

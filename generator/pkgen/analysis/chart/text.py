@@ -69,7 +69,8 @@ def unmeasured(chart: Chart) -> list[str]:
 
 
 def _exact(track: Track) -> bool:
-    """Whether the method is exact up to round-off on this motion, such as a uniform one."""
+    """Whether the method is exact up to round-off on the motion of the chart. Many methods are
+    exact on a uniform motion, for example."""
     return all(p.error is not None and p.error < EXACT for p in track.good)
 
 

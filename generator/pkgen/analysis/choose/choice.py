@@ -12,7 +12,8 @@ from .search import Found
 
 @record
 class GivenUp:
-    """A trial of a whole scene that was stopped at time t, after `seconds`, before `until`."""
+    """A trial of a whole scene that took `seconds` and was stopped. It had reached the time t of
+    the motion, and should have reached `until`."""
 
     t: float
     seconds: float
@@ -47,7 +48,7 @@ class Choice:
 
     @property
     def kind(self) -> str:
-        """Returns the name of the setting."""
+        """Returns the name of the option that the setting is for: "step" or "rtol"."""
         return "step" if self.fixed else "rtol"
 
     def settings(self, given: Settings) -> Settings:

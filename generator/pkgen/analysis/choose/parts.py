@@ -62,7 +62,7 @@ def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
 
 
 def _all(compilation: Compilation) -> list[Shown]:
-    """Returns all columns of rows, also those of large families."""
+    """Returns all columns that rows can have, also every member of a large family."""
     shown = Values(compilation).shown
     return [shown(quantity.name) for quantity in columns(compilation, listed=sys.maxsize)[1:]]
 

@@ -64,8 +64,9 @@ class Race:
         return self.asked.trials.attempt(*run, **how)
 
     def cheapest(self, kept: list[Found]) -> Found:
-        """Returns the first candidate that costs about as little as the cheapest. Nearly cheapest
-        ones are timed again in turns, since the first run of each has cold caches."""
+        """Returns the first candidate in the table that costs about as little as the cheapest one.
+        Candidates near the least cost are timed again in turns, since the first run of a candidate
+        has cold caches."""
         seconds = {id(f): f.kept.seconds for f in kept}
         near = kept
         for times in NEAR:

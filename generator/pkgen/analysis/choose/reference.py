@@ -38,7 +38,7 @@ OTHER = 0.7  # longest step of the run for comparison, relative to the longest s
 WRONG = 1e3
 
 
-STEPS = 1000  # least number of steps of an exact run, if the equations depend on time
+STEPS = 1000  # if the equations depend on time, the reference has at least this many steps
 
 
 @record
@@ -57,7 +57,7 @@ class Task:
 
     @property
     def every(self) -> float:
-        """Returns the interval of rows, or the duration if that is shorter."""
+        """Returns the time between rows, or the duration of the scene if that is shorter."""
         return min(self.trials.settings.every or self.until, self.until)
 
     @property
@@ -88,7 +88,8 @@ class Check:
 
     @property
     def in_more_digits(self) -> bool:
-        """Whether trials are compared with rows in a wider type (`exact` is a run in double)."""
+        """Whether trials are compared with the rows of a run in a type wider than double. (The run
+        `exact` is always in double.)"""
         return self.against.endswith(DIGITS)
 
     def steady(self, asked: Task) -> bool:
@@ -245,7 +246,8 @@ def growth(asked: Task, check: Check, steady: bool) -> float:
 
 
 def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: float) -> Trial:
-    """Returns the run whose difference from the reference is the reference's error."""
+    """Returns the run for comparison, `again` or `beside`: its difference from the reference is
+    taken as the error of the reference."""
     own, other = _error(again, ignored), _error(beside, ignored)
     if not beside.arrived:
         return again

@@ -54,8 +54,9 @@ def loosest(
     limit: float,
     attempt: Attempt,
 ) -> Found:
-    """Finds the loosest setting. `start` is the first one tried; fixed steps divide `interval`. A
-    setting that is expected to take more than `limit` seconds is not tried."""
+    """Finds the loosest setting of a candidate that keeps the accuracy. `start` is the first
+    setting to try. A fixed step must divide `interval`. A setting that is expected to take more
+    than `limit` seconds is not tried."""
     steps = scale(candidate, interval)
     found = Found(candidate)
     setting = steps.allowed(start)

@@ -46,7 +46,8 @@ class Trial:
 
 @record
 class Rows:
-    """The rows of a run; x + low has all digits of the scalar type."""
+    """The rows of a run at the times t. `x` has the values as doubles. If the scalar type is wider
+    than double, x + low has all digits of the values."""
 
     t: numpy.ndarray
     x: numpy.ndarray  # shape (times, columns)
@@ -111,7 +112,8 @@ class Rows:
 
 
 class Trials(Program):
-    """Runs of one scene with its output rows."""
+    """Makes runs of one scene by different methods, and compares their output rows with the rows
+    `exact`."""
 
     def __init__(self, path: Path, settings: Settings):
         super().__init__(path, settings)

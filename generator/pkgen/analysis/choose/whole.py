@@ -32,7 +32,7 @@ class Kept:
 
 
 class TooLong(Exception):
-    """A trial was stopped at its time limit."""
+    """The exception that is raised if a trial of the whole scene was stopped at its time limit."""
 
     def __init__(self, given_up: GivenUp):
         self.given_up = given_up
@@ -100,7 +100,8 @@ class Whole:
         return Kept(candidate, trial, None if keeps else trial.holds)
 
     def _in_more_digits(self, candidate: Candidate) -> bool:
-        """Replaces the exact rows by a run in a wider type; returns whether there is one."""
+        """Replaces the exact rows by those of a run in a type wider than double. Returns whether
+        this run was possible."""
         if candidate.name == reference.EXACT:
             return False
         how = {"cap": self.seconds, "max_step": reference.other_steps(self.asked)}

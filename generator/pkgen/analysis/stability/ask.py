@@ -135,7 +135,7 @@ class Asker:
         fastest = max((m.rate for e in places for m in e.modes), default=0.0)
 
         def cleared(mode: Mode) -> Mode:
-            """Sets rates near 0 to 0: they are errors of an inexact equilibrium."""
+            """Sets the growth and frequency of a slow mode to 0: they are numerical errors."""
             slow = mode.rate <= ZERO * fastest
             return replace(mode, growth=0.0, frequency=0.0) if slow else mode
 
@@ -155,7 +155,7 @@ class Asker:
 
     @numpy.errstate(all="ignore")
     def start(self) -> Motion:
-        """Returns the initial state, without integrating the motion."""
+        """Returns a Motion that only has the initial state: nothing is integrated."""
         return self._told(Reference(self.system))
 
     @numpy.errstate(all="ignore")
@@ -260,7 +260,7 @@ class Asker:
         return self._place.modes
 
     def near(self, **question: object) -> Close:
-        """Runs some steps from near the start, which must be an equilibrium (see at())."""
+        """Makes some steps from a state near the start, which must be an equilibrium (see at())."""
         self._look()
         return Close(**near.near(self.system, self._modes(), **question))
 
@@ -271,7 +271,8 @@ class Asker:
         return near.leave(self.system, self._modes(), mode, amplitude)
 
     def orbits(self, **question: object) -> tuple[Orbit, ...] | None:
-        """Returns closed orbits (see orbits.orbits()), or None if it cannot search them."""
+        """Returns closed orbits as orbits.orbits() does, which explains the arguments and when the
+        result is None."""
         self._look()
         return orbits.orbits(self.system, self.unknowns, **_with_state(question))
 

@@ -31,7 +31,7 @@ class Clock:
     serial: float | None = None  # CPU seconds used before threads started
 
     def threads(self) -> None:
-        """Marks the start of parallel work."""
+        """Marks the end of serial work: from now on the CPU time counts as that of all cores."""
         self.serial = time.process_time() - self.began
 
     def left(self, part: float = 1.0) -> float:
@@ -94,6 +94,6 @@ def told(before: Cut, after: Cut, seconds: float) -> list[str]:
 
 
 def fewer(values: tuple[float, ...], count: int) -> tuple[float, ...]:
-    """Returns `count` evenly spaced elements of `values`, including the last."""
+    """Returns `count` elements of `values`, evenly spaced. The last element is among them."""
     n = len(values)
     return tuple(values[round((k + 1) * n / count) - 1] for k in range(count))

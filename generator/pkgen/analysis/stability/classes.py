@@ -55,7 +55,8 @@ DEEP = 2  # radius in cells of the neighbourhood that measures the depth inside 
 
 
 def edges(values: np.ndarray) -> np.ndarray:
-    """Returns the borders between cells centred at ascending values."""
+    """Returns the borders of the cells of a row or column, whose centres are the ascending
+    `values`."""
     if len(values) == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middles = (values[1:] + values[:-1]) / 2
@@ -87,7 +88,8 @@ def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]],
 
 
 def _neighbours(cells: np.ndarray) -> np.ndarray:
-    """Returns the eight neighbours of each cell, -1 beyond the edge: shape (8, rows, columns)."""
+    """Returns the classes of the eight neighbours of each cell, as an array of shape (8, rows,
+    columns). Beyond the edge of the map the class is -1."""
     padded = np.pad(cells, 1, constant_values=-1)
     rows, columns = cells.shape
     return np.array(
@@ -115,7 +117,8 @@ def _around(cells: np.ndarray) -> np.ndarray:
 def glyphs(
     axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look
 ) -> None:
-    """Draws sparse glyphs, starting deep inside regions. Call it after the layout of the figure."""
+    """Draws sparse glyphs that tell the classes of the cells. The first glyphs are placed deep
+    inside the region of a class. Call this function after the layout of the figure."""
     cells = np.array(kinds)
     order = list(CLASSES)
     alone = _alone(np.array([[order.index(kind) for kind in row] for row in kinds])).ravel()

@@ -48,7 +48,7 @@ class Cycle:
 
     @property
     def stays(self) -> bool:
-        """Whether the cycle is stable and has a nontrivial multiplier."""
+        """Whether the cycle is stable. A cycle whose multipliers are all trivial does not count."""
         rest = abs(self.orbit.beyond(self.trivial))
         return 0 < rest < 1 + STILL
 
@@ -138,7 +138,7 @@ class _Search:
         return orbit is None or self.leaving(orbit) > GROWS
 
     def parts(self, orbit: Orbit) -> bool:
-        """Whether two runs with nearly equal starts separate."""
+        """Whether two runs of the method that start near each other, on the cycle, separate."""
         count = LONG if self.cycle.damped else SHORT
         question = {"method": self.method, "h": orbit.h, "count": count}
         state = orbit.states[0]
@@ -147,7 +147,8 @@ class _Search:
 
 
 def lost(asker: Asker, method: str, cycle: Cycle) -> Lost | None:
-    """Returns where a method loses the cycle; None if it has no stable cycle at short steps."""
+    """Returns the step size at which a method loses the cycle, as a Lost; None if the method has no
+    stable cycle even at short steps."""
     search = _Search(asker, method, cycle)
     m, last = FINEST, search.orbit(1, FINEST, cycle.orbit)
     if last is None or search.outside(last):
@@ -209,8 +210,9 @@ def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
 
 
 def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float | None:
-    """Returns the common period of all sines and cosines of time, or None. Other functions of time
-    may occur: orbits.py checks whether the equations have this period."""
+    """Returns the common period of all sines and cosines of time in the equations, or None. Other
+    functions of time may occur in the equations too. Therefore orbits.py checks whether the
+    equations really have this period."""
     g = equations.graph
     roots = [*equations.force, *equations.state_rates, *(x for row in equations.mass for x in row)]
     waves = [

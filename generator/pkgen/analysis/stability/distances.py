@@ -50,8 +50,9 @@ def beside(
     amplitude: float,
     state: numpy.ndarray | None = None,
 ) -> tuple[str, float, numpy.ndarray]:
-    """Steps from `state` and from a second state, displaced by `amplitude` boxes in each unknown.
-    Returns the status, the growth factor of their distance, and the final second state."""
+    """Makes steps from `state` and from a second state, which differs by `amplitude` boxes in each
+    unknown. Returns the status, the factor by which the distance of the two states has grown, and
+    the second state after the last step."""
     if not h > 0 or not amplitude > 0:
         raise UsageError("a step is positive, and so is an amplitude")
     y = system.start if state is None else state
@@ -86,7 +87,7 @@ def resolved(system: System, method: str, h: float, count: int) -> tuple[str, fl
         it.restart(motion.state, motion.t)
         for row in it.steps(motion.t + (count + 1) * h, count):
             if not motion.to(float(row[0])):
-                return "PK_DONE", most  # the reference motion failed, not the method
+                return "PK_DONE", most  # here the reference motion failed, not the method
             most = max(most, _off(system, row[1:], motion))
     return it.status if it.failed else "PK_DONE", most
 

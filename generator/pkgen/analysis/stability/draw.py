@@ -31,7 +31,7 @@ APART = 3.0  # least pixels between tick labels
 
 
 def pictures(made: StabilityMap, stem: Path, look: Look) -> list[Path]:
-    """Writes STEM.svg and the other formats in `look`; returns their paths."""
+    """Writes the picture as SVG and in the formats of `look`; returns the paths of the files."""
     return style.written(lambda look: figure(made, look), stem, look)
 
 
@@ -61,7 +61,7 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
     words.set_y((legend + BETWEEN / 2) / (maps + below))
     bottom = below / (maps + below)
     page.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
-    page.draw_without_rendering()  # lays out the axes
+    page.draw_without_rendering()  # computes the layout of the figure
     page.set_layout_engine("none")
     for after in later:
         after()

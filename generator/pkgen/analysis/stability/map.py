@@ -29,7 +29,7 @@ from .predict import PAIRS, RESONANCES, Prediction, predictions
 from .rest import Equilibrium, Rest
 from .steps import MapOptions, refuse_unjudged, steps_over
 
-LEAST_ROWS = 2  # fewest rows of an interrupted map
+LEAST_ROWS = 2  # an interrupted map must have at least these rows
 REFUSED = "PK_REFUSED"
 Made = TypeVar("Made")
 
@@ -151,7 +151,7 @@ def make(
     def one(x: float, enough: Callable[[], float]) -> Row:
         here = started(x).within(enough)
         found, moved, points = measure.row(here, steps, None if moves else rest, tries, linear)
-        # All rows refer to one equilibrium when the amplitude is varied.
+        # If the amplitude is varied, it is the distance from the same equilibrium in all rows.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic) if at or not bound else None
         rates_here = here.rates() if moves else ()
@@ -267,7 +267,8 @@ def _cycle(
 def _reduced(
     asked: MapOptions, steps: dict, started: Callable[[float], Asker], clock: Clock
 ) -> tuple[MapOptions, dict[str, tuple[float, ...]]]:
-    """Returns the options and steps that fit in the time, from the cost of some points."""
+    """Measures the cost of some points of the map. Returns options, with fewer points or methods if
+    necessary, and step sizes such that the map can be computed in the time budget."""
     here = started(asked.axis.values[len(asked.axis.values) // 2]).within(partial(clock.left, 3))
     here.motion()
     whole = Cut(len(asked.axis.values), asked.across, tuple(steps))
@@ -297,8 +298,7 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 def _quaternions(compilation: Compilation) -> range:
     """Returns the indices of quaternion components among the rates v."""
     count = len(single_rotations(compilation.model))
-    # In v, the body rates come directly before the quaternions. They are among the states of the
-    # equations, but not counted as first-order variables here.
+    # Body rates come before quaternions in v, and are not counted as first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
 

@@ -50,10 +50,10 @@ BESIDE = 0.06  # step sizes within this relative distance of a resonance are sca
 class Effort:
     """The effort spent on the measurement of a resonance."""
 
-    turns: int  # steps over which the rotation angle is averaged
-    scan: int  # step sizes at which a response is sought
-    steps: int  # steps of each run
-    sizes: tuple[float, ...]  # amplitudes, relative to the start's displacement
+    turns: int  # number of steps over which the rotation angle is averaged
+    scan: int  # number of step sizes, near the resonance, at which a response is sought
+    steps: int  # number of steps of each run that seeks a response
+    sizes: tuple[float, ...]  # amplitudes of these runs, relative to the start's displacement
 
 
 FULL = Effort(1000, 17, 1500, (0.02, 0.1, 0.5))
@@ -69,12 +69,13 @@ class Row:
     primary: int | None
     motion: Motion
     predictions: tuple[Prediction, ...]
-    points: tuple[Point, ...]  # for each method, in ascending step size
+    points: tuple[Point, ...]  # the points of all methods, each in ascending step size
 
 
 @record
 class Measured:
-    """A prediction and its measured step size h; None if the event did not happen."""
+    """A prediction, and the step size h at which the predicted event was measured. If the event did
+    not happen, h is None."""
 
     prediction: Prediction
     h: float | None
@@ -105,7 +106,8 @@ def row(
     tries: int,
     linear: bool = False,
 ) -> tuple[Rest, Motion, tuple[Point, ...]]:
-    """Returns the equilibria (`known`, or else searched), the motion and the points of a row."""
+    """Returns the equilibria, the reference motion and the points of a row. The equilibria are
+    `known`; if this is None, they are searched."""
     found, moved = known or asker.rest(tries), asker.motion()
     points = [asker.point(name, h) for name, hs in steps.items() for h in hs]
     return found, moved, tuple(_settled(asker, p) if linear else p for p in points)
@@ -223,7 +225,7 @@ def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
     If `bound` is set, it is the error of the state after LEAP steps, relative to the width of the
     region of the motion."""
     assert p.h is not None
-    asker = asker.with_settings(asker.settings)  # a copy, since other threads use the asker
+    asker = asker.with_settings(asker.settings)  # other threads use the first asker
     if not bound and not asker.motion().judges:
         return Measured(p, None, "the motion itself ends or leaves")
     kind = ""

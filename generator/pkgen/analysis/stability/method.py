@@ -127,7 +127,8 @@ class StepMap:
 
     @_once
     def _pole(self) -> float | None:
-        """Returns the root of 1/trace by extrapolation: steps just below the pole may fail."""
+        """Returns the pole. It is the root of 1/trace (the trace of A), which is extrapolated from
+        shorter steps, since steps just below the pole may fail."""
 
         def beyond(y: float) -> bool:
             trace = self.map(y, -1.0).trace
@@ -160,7 +161,7 @@ class StepMap:
                 return not abs((step.growth / math.exp(y)) ** LEAP - 1) < 0.5
             cosine = max(-1.0, min(step.trace / (2 * step.growth), 1.0))
             made = (step.growth * cmath.exp(1j * math.acos(cosine))) ** LEAP
-            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # the range is twice the amplitude
+            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # half the range of the motion
 
         return first_change(off, 0.0, FURTHEST, close=1e-9)
 
@@ -193,7 +194,7 @@ class StepMap:
         resonance `kind` (a key of PAIRS), or None if there is none. `ratio` is the ratio of the
         exact frequencies."""
         if kind == "1:2" and abs(ratio - 2) < 1e-6:
-            return None  # without a step the modes are already in this resonance
+            return None  # the exact modes are already in resonance
         return self._pair(kind, ratio)
 
     @_once

@@ -65,7 +65,7 @@ def of_prediction(m: Measured) -> Miss | None:
 
 
 def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
-    """Returns a miss if modes rotate as predicted at resonances but do not respond."""
+    """Returns a miss if modes rotate as predicted at resonances, but the motion does not grow."""
     silent = [m for m in measured if m.prediction.method == method and m.silent]
     if not silent:
         return []
@@ -134,7 +134,8 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
 
 
 def _close(row: Row, method: str, h: float) -> str:
-    """Names the prediction nearest to h if it is within the relative distance NEXT."""
+    """Returns a phrase that names the prediction nearest to the step size h, if its relative
+    distance from h is at most NEXT."""
     near = [p for p in row.predictions if p.method == method and p.h and abs(h / p.h - 1) < NEXT]
     if not near:
         return ""
@@ -156,7 +157,7 @@ def unmeasured(made: StabilityMap) -> list[str]:
 
 
 def unpredicted(made: StabilityMap) -> str | None:
-    """Returns the reason why nothing is predicted; None if something is."""
+    """Returns the reason why the map has no predictions; None if it has some."""
     if made.predictions or made.growths or any(row.predictions for row in made.rows):
         return None
     found = made.rest
@@ -177,7 +178,8 @@ def unsought(made: StabilityMap) -> str:
 
 
 def misses(made: StabilityMap) -> list[Miss]:
-    """Returns all misses: first those of predictions, then of responses, then of points."""
+    """Returns all disagreements of a map: first those of predictions and their measurements, then
+    resonances without a response, then points that contradict a limit."""
     found = [miss for m in made.measured if (miss := of_prediction(m))]
     found += [miss for g in made.growths if (miss := of_growth(g))]
     for method in made.steps:

@@ -36,7 +36,8 @@ def _displacement(system: System, modes: Sequence[Mode], amplitude: float) -> nu
 
 
 def _settled(system: System, state: numpy.ndarray) -> numpy.ndarray:
-    """Projects a state onto the constraints, to which a mode is only tangential."""
+    """Projects a state onto the constraints. A state displaced along a mode fulfils them only
+    approximately, since the mode is tangential to the constraints."""
     return system.reference().projected(state)[1] if system.bound else state
 
 
@@ -131,7 +132,8 @@ def near(
 
 @numpy.errstate(all="ignore")
 def leave(system: System, modes: Sequence[Mode], mode: int, amplitude: float) -> float:
-    """Returns the growth rate of the reference motion along a growing mode from the start."""
+    """Returns the growth rate of the reference motion that starts at an equilibrium, displaced by
+    `amplitude` along a growing mode."""
     of, most = modes[mode], max(m.growth for m in modes)
     if not of.growth > 0:
         raise UsageError("one mode that grows, please")

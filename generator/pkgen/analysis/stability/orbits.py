@@ -59,7 +59,8 @@ class Orbit:
 
 @record
 class Closed:
-    """A solution of Newton's method, and the derivatives of the gap there (see _Search)."""
+    """A solution of Newton's method, and the derivatives of the gap at the solution (see _Search).
+    """
 
     y: numpy.ndarray
     h: float
@@ -140,8 +141,8 @@ class _Search:
         return found
 
     def sought(self, starts: numpy.ndarray, h: float, first: int, steps: int, many: bool) -> None:
-        """Finds the orbits that Newton's method reaches; with `many`, known orbits are deflated,
-        and each start that reached an orbit is used again."""
+        """Finds orbits by Newton's method. With `many`, orbits already found are deflated, and each
+        start that reached an orbit is used again, to find another orbit."""
         while len(starts) and len(self.orbits) < MOST_ORBITS and len(self.known) < MOST_KNOWN:
             before, again = len(self.known), []
             for number, found in self.newton(starts, h, steps).items():
@@ -152,7 +153,8 @@ class _Search:
             starts = starts[again] if many else starts[:0]
 
     def _take(self, found: Closed, first: int, many: bool) -> bool:
-        """Keeps an orbit, with the least number of steps after which it closes."""
+        """Adds a solution to the list of orbits, with the least number of steps after which the
+        orbit closes."""
         y, h = found.y, found.h
         for k in range(1, found.steps if many else 1):
             if found.steps % k or not abs(self.gap(y[None], h, k)).max() < SAME:

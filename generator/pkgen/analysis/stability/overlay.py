@@ -142,7 +142,7 @@ def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
             if not frame.x0 <= x <= frame.x1:
                 continue
             half = size.width / 2 + 2 * gap
-            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keeps the label inside the frame
+            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keeps labels inside the map
             here = Bbox.from_bounds(
                 x - size.width / 2 - gap, y - size.height / 2 - 2 * gap, size.width + 2 * gap,
                 size.height + 4 * gap,
@@ -175,7 +175,8 @@ def omega(mode: int) -> str:
 
 
 def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
-    """Draws triangles on the lower edge at the measured limits; returns whether any are drawn."""
+    """Draws triangles on the lower edge of a map, at the step sizes of measured limits. Returns
+    whether any triangle is drawn."""
     low, high = axes.get_xlim()
     own = [m for m in made.measured if m.prediction.method == name and m.h]
     failing = [m.h for m in own if m.prediction.kind in ("limit", "branch", "cycle")]

@@ -24,9 +24,9 @@ from .ask import Motion
 from .cycles import Cycle
 from .rest import Equilibrium, Rest
 
-# One or two methods of each family, which fail in different ways.
+# The default methods of a map: one or two of each family, since families fail in different ways.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
-HOLONOMIC = ("rattle", "lie_midpoint")  # used with constraints, in place of verlet and yoshida4
+HOLONOMIC = ("rattle", "lie_midpoint")  # replace verlet and yoshida4 if there are constraints
 PANELS = 6
 FACTORS = ("amplitude", "rates", "coordinates")  # kinds of Axis whose values are factors
 AMPLITUDES = (0.0, 1.5)  # range of the factor on the displacement of the start
@@ -271,7 +271,8 @@ def beside(
 
 
 def duration(at: Equilibrium | None, given: float | None, cycle: Cycle | None = None) -> float:
-    """Returns `given`, else PERIODS of the cycle or slowest mode, else the default of a run."""
+    """Returns the duration of runs: `given` if it is set. Else it is PERIODS periods of the cycle
+    or of the slowest mode or, if there are none, the default duration of `pkgen run`."""
     if given is not None:
         return given
     slow = [at.modes[k].frequency for k in at.oscillating] if at else []

@@ -1,4 +1,5 @@
-"""Predicts the step sizes of events from an equilibrium's modes and a method's step map."""
+"""Predicts the step sizes at which a method fails or has a resonance. The predictions follow from
+the modes of an equilibrium and from the method's step on the linear oscillator (method.py)."""
 
 from __future__ import annotations
 
@@ -59,7 +60,8 @@ def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
-    """Returns RESONANCES of modes and PAIRS of modes at steps below the stability limit."""
+    """Returns the predicted RESONANCES of single modes and of PAIRS of modes, as far as their step
+    sizes are below the stability limit."""
     found, name = [], step.traits.name
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
@@ -181,5 +183,6 @@ def predictions(
 
 
 def _says(p: Prediction, along: Prediction) -> bool:
-    """Whether an estimate along the motion repeats the limit of its equilibrium."""
+    """Whether the estimate `along` the motion is nearly equal to the stability limit `p` of an
+    equilibrium, so that it says nothing new."""
     return bool(p.kind == "limit" and p.h and along.h and abs(along.h / p.h - 1) < SAME)

@@ -157,8 +157,8 @@ class Reference:
         return abs(numpy.diff(vp)).sum() <= 1.01 * (vp.max() - vp.min()) + 1e-6 * most
 
     def _horizon(self) -> float:
-        """Returns the time up to which a run at a looser tolerance agrees, so that the motion is
-        known."""
+        """Returns the time up to which the motion is known, since a second run at a looser
+        tolerance agrees with it."""
         until = self.system.until
         other = self.system.reference(LOOSER)
         while not other.failed and other.t < until:

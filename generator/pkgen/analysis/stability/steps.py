@@ -62,7 +62,8 @@ def steps_over(
     fastest: float,
     until: float,
 ) -> list[float]:
-    """Returns evenly spaced step sizes up to MARGIN times the predictions. Raises UsageError."""
+    """Returns the step sizes of a map, evenly spaced: those of the options or, by default, up to
+    MARGIN times the longest predicted limit. Raises UsageError."""
     count = asked.across
     if asked.steps:
         low, high = asked.steps

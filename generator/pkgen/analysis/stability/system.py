@@ -23,7 +23,8 @@ class System:
     """States are arrays of q, then v. Unknown i is q_i, or v_i for a first-order variable."""
 
     def __init__(self, program: Path, settings: Settings, look: Callable[[], None]):
-        """`look` is called between calls of the runtime; it may raise an exception."""
+        """The function `look` is called between calls of the runtime. It may raise an exception to
+        end a computation."""
         self.settings, self.look = settings, look
         self.run = load(program).run(settings, idle=True, bare=1)
         if self.run.code:
@@ -151,7 +152,8 @@ class System:
         self.box = box
 
     def turning_rate(self, state: numpy.ndarray) -> float:
-        """Returns the fastest rotation rate of a body, twice an eigenvalue of its quaternion."""
+        """Returns the rotation rate of the fastest rotating body. It is twice an eigenvalue of the
+        linear equation that the body's quaternion obeys."""
         rates = self.v(state)[self.m : self.m + self.turning].reshape(-1, 3)
         return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
 

@@ -14,7 +14,7 @@ from .predict import Prediction
 from .rest import Equilibrium, Mode
 
 MODES = 6  # most modes listed for each equilibrium
-FAR = ("rise", "away", "exchange", "moved", "follows")  # measures of a point in the CSV
+FAR = ("rise", "away", "exchange", "moved", "follows")  # fields of a Point that the CSV contains
 Table = tuple[list[str], list[list[str]]]
 
 
@@ -111,7 +111,7 @@ def _off(off: float | None) -> str:
 
 
 def _times(p: Prediction, h: float | None) -> str:
-    """Formats the measured step size as a multiple of an estimate."""
+    """Formats a measured step size as a multiple of the estimated step size."""
     return "MISSED" if h is None or not p.h else f"x {h / p.h:.2g}"
 
 
@@ -288,7 +288,8 @@ def _columns(table: Table) -> list[str]:
 
 
 def sentences(made: StabilityMap) -> list[str]:
-    """Returns sentences on the misses, or one that says that nothing is missed or predicted."""
+    """Returns a sentence on each disagreement of prediction and measurement. If there are none,
+    returns one sentence, which says so or says that nothing was predicted."""
     why = unpredicted(made)
     if why:
         return [f"nothing is predicted here: {why}"]
