@@ -150,7 +150,8 @@ def build_library(
 def _inlined(
     tools: Toolchain, methods: Sequence[str | None], own: Sequence[Own], ensemble: bool
 ) -> list[str]:
-    """Returns the flags that inline steps; [] without optimization, where they save no time."""
+    """Returns the C compiler flags by which steps of the methods are inlined. Without optimization
+    inlining saves no time, and [] is returned."""
     flags = [] if {"-O0", "-O1"} & set(tools.flags) else inline_flags(methods, own)
     return [*flags, "-DPK_INLINE_ENSEMBLE"] if flags and ensemble else flags
 
@@ -200,7 +201,7 @@ const struct pk_system no_model_system = {
 
 
 def own_methods(own: Sequence[Own]) -> list[dict[str, object]]:
-    """Returns the runtime's descriptions of the model's own methods."""
+    """Returns descriptions, made by the runtime, of methods that the user defines for the model."""
     if not own:
         return []
     return load(build_library({"no_model.c": NO_MODEL}, "no_model", own=own)).methods(own=True)
@@ -212,12 +213,12 @@ LISTED = RUNTIME / "methods.json"  # a stored list: to compute stability limits 
 def runtime_methods() -> list[dict[str, object]]:
     """Returns descriptions of the runtime's methods; GSL's only if GSL is installed."""
     listed: list[dict[str, object]] = json.loads(LISTED.read_text(encoding="utf-8"))
-    if {str(m["name"]) for m in listed} != METHODS.keys():  # the stored list is outdated
+    if {str(m["name"]) for m in listed} != METHODS.keys():  # `listed` is outdated
         listed = described_methods()
     gsl = find_gsl()[0] is not None
     return [m for m in listed if gsl or METHODS[str(m["name"])].family != "GSL"]
 
 
 def described_methods() -> list[dict[str, object]]:
-    """Returns the descriptions of methods that the compiled runtime itself gives."""
+    """Compiles the runtime. Returns the descriptions of its methods, which it computes itself."""
     return load(build_library({"no_model.c": NO_MODEL}, "no_model")).methods()

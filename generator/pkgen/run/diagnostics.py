@@ -52,7 +52,8 @@ def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
 
 
 def refuse_several(names: tuple[str, ...], what: str) -> None:
-    """Raises UsageError if diagnostics of one trajectory are requested for several."""
+    """Raises UsageError if a diagnostic that needs a single trajectory is requested for an
+    ensemble."""
     if set(names) != set(OF_MEMBERS):
         raise UsageError(f"--diagnose is for one trajectory, not {what}, which has 'area' alone")
 

@@ -66,7 +66,8 @@ def _lost(drift: dict) -> str:
 
 
 def lines(found: dict[str, dict], time: str) -> list[str]:
-    """Returns the results in words; `time` is the unit of time. The runtime reports failures."""
+    """Returns the results of all diagnostics in words; `time` is the unit of time. Diagnostics that
+    failed are left out, since the runtime reports them."""
     said = []
     for name, result in found.items():
         if result["status"] == "PK_DONE":
@@ -76,7 +77,7 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
 
 
 def _plainly(name: str, found: dict) -> str:
-    """Returns the keys and values of a diagnostic that has no formatter."""
+    """Returns the result of a diagnostic that has no formatter here: its keys and values."""
     shown = (f"{key} {value}" for key, value in found.items() if key not in ("status", "reason"))
     return f"{name}: {', '.join(shown)}"
 

@@ -45,7 +45,7 @@ class Ensemble:
 
     @property
     def member(self) -> Quantity:
-        """Returns the column that holds the member number of each row."""
+        """Returns the quantity of the column in which every row has the number of its member."""
         if self.counted:
             return Quantity(self.counted, "", "member of the swarm")
         return Quantity("member", "", "row of the ensemble's file, from 1")
@@ -67,7 +67,7 @@ class Ensemble:
         return re.sub(r"^run: member (\d+): ", place, messages, flags=re.M)
 
     def named(self, member: int) -> str:
-        """Returns the text that names a member."""
+        """Returns the text by which messages name a member."""
         return f"{self.counted} = {member}" if self.counted else f"member {member}"
 
 

@@ -76,7 +76,7 @@ class Integration:
         return out[:made]
 
     def to(self, t: float) -> bool:
-        """Integrates to t. Returns False if a step fails."""
+        """Integrates from the present state to the time t. Returns False if a step fails."""
         out = numpy.empty(1 + 2 * self.half)
         while not self.failed and self.t < t:
             self._steps(t, _CHUNK, False, out)
@@ -110,7 +110,7 @@ class Integration:
         return out
 
     def projected(self, state: numpy.ndarray) -> tuple[str, numpy.ndarray]:
-        """Returns the status, and the state projected onto the constraints."""
+        """Projects a state onto the constraints. Returns the status and the projected state."""
         if self.failed:
             return self.status, numpy.array(state)
         on = numpy.array(state, float)

@@ -51,7 +51,7 @@ class Library:
         except OSError as error:
             raise BuildError(f"cannot load the compiled model: {error}") from None
         for name, (result, arguments) in FUNCTIONS.items():
-            if function := getattr(self.c, name, None):  # not all libraries have pk_stability_*
+            if function := getattr(self.c, name, None):  # some libraries lack pk_stability_*
                 function.restype, function.argtypes = result, arguments
         if [self.c.pk_run_size(k) for k in range(len(_SIZED))] != [*map(ctypes.sizeof, _SIZED)]:
             raise BuildError("the compiled model is of another version of pkgen")
@@ -59,7 +59,8 @@ class Library:
         self.model = STRUCTURES["struct pk_run_model"].in_dll(self.c, "pk_model")
 
     def methods(self, own: bool = False) -> list[dict[str, object]]:
-        """Returns the runtime's descriptions of its methods, or of the model's own."""
+        """Returns descriptions, made by the runtime, of its methods or, with `own`, of the methods
+        that the user defines for the model."""
         return json.loads(self.c.pk_stability_methods(self.model, own))
 
     def settings(self, given: Settings, **more: object) -> Structure:
@@ -154,7 +155,7 @@ class Run:
         if threading.current_thread() is not threading.main_thread():
             return self._c.pk_run_go(self._run)
         worker = threading.Thread(target=lambda: codes.append(self._c.pk_run_go(self._run)))
-        with children.postponed(ended):  # the memory of the run is in use until it has ended
+        with children.postponed(ended):  # the thread uses the memory of the run until it has ended
             worker.start()
             worker.join()
         return codes[0]
@@ -196,9 +197,10 @@ class Run:
         v: numpy.ndarray,
         u: numpy.ndarray | None = None,
     ) -> numpy.ndarray:
-        """Evaluates a kernel at many states: v of shape (count, n), q (count, at most n), t
-        (count,), u (count, inputs); None: the run's inputs. Returns shape (count, width), NaN where
-        M is singular."""
+        """Evaluates the kernel `what` at many states. The shapes are (count, n) for v, (count, at
+        most n) for q, (count,) for t, (count, inputs) for u. If u is None, the inputs are those of
+        the run. Returns an array of shape (count, width), with NaN where the mass matrix is
+        singular."""
         import numpy
 
         count, n = v.shape
@@ -279,7 +281,7 @@ def _expected(c: Compared) -> tuple[object, ...]:
 
 
 def initializer(s: Structure) -> str:
-    """Returns the C definition of these settings as `program_settings`."""
+    """Returns C code that defines a struct `program_settings` with these settings."""
     lists, members = [], []
     for name, kind in _FIELDS.items():
         value = getattr(s, name)

@@ -21,7 +21,8 @@ SUGGESTED = 12  # most members of a family that a hint in a message considers
 
 @record
 class Declared:
-    """A declaration of one quantity, or of members lo..hi; `first` is the first flat index."""
+    """A declaration of a quantity, or of a family of quantities with the indices lo..hi. A flat
+    index counts single quantities over all declarations; `first` is that of the first one here."""
 
     quantity: Quantity
     first: int
@@ -52,7 +53,8 @@ class Named:
         self._by_name = {d.quantity.name: d for d in declared}
 
     def find(self, name: str) -> tuple[Declared, int | None] | None:
-        """Returns the declaration and the index of a member if any, or None for an unknown name."""
+        """Returns the declaration that contains the quantity `name`, and the index if the quantity
+        is a member of a family. Returns None if the name is unknown."""
         for base, index in ((name, None), parted(name)):
             found = self._by_name.get(base)
             one = found is not None and found.lo is None and index is None
@@ -173,7 +175,7 @@ def parameters(compilation: Compilation) -> Named:
 
 
 def events(compilation: Compilation) -> list[str]:
-    """Returns the names of the detected events."""
+    """Returns the names of the events that a run detects."""
     return [q.name for q in compilation.equations.event_names]
 
 
@@ -226,7 +228,7 @@ def set_parameters(
 
 
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
-    """Declares each quantity separately, including members of families."""
+    """Yields a separate declaration for each quantity, also for each member of a family."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
 
 

@@ -11,7 +11,8 @@ from ..graph.wording import wording
 
 
 def constant(compilation: Compilation, given: dict[int, float]) -> str:
-    """Returns a message with the first constant that is not finite and its parameters, or ""."""
+    """Returns a message that names the first constant that is not finite, and the parameters on
+    which it depends; "" if all constants are finite."""
     e = compilation.equations
     g, slots, values = e.graph, e.parameters, {}
 

@@ -89,7 +89,8 @@ def _ar() -> str:
 
 
 def _compiled(tools: Toolchain, part: str) -> Path:
-    """Returns the folder with the objects of a part, named ARCHIVE-FOLDER_FILE.o."""
+    """Returns the folder with the object files of a part of the runtime. The name of an object file
+    is ARCHIVE-FOLDER_FILE.o, after its library and its source."""
 
     def make(new: Path) -> None:
         say(f"compiling the runtime: {part} (once)")
@@ -120,7 +121,8 @@ def _compiled(tools: Toolchain, part: str) -> Path:
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    """Returns one pool for all parts, with as many compilers at once as there are processors."""
+    """Returns a thread pool, in which the parts of the runtime are compiled. It runs as many
+    compilers at once as there are processors."""
     return ThreadPoolExecutor(os.cpu_count())
 
 
@@ -160,7 +162,7 @@ def _gsl(tools: Toolchain) -> list[str]:
 
 
 def needed(methods: Iterable[Method], more: Iterable[str] = ()) -> tuple[str, ...]:
-    """Returns `more` and the parts that runs by these methods need."""
+    """Returns the names of the runtime's parts that runs by these methods need, and `more`."""
     found = {"core", *more, *(part_of(method.family) for method in methods)}
     return tuple(part for part in PARTS if part in found)
 

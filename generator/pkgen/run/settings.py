@@ -19,9 +19,9 @@ class PartSettings:
 
 @record
 class Shown:
-    """A column of the rows: its kind, and its index among the columns of that kind."""
+    """A column of the output rows: its kind, and its index among the quantities of this kind."""
 
-    kind: str  # q, v, observed, energy
+    kind: str  # "q", "v", "observed" or "energy"
     index: int
     name: str
 

@@ -34,7 +34,7 @@ class Outcome:
 
     @property
     def whole(self) -> bool:
-        """Whether all rows are written; even then a diagnostic may have failed."""
+        """Whether the run wrote all its rows. This is also true if a later diagnostic failed."""
         return bool(self.report.get("whole"))
 
 
@@ -119,7 +119,8 @@ def outcome(
 
 
 def _write_header(columns: list[Quantity], fd: int) -> None:
-    """Writes the CSV header; the header of the runtime has no units of time and energy."""
+    """Writes the header of the CSV file. The header that the runtime would write has no units of
+    time and energy."""
     with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
         names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
         writer(file, lineterminator="\n").writerow(names)

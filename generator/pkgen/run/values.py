@@ -74,7 +74,8 @@ class Numbers:
         return found
 
     def of_run(self, options: argparse.Namespace) -> RunNumbers:
-        """Parses the options that are numbers of a run, such as --until. Raises UsageError."""
+        """Parses the options of a run whose values are numbers, such as --until. Raises UsageError.
+        """
         found = RunNumbers(
             **{
                 name: self.positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
@@ -114,7 +115,8 @@ class Values(Numbers):
         known: named.Named,
         others: named.Named,
     ) -> tuple[tuple[int, float], ...]:
-        """Returns the assignments to names in `known`, as (index, value)."""
+        """Parses assignments such as `m1=2`, whose names must be in `known`. Returns the flat index
+        of the quantity and the value for each."""
         found = []
         for left, text in assignments:
             name = self.flat_name(option, left)
@@ -207,7 +209,8 @@ class Values(Numbers):
         return found
 
     def shown(self, name: str, option: str = "--record") -> Shown:
-        """Returns the column `name`, with its index in the runtime. Raises UsageError."""
+        """Returns the column with the name `name` as the runtime identifies it: by kind and index.
+        Raises UsageError."""
         kinds = named.kinds(self.compilation)
         for kind, known in kinds.items():
             if name in known:

@@ -40,7 +40,8 @@ NOT_PROMISED = (
 
 
 def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagnostic]:
-    """Returns the errors of a scene without options. `given` has the sizes set by --size."""
+    """Returns the errors that a scene has if it runs without options other than --size. `given` has
+    the values of --size."""
     unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as in prepare()
     use = scene_use.as_written(scene.name)
     made = stages(declared.source, given, unroll=unroll, use=use)

@@ -164,7 +164,7 @@ def _of_method(
         or any(event.stop for event in model.events)
         or scene_model.events(scene)
     ):
-        found -= {"advance"}  # `advance` makes many steps and detects no events
+        found -= {"advance"}  # kernel `advance` makes many steps, without looking for events
     if several and (made is None or _side_by_side(*made, of)):
         found |= {"members"}
     return found
@@ -181,7 +181,7 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: Made | None) 
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
     definite = structure and getattr(structure, "definite", True)
-    solved = made and getattr(made[0], "constraints", ())  # constraints use kernel `inertia`, not M
+    solved = made and getattr(made[0], "constraints", ())  # else: kernel `inertia`
     needed = not definite or not (several or solved or structure.mass_diagonal)
     if needed and not (made and _without_mass(made[0])):
         found |= {"mass"}
@@ -201,7 +201,8 @@ def _side_by_side(equations: Equations, structure: Structure, method: Method | N
 
 
 def whole(options: argparse.Namespace) -> Use | None:
-    """Returns the restrictions of a model in charts: only prescribed coordinates are removed."""
+    """Returns which parts of a model charts use: all except coordinates whose motion the scene
+    prescribes."""
     return _of_options(options, None)
 
 
@@ -221,12 +222,14 @@ def _of_options(
 
 
 def _run_time(options: argparse.Namespace) -> frozenset[str]:
-    """Returns the names of parameters and inputs that --set sets to numbers."""
+    """Returns the names of the parameters and inputs to which --set assigns numbers. They can be
+    changed at run time."""
     return frozenset(text.partition("=")[0].strip() for text in numbers(options))
 
 
 def as_written(name: str) -> Use:
-    """Returns the restrictions of a model by a scene alone, for checks that generate no C."""
+    """Returns which parts of a model a scene uses if it runs without options. This is for checks
+    that generate no C."""
     return _use(name, Overrides(apart=True), lambda *_: ENOUGH)
 
 

@@ -141,7 +141,8 @@ class Judge:
         return self._verdict(item, met, said, **keep)
 
     def _event(self, name: str) -> dict:
-        """Returns the report of an event, without times if the initial state was refused."""
+        """Returns what the run's report says about an event. If the run refused the initial state,
+        the event has no times."""
         none = {"name": name, "times": []}
         return next((e for e in self.report["events"] if e["name"] == name), none)
 
@@ -173,7 +174,8 @@ class Judge:
         within: float | None = None,
         **_: object,
     ) -> str:
-        """Returns the message about a missed expectation: value, bound and difference."""
+        """Returns a message about an expectation that is not met, with the values of both sides and
+        their difference."""
         if value is None or bound is None:
             return f"no finite number{where}"
         off = abs(value - bound)

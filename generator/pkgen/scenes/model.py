@@ -67,7 +67,7 @@ def written_out(
         try:
             side = left_side(text, sizes(model))
         except OptionError:
-            found.append(text)  # An invalid name is reported later.
+            found.append(text)  # The look-up of the run's columns reports an invalid name.
             continue
         if side.name in quaternions and not side.order:
             found += (replace(side, name=name).text() for name in quaternions[side.name])
@@ -140,7 +140,7 @@ def _has(
 
 
 def of_swarm(scene: Scene, value: Expr) -> bool:
-    """Whether the value of a start depends on the member of the swarm."""
+    """Whether `value`, the value of a start statement, differs between members of the swarm."""
     return scene.swarm is not None and scene.swarm.variable in names(value)
 
 

@@ -65,7 +65,8 @@ def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callabl
 
 
 def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
-    """Returns a scene of the clauses, and the model's source with it. Raises UsageError."""
+    """Returns a scene that consists of `clauses`, and the text of the model with this scene
+    appended. Raises UsageError."""
     name = "_options"
     for text in clauses:
         if set(text) & {"\n", "#"}:

@@ -20,7 +20,8 @@ from ..system.near import unknown
 
 
 def chosen(model: Model, name: str) -> Scene:
-    """Returns a scene. Raises UsageError if unknown, ModelError if --size makes it invalid."""
+    """Returns the scene of a model with a given name. Raises UsageError if there is none,
+    ModelError if --size makes it invalid."""
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
         raise UsageError(unknown("--scene", name, scenes, "scene"))
@@ -35,7 +36,8 @@ def of(options: argparse.Namespace, model: Model) -> Scene | None:
 
 
 def wrong(model: Model, scene: Scene, span: Span, why: object) -> UsageError:
-    """Returns a UsageError with the place in the scene and the reason `why`."""
+    """Returns a UsageError whose message has the place of an error in the scene, and the reason
+    `why`."""
     return UsageError(f"{model.source.place(span)}: scene '{scene.name}': {why}")
 
 
