@@ -74,7 +74,7 @@ class Numbers:
         return found
 
     def of_run(self, options: argparse.Namespace) -> RunNumbers:
-        """Parses the options of a run whose values are numbers, such as --until. Raises UsageError."""
+        """Parses the options of a run that are numbers, such as --until. Raises UsageError."""
         found = RunNumbers(
             **{
                 name: self.positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
@@ -127,7 +127,7 @@ class Values(Numbers):
         return tuple(found)
 
     def unread(self, name: str) -> Parameter | None:
-        """Returns the parameter `name` if the scene removed it from the compiled model, else None."""
+        """Returns the parameter `name` if the scene removed it from the model, else None."""
         if name not in self.compilation.report.unused:
             return None
         parameters = self.compilation.declared.parameters

@@ -59,7 +59,7 @@ class Effort:
         return Effort(self.points, self.lap_seconds, max(self.left(), LEAST * self.seconds))
 
     def left(self, part: float = 1.0) -> float:
-        """Returns the seconds until the fraction `part` of the time is used; 0 after an interrupt."""
+        """Returns the seconds until the fraction `part` of the time is used, or 0 after Ctrl-C."""
         if children.ended():
             return 0.0
         return max(0.0, part * self.seconds - (processor() - self.began))

@@ -247,7 +247,7 @@ class Asker:
         return self.with_settings(replace(begun, start_q=q, start_v=v))
 
     def at(self, place: Equilibrium) -> Asker:
-        """Returns an asker whose runs start at the equilibrium `place`, as near() and leave() need."""
+        """Returns an asker whose runs start at the equilibrium `place`, for near() and leave()."""
         q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
         found = self.with_settings(replace(self.settings, start_q=q, start_v=v))
         found._place = place

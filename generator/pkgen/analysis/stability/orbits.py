@@ -59,7 +59,7 @@ class Orbit:
 
 @record
 class Closed:
-    """A solution of Newton's method, and the derivatives of the gap at the solution (see _Search)."""
+    """A solution of Newton's method, and the derivatives of the gap there (see _Search)."""
 
     y: numpy.ndarray
     h: float

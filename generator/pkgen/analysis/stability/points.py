@@ -68,7 +68,7 @@ FAILURES = {
 
 
 class _Energies:
-    """Follows a method's run, and keeps the energies and other measures by which it is classified."""
+    """Follows a method's run, and keeps the energies and other measures that classify the run."""
 
     def __init__(self, reference: Reference, it: Integration):
         self.reference, self.system, self.it = reference, reference.system, it
