@@ -50,7 +50,8 @@ def _is_text(x: object) -> bool:
 
 
 def _some(one: Check) -> Check:
-    """Returns a check that accepts one value, or a sequence of values, each checked by `one`."""
+    """Returns a check that accepts a value that passes the check `one`, or a sequence of such
+    values."""
 
     def check(x: object) -> bool:
         if one(x) or not isinstance(x, Collection) or isinstance(x, Mapping | bytes):
@@ -65,7 +66,7 @@ def _named(one: Check) -> Check:
 
 
 def is_computed(x: object) -> bool:
-    """Whether an input is a function or a table."""
+    """Whether the value of an input is a function or a table, not a number."""
     return callable(x) or (isinstance(x, tuple) and len(x) in (2, 3))
 
 
@@ -173,7 +174,8 @@ def worded(said: str) -> str:
 
 @contextmanager
 def in_words() -> Iterator[None]:
-    """In this context, messages of errors name arguments of the API instead of options."""
+    """A context manager. Errors that are raised in its block have messages that name arguments of
+    the Python API instead of command-line options."""
     try:
         yield
     except ModelError as error:

@@ -20,7 +20,8 @@ def data(settings: Settings) -> dict[str, Any]:
 
 
 def settled(settings: Settings, said: Any) -> Settings:
-    """Returns the settings with the values of `said`, a result of data(). Raises UsageError."""
+    """Returns `settings` with the method and setting in `said`, which data() made when the run
+    began. Raises UsageError."""
     try:
         found = _checked(said, NAMES)
         parts = [PartSettings(**_checked(part, tuple(part))) for part in found["parts"]]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Function = Callable[[float, Any, Any], float]
 Table = tuple[Any, ...]
 SMALL = 1e-12  # relative rounding error of times at which steps end
-MOST = 10_000_000  # largest number of samples of an input
+MOST = 10_000_000  # largest number of times at which an input with `hold` or `linear` is evaluated
 
 
 @record(eq=False)
@@ -33,7 +33,8 @@ class Law:
     held: bool = False
 
 
-EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}  # method families whose order holds for inputs f(t, q, v)
+# Families of methods that call inputs f(t, q, v) at every stage, and so keep their order.
+EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}
 
 
 class Computed:
@@ -50,7 +51,8 @@ class Computed:
         for name, step in (("hold", hold), ("linear", linear)):
             if step is not None and not (functions and step > 0):
                 raise UsageError(f"{name}={step!r}: a time between samples of an input's function")
-        # Whether each evaluation of the method calls functions with the current state.
+        # Whether functions are called with the current state at each evaluation of the forces. Only
+        # methods of the families EXPLICIT allow this.
         self.needs_explicit = functions and hold is None and linear is None
 
     def settings(self, prepared: Prepared, errors: list[BaseException]) -> dict[str, Any]:

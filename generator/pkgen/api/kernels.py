@@ -37,7 +37,7 @@ class Kernels:
 
     @cached_property
     def _handle(self) -> Run:
-        """A run with the current parameters that is not started, but evaluates kernels."""
+        """A run that is never started. It has the current parameters and evaluates kernels."""
         compilation = self.compilation
         values = [f"{name}={value!r}" for name, value in self.params._set.items()]
         options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=values)
@@ -79,7 +79,7 @@ class Kernels:
             shape = numpy.broadcast_shapes(*others)
         except ValueError as error:
             raise ArrayError(f"q, v, t and u: {error}") from None
-        count = math.prod(shape)  # reshape(-1, n) fails if n = 0, with only rotations
+        count = math.prod(shape)  # for reshape: -1 fails if n = 0
         found = self._handle.evaluate(
             what,
             numpy.broadcast_to(times, shape).reshape(-1),

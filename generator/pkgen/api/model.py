@@ -180,7 +180,7 @@ class Model(Kernels):
         self, options: argparse.Namespace, table: Any = None, computed: Computed | None = None
     ) -> Result:
         if computed is not None:
-            options.no_reduce = "all"  # input functions read q and v of the whole model
+            options.no_reduce = "all"  # input functions get q and v of the whole model
         prepared = prepare(options, self._compiled, table).built()
         errors: list[BaseException] = []
         more = computed.settings(prepared, errors) if computed else {}

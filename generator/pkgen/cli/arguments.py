@@ -156,7 +156,8 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
 
 
 def as_of_a_run(parser: argparse.ArgumentParser) -> None:
-    """Sets default values for all options of `pkgen run`, also those that `parser` lacks."""
+    """Gives the command of `parser` the defaults of all options of `pkgen run`, including options
+    that the command does not have."""
     of_run = argparse.ArgumentParser()
     of_a_run(of_run)
     parser.set_defaults(**vars(of_run.parse_args([])))

@@ -69,7 +69,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--quick", action="store_true", help=help_)
     help_ = f"processor time of all but drawing (default {FULL[2]:g})"
     add("--seconds", type=float, metavar="S", help=help_)
-    parser.set_defaults(others=None, **OF_CHART)  # An add-on may set `others`, a function.
+    parser.set_defaults(others=None, **OF_CHART)  # An add-on may replace `others`.
 
 
 def run(options: argparse.Namespace) -> int:
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     began, effort, look = time.monotonic(), _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
-    others = options.others and options.others(options)  # other solvers to compare with
+    others = options.others and options.others(options)  # solvers of other packages
     chosen = _methods(options, compilation, others.methods if others else [])
     chosen_scene = scene.of(options, compilation.declared)
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
@@ -147,7 +147,8 @@ def _long(
 def _methods(
     options: argparse.Namespace, compilation: Compilation, more: list[str]
 ) -> list[ChartedMethod]:
-    """Returns the methods of --methods, --tableau, --composition and `more`; by default all."""
+    """Returns the methods that --methods, --tableau and --composition name, and the methods `more`.
+    Without these options, returns all methods."""
     wanted, own = None, compilation.model.methods
     if options.methods is not None:
         wanted = [name.strip() for name in options.methods.split(",") if name.strip()]

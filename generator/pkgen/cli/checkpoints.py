@@ -78,7 +78,8 @@ def _seconds(options: argparse.Namespace) -> float:
 
 
 def chosen(options: argparse.Namespace) -> dict[str, Any] | None:
-    """Returns the method and settings that a resumed run chose for its accuracy, or None."""
+    """Returns the method and settings that a resumed run had chosen for its accuracy before it was
+    interrupted; None if the run is not resumed or has no accuracy."""
     resume = getattr(options, "resume", None)  # `pkgen plot` has no attribute `resume`
     return resume["chosen"] if resume else None
 

@@ -190,7 +190,7 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
     if unknown:
         flag = unknown[0].partition("=")[0]
         if point := addons.points("options").get(f"{command.name}.{flag.removeprefix('--')}"):
-            addons.package(point)  # Raises UsageError if the add-on is missing.
+            addons.package(point)  # a missing add-on raises UsageError
         if not flag.startswith("-"):
             raise UsageError(f"one file at a time: what is {flag}?")
         known = [name for name in parser._option_string_actions if name not in ("-h", "--help")]

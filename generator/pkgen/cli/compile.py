@@ -115,7 +115,8 @@ def _kernels(options: argparse.Namespace) -> frozenset[str] | None:
 
 
 def _depends(made: list[Path]) -> str:
-    """Returns a make rule: `made` depend on all files read. ninja reads only the first target."""
+    """Returns a rule for make: the written files `made` depend on all files that pkgen has read.
+    ninja heeds only the first of the files `made`."""
     left, right = (
         " ".join(re.sub(r"([ #\\])", r"\\\1", str(path)).replace("$", "$$") for path in paths)
         for paths in (made, READ)

@@ -115,7 +115,7 @@ def recorded(
     rows = names[1 + (made.ensemble is not None) :]
     if view.kind == "drift" and not view.names and options.scene is None:
         more = [n for n in _constants(made) if not _has(names, n)]
-        with suppress(UsageError):  # Some constants cannot be columns.
+        with suppress(UsageError):  # Not every constant can be a column.
             return _with(options, [*rows, *more], prepared) if more else made
     if not missing:
         return made

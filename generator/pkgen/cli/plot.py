@@ -142,7 +142,8 @@ def _read(name: str, label: str) -> Table:
 
 
 def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | None, int]:
-    """Runs a model, if needed again with more rows; returns the rows and the exit code."""
+    """Runs a model. If lines between its rows would mislead, runs it again with more rows. Returns
+    the rows and the exit code."""
     what = prepared(options, view)
     with scratch() as folder:
         path = folder / "rows.csv"
@@ -158,8 +159,9 @@ def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | N
 
 
 def _closer(what: Prepared, outcome: Outcome, table: Table | None) -> float | None:
-    """Returns a shorter time between rows if lines between the present rows would mislead. Returns
-    None if they would not, or if an option or scene sets the time."""
+    """Returns a shorter time between rows, if straight lines between the present rows would give a
+    wrong picture of the motion. Returns None if they would not, or if an option or the scene sets
+    the time between rows."""
     settings = what.settings
     if what.spaced or outcome.code:
         return None

@@ -52,7 +52,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
-    if options.instead is not None:  # an add-on replaces the run
+    if options.instead is not None:  # an add-on replaces this function
         return options.instead(options)
     output = parsing.output(options.output)
     wanted = pictures.wanted(options)
@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
     checkpoints.over(options, outcome)
-    if outcome.code == DONE and not outcome.whole:  # The program that reads the pipe has ended.
+    if outcome.code == DONE and not outcome.whole:  # e.g. in `pkgen run MODEL | head`
         return DONE
     tell(options, what, outcome)
     if left is not None and not options.json:
@@ -122,7 +122,8 @@ def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table 
 
 
 def _some_rows(path: Path) -> str:
-    """Returns text: the first and last five rows, and options that save or draw all rows."""
+    """Returns a text for the terminal: the first and last five rows of a run, and the options that
+    would save or draw all rows."""
     with open(path, newline="", encoding="utf-8") as file:
         head, *rows = list(csv.reader(file)) or [[]]
     some = rows if len(rows) <= 10 else [*rows[:5], ["…"] * len(head), *rows[-5:]]
@@ -167,7 +168,7 @@ def _to_file(
     """Runs a model with the rows written to `output`. Returns the outcome, and the path of the rows
     if the run did not finish, else None."""
     left = None
-    unfinished = Outcome(INTERRUPTED, {}, "")  # remains in the JSON file if pkgen is killed
+    unfinished = Outcome(INTERRUPTED, {}, "")  # what the JSON file says if pkgen is killed
     more = checkpoints.settings(options, asked)
     npy = output.suffix == ".npy"
     kept = "begun" if options.resume else "all" if more else ""
@@ -296,7 +297,8 @@ def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
 
 
 def _whole(outcome: Outcome) -> bool:
-    """Whether the motion was integrated to its end; a later diagnostic may still have failed."""
+    """Whether the motion was integrated to its end. This is also true if a diagnostic, computed
+    after the integration, has failed."""
     return outcome.code == DONE or "diagnostics" in outcome.report
 
 

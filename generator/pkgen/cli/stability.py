@@ -54,7 +54,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--seconds", metavar="S", help=f"of all but drawing ({usual}): fewer points")
     shared.of_a_look(parser)
     shared.of_implicit_methods(parser)
-    parser.set_defaults(method="rk4")  # Settings need a method; maps do not use it.
+    parser.set_defaults(method="rk4")  # settings need a method, which maps ignore
 
 
 def run(options: argparse.Namespace) -> int:
@@ -82,8 +82,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_unmapped(compilation: Compilation) -> None:
-    """Raises UsageError for redundant constraints, and for models whose rates jump: a step would
-    have to end at each jump."""
+    """Raises UsageError for models without a stability map: those with redundant constraints, and
+    those whose rates jump, since a step would have to end at each jump."""
     model = compilation.model
     impulsive = getattr(compilation.equations, "impulsive", ())
     if impulsive:

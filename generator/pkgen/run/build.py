@@ -49,7 +49,8 @@ def _choice(
     parts: Sequence[str] = WHOLE,
     gsl: bool = True,
 ) -> str:
-    """Returns the text of CHOICE_FILE; `of` is the C name of the struct pk_run_model."""
+    """Returns the text of CHOICE_FILE, a C file that defines the struct pk_run_model of the model
+    `name`. `of` is the C name of this struct."""
     families = [
         family
         for family in dict.fromkeys(method.family for method in METHODS.values())
@@ -93,8 +94,9 @@ def _linked(
     form: Sequence[str] = (),
     own: Sequence[Own] = (),
 ) -> None:
-    """Compiles the files of a model with flags `form` and links them with `arguments`. Steps are
-    inlined in the model, or in its blocks if it has any."""
+    """Compiles the C files of a model with the compiler flags `form`, and links them with the
+    linker arguments `arguments`. The steps of methods are inlined in the C code of the model or, if
+    the model has blocks of coordinates, in the C code of the blocks."""
     form = [*form, *in_c.flags(own)]
     files = {**files, in_c.FILE: in_c.tables(own)} if own else files
     for file_name, text in files.items():
@@ -119,11 +121,11 @@ def build_library(
 ) -> Path:
     """Returns the path of a shared library that integrates the model `name`, built from its files.
 
-    Steps of `methods` are inlined. The library contains the families of `methods` and `able`, or
-    all methods if both are empty; with `ensemble` also ensembles, with `diagnose` diagnostics and
-    the functions of pk/stability.h. `parts` are blocks of coordinates that are integrated
-    separately; the model itself then has only outputs. Raises BuildError with the compiler's
-    messages."""
+    The steps of `methods` are inlined. The library contains the method families of `methods` and
+    `able`, or all methods if both are empty. With `ensemble` it can integrate ensembles; with
+    `diagnose` it has diagnostics and the functions of pk/stability.h. `parts` are blocks of
+    coordinates that are integrated separately; if there are any, the C code of the model itself
+    only computes outputs. Raises BuildError with the compiler's messages."""
     tools = _portable(tools or find_toolchain(), files)
     inlined = _inlined(tools, methods, own, ensemble)
     every, names = known(own), [name for name in (*methods, *able) if name]
@@ -148,7 +150,8 @@ def build_library(
 def _inlined(
     tools: Toolchain, methods: Sequence[str | None], own: Sequence[Own], ensemble: bool
 ) -> list[str]:
-    """Returns the flags that inline steps; [] without optimization, where they save no time."""
+    """Returns the C compiler flags by which steps of the methods are inlined. Without optimization
+    inlining saves no time, and [] is returned."""
     flags = [] if {"-O0", "-O1"} & set(tools.flags) else inline_flags(methods, own)
     return [*flags, "-DPK_INLINE_ENSEMBLE"] if flags and ensemble else flags
 
@@ -198,24 +201,24 @@ const struct pk_system no_model_system = {
 
 
 def own_methods(own: Sequence[Own]) -> list[dict[str, object]]:
-    """Returns the runtime's descriptions of the model's own methods."""
+    """Returns descriptions, made by the runtime, of methods that the user defines for the model."""
     if not own:
         return []
     return load(build_library({"no_model.c": NO_MODEL}, "no_model", own=own)).methods(own=True)
 
 
-LISTED = RUNTIME / "methods.json"  # stored, since stability limits take seconds to compute
+LISTED = RUNTIME / "methods.json"  # a stored list: to compute stability limits takes seconds
 
 
 def runtime_methods() -> list[dict[str, object]]:
     """Returns descriptions of the runtime's methods; GSL's only if GSL is installed."""
     listed: list[dict[str, object]] = json.loads(LISTED.read_text(encoding="utf-8"))
-    if {str(m["name"]) for m in listed} != METHODS.keys():  # the stored list is outdated
+    if {str(m["name"]) for m in listed} != METHODS.keys():  # `listed` is outdated
         listed = described_methods()
     gsl = find_gsl()[0] is not None
     return [m for m in listed if gsl or METHODS[str(m["name"])].family != "GSL"]
 
 
 def described_methods() -> list[dict[str, object]]:
-    """Returns the descriptions of methods that the compiled runtime itself gives."""
+    """Compiles the runtime. Returns the descriptions of its methods, which it computes itself."""
     return load(build_library({"no_model.c": NO_MODEL}, "no_model")).methods()

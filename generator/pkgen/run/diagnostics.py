@@ -52,7 +52,8 @@ def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
 
 
 def refuse_several(names: tuple[str, ...], what: str) -> None:
-    """Raises UsageError if diagnostics of one trajectory are requested for several."""
+    """Raises UsageError if a diagnostic that needs a single trajectory is requested for an
+    ensemble."""
     if set(names) != set(OF_MEMBERS):
         raise UsageError(f"--diagnose is for one trajectory, not {what}, which has 'area' alone")
 
@@ -101,7 +102,8 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
 
 
 def name_places(report: dict, compilation: Compilation) -> None:
-    """Adds to results on particles their positions, and in words the other terms of L."""
+    """Adds to diagnostics of particles the names of the particles' positions, and a text on those
+    terms of the Lagrangian that belong to no particle."""
     for name, found in report.get("diagnostics", {}).items():
         if name in OF_PARTICLES and found["status"] == "PK_DONE":
             particles = compilation.equations.particles
@@ -110,5 +112,6 @@ def name_places(report: dict, compilation: Compilation) -> None:
 
 
 def of_whole(text: str | None) -> bool:
-    """Whether a requested diagnostic forbids the reduction of a scene."""
+    """Whether `text`, the value of --diagnose, names a diagnostic that needs the whole model,
+    without reductions by the scene."""
     return text is not None and not {*asked(text)} <= {*OF_REDUCED}

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 
-UNIFORM = 1e-9  # a smaller relative deviation from uniform motion, or from rest, counts as 0
-NO_TORQUE = 1e-12  # a torque below this part of the terms of its sum is round-off
+UNIFORM = 1e-9  # a relative deviation from uniform motion, or from rest, counts as 0 below this
+NO_TORQUE = 1e-12  # a torque smaller than this, relative to the terms that it sums, is round-off
 CONJUGATE_SHOWN = 64  # most conjugate points in a report
-OFF, SHOWN = 1e-3, 5  # least drift reported as an error; most constants named
-LOST, MAGNIFIED = 1e-6, 1e3  # least drift relative to the value; its least ratio to drift["max"]
+OFF, SHOWN = 1e-3, 5  # a larger drift is reported as an error; most constants named in a line
+# A constant has lost digits if its drift, relative to its value, is at least LOST and at least
+# MAGNIFIED times drift["max"], the drift relative to the terms that the constant sums.
+LOST, MAGNIFIED = 1e-6, 1e3
 EPSILON = 1e-13  # a value below this part of the scale is 0 up to rounding
 BROAD = 0.03  # largest residual of a motion that spectral lines explain
 
 
 def kept_line(drifts: list[dict]) -> list[str]:
-    """Returns one line with the drifts of all constants, then a line for each constant that lost
-    digits. Returns [] if there are no constants."""
+    """Returns one line with the drifts of all constants of motion, then a line for each constant
+    that lost digits (see _lost()). Returns [] if there are no constants."""
     said = []
     for drift in drifts:
         name, most = drift["name"], drift["max"]
@@ -45,7 +47,7 @@ def drift_lines(drifts: list[dict]) -> list[str]:
         growth = drift["growth"]
         if drift["exponent"] or drift["spread"]:
             growth += f" (t^{drift['exponent']:.2f})"
-        if not drift["first"] and drift["max"] == 1:  # the scale is its largest value
+        if not drift["first"] and drift["max"] == 1:  # `scale` is the constant's largest value
             growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
         said.append(f"{line}: {growth}{_lost(drift).replace(': ', '; ', 1)}")
     return said
@@ -64,7 +66,8 @@ def _lost(drift: dict) -> str:
 
 
 def lines(found: dict[str, dict], time: str) -> list[str]:
-    """Returns the results in words; `time` is the unit of time. The runtime reports failures."""
+    """Returns the results of all diagnostics in words; `time` is the unit of time. Diagnostics that
+    failed are left out, since the runtime reports them."""
     said = []
     for name, result in found.items():
         if result["status"] == "PK_DONE":
@@ -74,7 +77,7 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
 
 
 def _plainly(name: str, found: dict) -> str:
-    """Returns the keys and values of a diagnostic that has no formatter."""
+    """Returns the result of a diagnostic that has no formatter here: its keys and values."""
     shown = (f"{key} {value}" for key, value in found.items() if key not in ("status", "reason"))
     return f"{name}: {', '.join(shown)}"
 

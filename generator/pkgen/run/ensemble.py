@@ -34,7 +34,8 @@ class Column:
 
 @record
 class Ensemble:
-    """The members of an ensemble, from a file or a scene's swarm; all values are in SI units."""
+    """The members of an ensemble: the trajectories that differ in the quantities of `columns`. They
+    come from a file or from the swarm of a scene. All values are in SI units."""
 
     path: str
     columns: tuple[Column, ...]
@@ -44,7 +45,7 @@ class Ensemble:
 
     @property
     def member(self) -> Quantity:
-        """Returns the column that holds the member number of each row."""
+        """Returns the quantity of the column in which every row has the number of its member."""
         if self.counted:
             return Quantity(self.counted, "", "member of the swarm")
         return Quantity("member", "", "row of the ensemble's file, from 1")
@@ -55,8 +56,8 @@ class Ensemble:
         return f"swarm {self.counted}" if self.counted else os.path.basename(self.path)
 
     def placed(self, messages: str) -> str:
-        """Returns messages of a run, in which members are named by their line in the file or number
-        in the swarm."""
+        """Returns `messages` of a run, rewritten. The runtime counts members; here a member is
+        named by its line in the file, or by its number in the swarm."""
         if self.counted:
             return re.sub(r"\bmember (-?\d+)", rf"{self.counted} = \1", messages)
 
@@ -66,7 +67,7 @@ class Ensemble:
         return re.sub(r"^run: member (\d+): ", place, messages, flags=re.M)
 
     def named(self, member: int) -> str:
-        """Returns the text that names a member."""
+        """Returns the text by which messages name a member."""
         return f"{self.counted} = {member}" if self.counted else f"member {member}"
 
 
@@ -81,7 +82,7 @@ class Settable(Mapping[str, Column]):
             "v": named.coordinates(compilation, rates=True),
         }
         self._looped = compilation.looped
-        starts = compilation.report.starts  # initial values that became parameters
+        starts = compilation.report.starts  # initial values that are parameters in C
         self._starts = {name + "'" * order: x for (name, order), x in starts.items()}
 
     def __getitem__(self, name: str) -> Column:

@@ -65,4 +65,4 @@ _ROWS = re.findall(
     r"X\((PK_\w+), (-?\d+), ", (RUNTIME / "include/pk/status.h").read_text(encoding="utf-8")
 )
 _NAMES = {int(number): name for name, number in _ROWS}
-STATUSES = [_NAMES[n] for n in range(1, min(_NAMES) - 1, -1)]  # enum pk_status, from 1 downwards
+STATUSES = [_NAMES[n] for n in range(1, min(_NAMES) - 1, -1)]  # from value 1 downwards

@@ -28,9 +28,10 @@ def _pointer(x: numpy.ndarray) -> Array[c_double]:
 
 
 class Integration:
-    """An integration from a state at t = 0. `h` is the fixed step size, or 0 for an adaptive method
-    with `rtol` and `atol` (a negative one is chosen from the motion). look() is called every few
-    thousand steps, and may raise an exception. Raises UsageError."""
+    """An integration that starts from a state at t = 0. `h` is the fixed step size; it is 0 for an
+    adaptive method, which has the tolerances `rtol` and `atol`. If `atol` is negative, a value is
+    chosen from the motion. The function `look` is called every few thousand steps, and may raise an
+    exception. Raises UsageError."""
 
     def __init__(
         self,
@@ -75,7 +76,7 @@ class Integration:
         return out[:made]
 
     def to(self, t: float) -> bool:
-        """Integrates to t. Returns False if a step fails."""
+        """Integrates from the present state to the time t. Returns False if a step fails."""
         out = numpy.empty(1 + 2 * self.half)
         while not self.failed and self.t < t:
             self._steps(t, _CHUNK, False, out)
@@ -98,8 +99,9 @@ class Integration:
         self._status.value = restart(self._of, t, h, _pointer(self.state))
 
     def mapped(self, states: numpy.ndarray, h: float, steps: int) -> numpy.ndarray:
-        """Returns each state after `steps` steps of size h, or for an adaptive method after the
-        time steps h; NaN if a step fails."""
+        """Integrates from each of the states: by `steps` steps of size h or, if the method is
+        adaptive, for the time `steps` * h. Returns the final states, with NaN where a step fails.
+        """
         self._look()
         states = numpy.ascontiguousarray(states)
         out = numpy.empty_like(states)
@@ -108,7 +110,7 @@ class Integration:
         return out
 
     def projected(self, state: numpy.ndarray) -> tuple[str, numpy.ndarray]:
-        """Returns the status, and the state projected onto the constraints."""
+        """Projects a state onto the constraints. Returns the status and the projected state."""
         if self.failed:
             return self.status, numpy.array(state)
         on = numpy.array(state, float)

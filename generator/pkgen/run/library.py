@@ -51,7 +51,7 @@ class Library:
         except OSError as error:
             raise BuildError(f"cannot load the compiled model: {error}") from None
         for name, (result, arguments) in FUNCTIONS.items():
-            if function := getattr(self.c, name, None):  # not all libraries have pk_stability_*
+            if function := getattr(self.c, name, None):  # some libraries lack pk_stability_*
                 function.restype, function.argtypes = result, arguments
         if [self.c.pk_run_size(k) for k in range(len(_SIZED))] != [*map(ctypes.sizeof, _SIZED)]:
             raise BuildError("the compiled model is of another version of pkgen")
@@ -59,7 +59,8 @@ class Library:
         self.model = STRUCTURES["struct pk_run_model"].in_dll(self.c, "pk_model")
 
     def methods(self, own: bool = False) -> list[dict[str, object]]:
-        """Returns the runtime's descriptions of its methods, or of the model's own."""
+        """Returns descriptions, made by the runtime, of its methods or, with `own`, of the methods
+        that the user defines for the model."""
         return json.loads(self.c.pk_stability_methods(self.model, own))
 
     def settings(self, given: Settings, **more: object) -> Structure:
@@ -118,8 +119,8 @@ class Library:
 
 
 class Run:
-    """A run that has ended: its `code`, `report`, `messages`, and whether a constant is
-    `not_finite`."""
+    """A run that has ended. It has an exit code `code`, `report` and `messages`; `not_finite` tells
+    whether a constant of the model, computed from parameters, is not finite."""
 
     def __init__(self, library: Library, settings: Structure, poll: Poll | None, idle: bool):
         self._c, self._model = library.c, library.model
@@ -154,15 +155,15 @@ class Run:
         if threading.current_thread() is not threading.main_thread():
             return self._c.pk_run_go(self._run)
         worker = threading.Thread(target=lambda: codes.append(self._c.pk_run_go(self._run)))
-        with children.postponed(ended):  # the memory of the run is in use until it has ended
+        with children.postponed(ended):  # the thread uses the memory of the run until it has ended
             worker.start()
             worker.join()
         return codes[0]
 
     def rows(self, low: bool = False) -> numpy.ndarray:
-        """Returns the kept rows, shape (rows, columns); the first column is t, or the member and
-        then t. With `low`: returns corrections to these numbers, for more digits than a double has.
-        """
+        """Returns the rows that the run has in memory, of shape (rows, columns). The first column
+        is t; in an ensemble, the first column is the member and the second is t. With `low`,
+        returns corrections, which added to the rows give more digits than a double has."""
         import numpy
 
         high, rest, columns = POINTER(c_double)(), POINTER(c_double)(), c_size_t()
@@ -173,7 +174,8 @@ class Run:
         return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
 
     def members(self) -> numpy.ndarray:
-        """Returns a row per ensemble member: status, last valid time, numbers set by `reduced`."""
+        """Returns a row for each member of the ensemble: its status, its last valid time, and the
+        numbers that the setting `reduced` requests."""
         import numpy
 
         numbers, columns = POINTER(c_double)(), c_size_t()
@@ -183,7 +185,8 @@ class Run:
         return numpy.ctypeslib.as_array(numbers, (count, columns.value)).copy()
 
     def laps(self, seconds: float) -> float:
-        """Returns the processor seconds of the run repeated without rows; infinite if it fails."""
+        """Repeats the run without rows, for up to `seconds`. Returns the CPU seconds of one run, or
+        infinity if the run fails."""
         return self._c.pk_run_laps(self._run, seconds) or float("inf")
 
     def evaluate(
@@ -194,14 +197,15 @@ class Run:
         v: numpy.ndarray,
         u: numpy.ndarray | None = None,
     ) -> numpy.ndarray:
-        """Evaluates a kernel at many states: v of shape (count, n), q (count, at most n), t
-        (count,), u (count, inputs); None: the run's inputs. Returns shape (count, width), NaN where
-        M is singular."""
+        """Evaluates the kernel `what` at many states. The shapes are (count, n) for v, (count, at
+        most n) for q, (count,) for t, (count, inputs) for u. If u is None, the inputs are those of
+        the run. Returns an array of shape (count, width), with NaN where the mass matrix is
+        singular."""
         import numpy
 
         count, n = v.shape
         t = numpy.ascontiguousarray(numpy.broadcast_to(t, (count,)), dtype=float)
-        # First-order variables are in v only: the runtime ignores their places in q.
+        # First-order variables are in v only: the runtime ignores q at their indices.
         whole = numpy.zeros((count, n))
         whole[:, : q.shape[1]] = q
         v = numpy.ascontiguousarray(v, dtype=float)
@@ -249,7 +253,7 @@ class Run:
         return rates
 
     def given(self) -> dict[str, list[float]]:
-        """Returns the parameters and the initial state that the run uses."""
+        """Returns the values of the parameters and the initial state that the run uses."""
         return json.loads(self._c.pk_run_given(self._run))
 
     def close(self) -> None:
@@ -277,7 +281,7 @@ def _expected(c: Compared) -> tuple[object, ...]:
 
 
 def initializer(s: Structure) -> str:
-    """Returns the C definition of these settings as `program_settings`."""
+    """Returns C code that defines a struct `program_settings` with these settings."""
     lists, members = [], []
     for name, kind in _FIELDS.items():
         value = getattr(s, name)

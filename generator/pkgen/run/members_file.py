@@ -39,7 +39,7 @@ def read(path: str, compilation: Compilation) -> Ensemble:
     if path.endswith(".parquet"):
         return _Reader(path, compilation).parquet()
     try:
-        if os.path.isfile(path):  # a file, unlike a pipe, can be read twice
+        if os.path.isfile(path):  # plain() may fail: a file, unlike a pipe, can be read again
             found = _Reader(path, compilation).plain()
             if found is not None:
                 return found
@@ -141,7 +141,7 @@ class _Reader:
         return of_columns(self.path, columns, found)
 
     def _of_parquet(self, file: pyarrow.parquet.ParquetFile, column: Column, one: pyarrow.Field):
-        """Returns a column in SI units."""
+        """Returns the numbers of one column of a Parquet file, converted to SI units."""
         import pyarrow
 
         if not (pyarrow.types.is_floating(one.type) or pyarrow.types.is_integer(one.type)):

@@ -8,7 +8,7 @@ from typing import Any
 from ..methods import METHODS
 from ..own.trees import MOST_ORDER
 
-SOME = 5  # most methods named for each use
+SOME = 5  # at most this many methods are named for each use
 
 HEADER = (
     "method",
@@ -56,7 +56,8 @@ WORDS = {
 
 
 def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
-    """Returns the uses with their methods, then a table row and a reference for each method."""
+    """Returns a text: for each use, such as stiff equations, the methods that suit it; then a table
+    of all methods, with references."""
     named = {str(m["name"]): m for m in found}
     uses = {use: [n for n in named if METHODS[n].family == of] for of, use in USES.items()}
     uses = {use: names for use, names in uses.items() if names}
@@ -111,7 +112,7 @@ def in_words(requires: Iterable[str]) -> list[str]:
     """Returns in words the properties of a system that a method requires."""
     found = [fact.replace("_", " ") for fact in requires]
     found = [WORDS.get(fact, fact) for fact in found]
-    if found[1:]:  # the other requirements imply it
+    if found[1:]:  # other requirements imply "mass constant"
         found = [fact for fact in found if fact != "mass constant"]
     return found
 

@@ -21,7 +21,8 @@ SUGGESTED = 12  # most members of a family that a hint in a message considers
 
 @record
 class Declared:
-    """A declaration of one quantity, or of members lo..hi; `first` is the first flat index."""
+    """A declaration of a quantity, or of a family of quantities with the indices lo..hi. A flat
+    index counts single quantities over all declarations; `first` is that of the first one here."""
 
     quantity: Quantity
     first: int
@@ -34,7 +35,7 @@ class Declared:
         return Quantity(shown, self.quantity.unit, self.quantity.description)
 
     def members(self, most: int = sys.maxsize) -> list[Quantity]:
-        """Returns the first `most` members."""
+        """Returns the first `most` members of the family, or the single quantity."""
         if self.lo is None:
             return [self.quantity]
         return [self.member(index) for index in range(self.lo, self.lo + min(self.count, most))]
@@ -52,7 +53,8 @@ class Named:
         self._by_name = {d.quantity.name: d for d in declared}
 
     def find(self, name: str) -> tuple[Declared, int | None] | None:
-        """Returns the declaration and the index of a member if any, or None for an unknown name."""
+        """Returns the declaration that contains the quantity `name`, and the index if the quantity
+        is a member of a family. Returns None if the name is unknown."""
         for base, index in ((name, None), parted(name)):
             found = self._by_name.get(base)
             one = found is not None and found.lo is None and index is None
@@ -72,7 +74,8 @@ class Named:
         return flat, declared.member(index)
 
     def place(self, flat: int) -> tuple[int, int]:
-        """Returns the number of the declaration with this flat index, and the 0-based member."""
+        """Returns the index of the declaration that contains the quantity with this flat index, and
+        the 0-based index of the quantity in its family."""
         k = bisect(self.declared, flat, key=lambda item: item.first) - 1
         return k, flat - self.declared[k].first
 
@@ -125,8 +128,9 @@ def with_attitudes(compilation: Compilation) -> bool:
 
 
 def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
-    """Returns sort keys of names: first coordinates and rotations, then rates, in the order of
-    their declarations. Quaternions are sorted with rotations, not with states."""
+    """Returns keys by which names are sorted: coordinates and rotations come first, then rates,
+    each in the order of declarations. The components of a quaternion come where its rotation is
+    declared, although they are states."""
     model, e = compilation.declared, compilation.equations
     spans = {item.name: item.span.start for item in model.coordinates}
     found = {}
@@ -145,7 +149,8 @@ def has_energy(compilation: Compilation) -> bool:
 
 
 def _moving(model: Model, rates: bool, states: bool = False) -> Named:
-    """Returns the coordinates (with `states`, the states too), or the rates and the states."""
+    """Returns the coordinates, with `states` also the states. With `rates`, returns the rates and
+    the states instead."""
     moving = (*model.coordinates, *model.states)
     found = families(model, moving)
     made = []
@@ -162,14 +167,15 @@ def _moving(model: Model, rates: bool, states: bool = False) -> Named:
 
 
 def parameters(compilation: Compilation) -> Named:
-    """Returns the parameters by flat index; place() converts it for families kept as loops."""
+    """Returns the parameters by name, each with its flat index. For a family that is kept as a
+    loop, place() converts the flat index to those of the declaration and of the member."""
     if not compilation.looped:
         return Named(_each(slot.quantity for slot in compilation.program.equations.parameters))
     return Named(_plain(compilation.model, compilation.model.parameters))
 
 
 def events(compilation: Compilation) -> list[str]:
-    """Returns the names of the detected events."""
+    """Returns the names of the events that a run detects."""
     return [q.name for q in compilation.equations.event_names]
 
 
@@ -222,7 +228,7 @@ def set_parameters(
 
 
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
-    """Declares each quantity separately, including members of families."""
+    """Yields a separate declaration for each quantity, also for each member of a family."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
 
 

@@ -11,7 +11,8 @@ from ..graph.wording import wording
 
 
 def constant(compilation: Compilation, given: dict[int, float]) -> str:
-    """Returns a message with the first constant that is not finite and its parameters, or ""."""
+    """Returns a message that names the first constant that is not finite, and the parameters on
+    which it depends; "" if all constants are finite."""
     e = compilation.equations
     g, slots, values = e.graph, e.parameters, {}
 
@@ -20,7 +21,7 @@ def constant(compilation: Compilation, given: dict[int, float]) -> str:
 
     known: dict[int, float] = {}
     below: dict[int, frozenset[int]] = {}
-    for index, slot in enumerate(slots):  # a default may depend on earlier parameters
+    for index, slot in enumerate(slots):  # in order: a default may use earlier parameters
         values[Symbol(Kind.PARAMETER, index)] = given.get(index, 0.0)
         if index not in given:
             (values[Symbol(Kind.PARAMETER, index)],) = evaluate(g, [slot.default], values)

@@ -33,7 +33,7 @@ def numbers(block: bytes, columns: int) -> numpy.ndarray | None:
     if block.translate(None, ALLOWED):
         return None
     text = numpy.frombuffer(block, numpy.uint8)
-    points = numpy.flatnonzero(text == POINT)  # a model's language has no numbers like .5 or 1.
+    points = numpy.flatnonzero(text == POINT)  # numbers like .5 or 1. are not allowed
     beside = text[numpy.concatenate([points - 1, points + 1])]
     if ((beside < ZERO) | (beside > NINE)).any():
         return None
@@ -44,7 +44,7 @@ def numbers(block: bytes, columns: int) -> numpy.ndarray | None:
     if (ends[:, :-1] != COMMA).any() or (ends[:, -1] != END).any():
         return None
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # numpy warns of text
+        warnings.simplefilter("error", DeprecationWarning)  # numpy warns if a cell is no number
         try:
             found = numpy.fromstring(block[:-1].replace(b"\n", b","), sep=",")
         except (DeprecationWarning, ValueError):

@@ -13,7 +13,7 @@ from . import named
 from .settings import Settings
 
 ROWS = 1000
-NUMBERS = 10_000_000  # most numbers written without --every: about 200 MB
+NUMBERS = 10_000_000  # without --every, at most these numbers are written: 200 MB
 
 
 def interval(until: float, step: float | None, numbers: int, most: int = ROWS) -> float:
@@ -31,7 +31,8 @@ def refuse_too_many(
     numbers: int,
     members: int | None,
 ) -> None:
-    """Raises UsageError for more rows than a disk may hold; an ensemble has `members`."""
+    """Raises UsageError if a run would write more rows than a disk may hold. `members` is the
+    number of members of an ensemble."""
     said = too_much(rows, numbers, members)
     if not said:
         return

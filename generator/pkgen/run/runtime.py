@@ -22,8 +22,8 @@ from ..system.toolchain import NATIVE, RUNTIME, STANDARD, BuildError, Toolchain,
 SHARED = ("-fPIC", "-fno-semantic-interposition")
 HIDDEN = "-fvisibility=hidden"  # exports only symbols that a header declares
 GSL = "libpk_gsl.a"
-LINK_WITH = "link"  # file with the flags for linking, in the folder of the libraries
-# The source folders of each part.
+LINK_WITH = "link"  # name of the file with the linker flags, in the folder of the libraries
+# For each part of the runtime, which is compiled on its own: its source folders.
 CORE = ("core", "constraints", "explicit", "integrate", "events", "watch")
 PARTS = {
     "core": (
@@ -77,7 +77,7 @@ def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
 def runtime_name(tools: Toolchain) -> str:
     """Returns a digest of the sources, the compiler and its flags."""
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())
-    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # this file defines some flags
+    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # flags in this file count too
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
 
@@ -89,7 +89,8 @@ def _ar() -> str:
 
 
 def _compiled(tools: Toolchain, part: str) -> Path:
-    """Returns the folder with the objects of a part, named ARCHIVE-FOLDER_FILE.o."""
+    """Returns the folder with the object files of a part of the runtime. The name of an object file
+    is ARCHIVE-FOLDER_FILE.o, after its library and its source."""
 
     def make(new: Path) -> None:
         say(f"compiling the runtime: {part} (once)")
@@ -104,7 +105,7 @@ def _compiled(tools: Toolchain, part: str) -> Path:
             every = {*(RUNTIME / folder).glob("*.c")}
             light = _light(tools, "-O1" if folder in QUICK else "-Og")
             for kind, sources in ((tools, every & hot), (light, every - hot)):
-                if sources:  # one call of the compiler for all
+                if sources:  # one call of the compiler for all `sources`
                     names = map(str, sorted(sources))
                     compile_c(kind, ["-c", *SHARED, HIDDEN, *more, *names], within)
             for path in within.glob("*.o"):
@@ -120,7 +121,8 @@ def _compiled(tools: Toolchain, part: str) -> Path:
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    """Returns one pool for all parts, with as many compilers at once as there are processors."""
+    """Returns a thread pool, in which the parts of the runtime are compiled. It runs as many
+    compilers at once as there are processors."""
     return ThreadPoolExecutor(os.cpu_count())
 
 
@@ -160,7 +162,7 @@ def _gsl(tools: Toolchain) -> list[str]:
 
 
 def needed(methods: Iterable[Method], more: Iterable[str] = ()) -> tuple[str, ...]:
-    """Returns `more` and the parts that runs by these methods need."""
+    """Returns the names of the runtime's parts that runs by these methods need, and `more`."""
     found = {"core", *more, *(part_of(method.family) for method in methods)}
     return tuple(part for part in PARTS if part in found)
 

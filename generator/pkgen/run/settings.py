@@ -19,9 +19,9 @@ class PartSettings:
 
 @record
 class Shown:
-    """A column of the rows: its kind, and its index among the columns of that kind."""
+    """A column of the output rows: its kind, and its index among the quantities of this kind."""
 
-    kind: str  # q, v, observed, energy
+    kind: str  # "q", "v", "observed" or "energy"
     index: int
     name: str
 
@@ -30,19 +30,20 @@ class Shown:
 class Compared:
     """A relation between two columns that a run checks."""
 
-    text: str  # text of the expectation in the model
+    text: str  # the expectation as it is written in the model's file
     relation: str  # =, < or >
     a: Shown
     b: Shown
-    within: Shown | None  # tolerance
-    at: float | None  # time of the check
-    event: int | None  # event of the check; without time and event it is in all rows
+    within: Shown | None  # the tolerance of the relation
+    at: float | None  # the time at which the relation is checked
+    event: int | None  # the event at which it is checked. If `at` is None too: in all rows
 
 
 @record
 class Watched:
-    """Relations to check, and drifts to measure: those of outputs, given by index, or of the energy
-    (None). The outputs `hidden` are computed only for this."""
+    """Relations that a run checks, and drifts that it measures. `drifts` has the indices of the
+    outputs whose drift is measured; None in it means the energy. The outputs in `hidden` are only
+    computed for these checks, and are no columns."""
 
     compared: tuple[Compared, ...] = ()
     drifts: tuple[int | None, ...] = ()
@@ -64,27 +65,27 @@ class Settings:
 
     method: str
     until: float
-    every: float | None  # None: rows only at event `at`, or final states of an ensemble
+    every: float | None  # time between rows; None: rows at event `at`, or final states
     step: float | None
     rtol: float
-    atol: float | None  # None: chosen from the motion
+    atol: float | None  # absolute tolerance; None: it is chosen from the motion
     iteration: str
     max_steps: int
     max_step: float | None
     parameters: tuple[tuple[int, float], ...]
-    members: tuple[tuple[int, int, float], ...]  # families kept as loops: (index, position, value)
+    members: tuple[tuple[int, int, float], ...]  # (family, member, value)
     inputs: tuple[tuple[int, float], ...]
     start_q: tuple[tuple[int, float], ...]
     start_v: tuple[tuple[int, float], ...]
     show: tuple[Shown, ...] = ()  # the columns after t; (): all columns
     at: int | None = None  # index of the event at which rows are written
-    # For ensembles: "events" detects events, "times" also reports first times, "" does neither,
-    # "none" does neither and measures no drifts.
+    # For ensembles: with "events" the members detect events, with "times" they also report when
+    # each event first occurs, with "" they do neither, with "none" they moreover measure no drifts.
     watch: str = ""
     diagnose: tuple[str, ...] = ()
-    watched: Watched = NOTHING  # checks of a scene's expectations
+    watched: Watched = NOTHING  # relations and drifts of the scene's expectations
     rows: str = ""  # "land": steps end at rows; "dense": dense output; "": whichever is better
-    accuracy: float | None = None  # promised accuracy, if the method is still to be chosen
-    compiled_for: tuple[str, ...] = ()  # with inlined steps; (): `method` and those of `parts`
+    accuracy: float | None = None  # if it is set, the method is still to be chosen
+    compiled_for: tuple[str, ...] = ()  # methods with inlined steps; (): those that run
     parts: tuple[PartSettings, ...] = ()  # (): all coordinates are integrated together
     units: bool = False  # whether the CSV header has units

@@ -34,7 +34,7 @@ class Outcome:
 
     @property
     def whole(self) -> bool:
-        """Whether all rows are written; even then a diagnostic may have failed."""
+        """Whether the run wrote all its rows. This is also true if a later diagnostic failed."""
         return bool(self.report.get("whole"))
 
 
@@ -58,8 +58,8 @@ class Runnable:
     compilation: Compilation
     settings: Settings
     ensemble: Ensemble | None = None
-    threads: int | None = None  # None: all processors
-    library: Path | None = None  # None: not built
+    threads: int | None = None  # None: one per processor
+    library: Path | None = None  # None: the library is not built yet
 
     def columns(self, listed: int = sys.maxsize) -> list[Quantity]:
         member = [self.ensemble.member] if self.ensemble else []
@@ -93,7 +93,8 @@ def simulate(
 def followed(
     run: Runnable, on_progress: Callable[[float], None] | None = None, **more: object
 ) -> tuple[Run, Outcome]:
-    """Runs the model; returns run and outcome. Rows stay in memory unless `more` contains csv."""
+    """Runs the model. Returns the Run object and the outcome. The rows stay in memory, unless
+    `more` contains `csv`, the file to which they are written."""
     with children.stopping() as stopped:
 
         def poll(part: float) -> bool:
@@ -118,7 +119,8 @@ def outcome(
 
 
 def _write_header(columns: list[Quantity], fd: int) -> None:
-    """Writes the CSV header; the header of the runtime has no units of time and energy."""
+    """Writes the header of the CSV file. The header that the runtime would write has no units of
+    time and energy."""
     with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
         names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
         writer(file, lineterminator="\n").writerow(names)

@@ -28,7 +28,7 @@ from .settings import Shown
 
 @record
 class _Start:
-    order: int  # 0: a coordinate, 1: a rate
+    order: int  # 0: the start of a coordinate, 1: of a rate
     index: int
     value: float
 
@@ -61,7 +61,7 @@ class Numbers:
         return self.kept(found)
 
     def kept(self, found: Fraction | float) -> float:
-        """Returns a value as a float; a subclass may keep the exact decimals."""
+        """Converts the value of an option to a float. A subclass may return the exact value."""
         return float(found)
 
     def positive(self, option: str, text: str | None, unit: str) -> float | None:
@@ -74,7 +74,7 @@ class Numbers:
         return found
 
     def of_run(self, options: argparse.Namespace) -> RunNumbers:
-        """Parses the options that are numbers of a run, such as --until. Raises UsageError."""
+        """Parses the options of a run that are numbers, such as --until. Raises UsageError."""
         found = RunNumbers(
             **{
                 name: self.positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
@@ -114,7 +114,8 @@ class Values(Numbers):
         known: named.Named,
         others: named.Named,
     ) -> tuple[tuple[int, float], ...]:
-        """Returns the assignments to names in `known`, as (index, value)."""
+        """Parses assignments such as `m1=2`, whose names must be in `known`. Returns the flat index
+        of the quantity and the value for each."""
         found = []
         for left, text in assignments:
             name = self.flat_name(option, left)
@@ -126,7 +127,7 @@ class Values(Numbers):
         return tuple(found)
 
     def unread(self, name: str) -> Parameter | None:
-        """Returns the parameter `name` if the scene removed it, else None."""
+        """Returns the parameter `name` if the scene removed it from the model, else None."""
         if name not in self.compilation.report.unused:
             return None
         parameters = self.compilation.declared.parameters
@@ -167,7 +168,7 @@ class Values(Numbers):
                 raise UsageError(
                     f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
                 )
-            elif name in self.coordinates or name in self.rates:  # `rates` contains the states
+            elif name in self.coordinates or name in self.rates:  # states are in `rates`
                 order = side.order or int(name not in self.coordinates)
                 among = self.rates if order else self.coordinates
                 index, quantity = among[name + "'" * side.order]
@@ -185,8 +186,8 @@ class Values(Numbers):
         return found, of_parameters
 
     def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
-        """Returns for each rotation, and its body rates, the names of the numbers that set its
-        start."""
+        """Returns, for each rotation and for its body rates omega(...), the names of the single
+        numbers by which --start sets their initial value."""
         rotations = single_rotations(self.compilation.declared)
         return {r.name: r.quaternion for r in rotations} | {
             f"omega({r.name})": r.rates for r in rotations
@@ -195,7 +196,8 @@ class Values(Numbers):
     def by_key(
         self, parameters: named.Named, values: dict[int, float]
     ) -> dict[tuple[str, int | None], float]:
-        """Returns values of parameters by (name, index), from values by flat index."""
+        """Converts values of parameters, keyed by flat index, to values keyed by the pair (name,
+        index in the family)."""
         found = {}
         for item in parameters.declared:
             for flat, x in values.items():
@@ -205,7 +207,8 @@ class Values(Numbers):
         return found
 
     def shown(self, name: str, option: str = "--record") -> Shown:
-        """Returns the column `name`, with its index in the runtime. Raises UsageError."""
+        """Returns the column with the name `name` as the runtime identifies it: by kind and index.
+        Raises UsageError."""
         kinds = named.kinds(self.compilation)
         for kind, known in kinds.items():
             if name in known:

@@ -40,7 +40,8 @@ NOT_PROMISED = (
 
 
 def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagnostic]:
-    """Returns the errors of a scene without options. `given` has the sizes set by --size."""
+    """Returns the errors that a scene has if it runs without options other than --size. `given` has
+    the values of --size."""
     unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as in prepare()
     use = scene_use.as_written(scene.name)
     made = stages(declared.source, given, unroll=unroll, use=use)
@@ -73,7 +74,8 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
     as_written = wrong(declared, lengths.given(options.size), alone)
     if as_written:
         raise ModelError(declared.source, as_written)
-    # Without --set, the motion is that of the scene alone, which has no drift errors.
+    # `found` includes errors about drifts of constants. Without --set they are left out: the motion
+    # is that of the scene alone, which has no such errors.
     for item in found if options.set else compiled:
         why = ", ".join(text for name, text in _OTHERWISE.items() if getattr(options, name))
         place = declared.source.place(item.span)

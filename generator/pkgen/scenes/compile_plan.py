@@ -66,12 +66,13 @@ class Overrides:
 
 
 def of_run(options: argparse.Namespace) -> Use:
-    """Returns the restrictions of a model in a run. Only a scene removes parts of the model."""
+    """Returns which parts of a model a run uses. Without a scene, it uses the whole model."""
     off = switched_off(options.no_reduce) if options.scene else EVERY
     if options.diagnose:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
-        # Normal modes need an equilibrium, and cyclic coordinates can move there: they are removed.
+        # The diagnostic `modes` needs an equilibrium. At an equilibrium of the other coordinates,
+        # cyclic coordinates may move: they are removed.
         off |= {*REDUCTIONS} - ({"cyclic"} if options.diagnose == "modes" else set())
     asked = _asked(options, record_columns(options), off)
     asked = replace(asked, apart=not asked.several)
@@ -96,7 +97,8 @@ def promised(plan: CompilePlan, scene: Scene) -> Expr | None:
 
 
 def planned(options: argparse.Namespace, compilation: Compilation) -> CompilePlan:
-    """Returns the plan in a compilation; makes a plan if the compilation was not for a run."""
+    """Returns the plan with which a model was compiled for a run. If it was compiled for another
+    purpose, makes a plan."""
     if compilation.plan.method:
         return compilation.plan
     declared = compilation.declared
@@ -131,7 +133,7 @@ def _plan(model: Model, scene: Scene, asked: Overrides, made: Made | None) -> Co
     elif made is not None:
         several = asked.several or scene.swarm is not None
         exact = EXACT not in asked.off and not several and (given.rtol or given.step) is None
-        # The scene has no tolerance here: a scene that sets one also sets a method.
+        # Only options can set a tolerance here: a scene with a tolerance also sets a method.
         method, source = default_method(made, given.else_of(DEFAULTS).rtol, exact), DEFAULT
     return CompilePlan(None, method, source, given)
 
@@ -143,7 +145,7 @@ def _refuse_unfit(name: str, asked: Overrides, model: Model) -> None:
         raise UsageError(unknown("--method", name, methods, "method"))
     if asked.options is None or "adaptive" in methods[name].traits:
         return
-    inner = "fast" in methods[name].requires  # respa: max_step bounds the inner steps
+    inner = "fast" in methods[name].requires  # method respa: max_step limits its inner steps
     for option in ("rtol", "atol", *(() if inner else ("max_step",))):
         if getattr(asked.options, option) is not None:
             shown = "--" + option.replace("_", "-")
@@ -162,7 +164,7 @@ def _of_method(
         or any(event.stop for event in model.events)
         or scene_model.events(scene)
     ):
-        found -= {"advance"}  # `advance` makes many steps and detects no events
+        found -= {"advance"}  # kernel `advance` makes many steps, without looking for events
     if several and (made is None or _side_by_side(*made, of)):
         found |= {"members"}
     return found
@@ -179,7 +181,7 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: Made | None) 
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
     definite = structure and getattr(structure, "definite", True)
-    solved = made and getattr(made[0], "constraints", ())  # constraints use kernel `inertia`, not M
+    solved = made and getattr(made[0], "constraints", ())  # else: kernel `inertia`
     needed = not definite or not (several or solved or structure.mass_diagonal)
     if needed and not (made and _without_mass(made[0])):
         found |= {"mass"}
@@ -199,7 +201,8 @@ def _side_by_side(equations: Equations, structure: Structure, method: Method | N
 
 
 def whole(options: argparse.Namespace) -> Use | None:
-    """Returns the restrictions of a model in charts: only prescribed coordinates are removed."""
+    """Returns which parts of a model charts use: all except coordinates whose motion the scene
+    prescribes."""
     return _of_options(options, None)
 
 
@@ -219,12 +222,14 @@ def _of_options(
 
 
 def _run_time(options: argparse.Namespace) -> frozenset[str]:
-    """Returns the names of parameters and inputs that --set sets to numbers."""
+    """Returns the names of the parameters and inputs to which --set assigns numbers. They can be
+    changed at run time."""
     return frozenset(text.partition("=")[0].strip() for text in numbers(options))
 
 
 def as_written(name: str) -> Use:
-    """Returns the restrictions of a model by a scene alone, for checks that generate no C."""
+    """Returns which parts of a model a scene uses if it runs without options. This is for checks
+    that generate no C."""
     return _use(name, Overrides(apart=True), lambda *_: ENOUGH)
 
 

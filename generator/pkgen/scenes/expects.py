@@ -77,9 +77,10 @@ def watched(
     times: tuple[float | None, ...],
     shown: Callable[[str], Shown],
 ) -> Watched:
-    """Returns the settings for expectations. `observed` and `events` are the names of outputs and
-    events in the compiled model, `shown(name)` is a column; `times` has the time of each
-    expectation, or None."""
+    """Returns the settings with which a run checks the scene's expectations. `observed` has the
+    names of the outputs and `events` those of the events in the compiled model. `times` has for
+    each expectation the time at which it is checked, or None. `shown` returns the column of a name.
+    """
     index = {name: k for k, name in enumerate(observed)}
     compared, drifts = [], []
 

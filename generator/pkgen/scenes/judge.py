@@ -16,7 +16,8 @@ from .expects import of_run, written
 
 @record
 class Verdict:
-    """The verdict on one expectation; `value` and `bound` are its two sides at the largest miss."""
+    """The verdict on one expectation of a scene. `value` and `bound` are the values of the left and
+    right side of the relation where it is missed by most."""
 
     text: str
     span: Span
@@ -49,7 +50,7 @@ class Judge:
     ):
         self.model, self.scene, self.values = model, scene, values
         self.report, self.member = report, member
-        self.constants: dict[Expr, float] = {}  # values of sides that are equal in all members
+        self.constants: dict[Expr, float] = {}  # values that all members share
 
     def verdicts(self) -> list[Verdict]:
         compared = iter(self.report["expects"])
@@ -140,7 +141,8 @@ class Judge:
         return self._verdict(item, met, said, **keep)
 
     def _event(self, name: str) -> dict:
-        """Returns the report of an event, without times if the initial state was refused."""
+        """Returns what the run's report says about an event. If the run refused the initial state,
+        the event has no times."""
         none = {"name": name, "times": []}
         return next((e for e in self.report["events"] if e["name"] == name), none)
 
@@ -172,7 +174,8 @@ class Judge:
         within: float | None = None,
         **_: object,
     ) -> str:
-        """Returns the message about a missed expectation: value, bound and difference."""
+        """Returns a message about an expectation that is not met, with the values of both sides and
+        their difference."""
         if value is None or bound is None:
             return f"no finite number{where}"
         off = abs(value - bound)

@@ -67,7 +67,7 @@ def written_out(
         try:
             side = left_side(text, sizes(model))
         except OptionError:
-            found.append(text)  # An invalid name is reported later.
+            found.append(text)  # The look-up of the run's columns reports an invalid name.
             continue
         if side.name in quaternions and not side.order:
             found += (replace(side, name=name).text() for name in quaternions[side.name])
@@ -140,7 +140,7 @@ def _has(
 
 
 def of_swarm(scene: Scene, value: Expr) -> bool:
-    """Whether the value of a start depends on the member of the swarm."""
+    """Whether `value`, the value of a start statement, differs between members of the swarm."""
     return scene.swarm is not None and scene.swarm.variable in names(value)
 
 
@@ -163,7 +163,7 @@ def reads(model: Model, scene: Scene) -> frozenset[str]:
 
 
 def columns(scene: Scene) -> list[str]:
-    """Returns the names of the recorded columns."""
+    """Returns the names of the columns that the scene records; [] if it does not choose any."""
     return [item.name for item in scene.record.columns] if scene.record else []
 
 
@@ -203,8 +203,8 @@ def _is_column(model: Model, name: str) -> bool:
 
 
 def _claims(model: Model, value: Expr) -> Expr:
-    """Returns the expression with claimed constants, which are not outputs, replaced by their
-    definitions."""
+    """Returns the expression with the model's claimed constants of motion, which are no outputs,
+    replaced by their definitions."""
     claims = {item.name: item for item in model.conserved}
 
     def written(part: Expr) -> Expr | None:

@@ -25,8 +25,8 @@ def is_motion(text: str) -> bool:
 
 
 def _stems(column: str) -> set[str]:
-    """Returns the name of a column without indices and primes, with and without its last component:
-    `leg.com.x` and `leg.com` for `leg[2].com.x'`."""
+    """Returns two names for a column such as `leg[2].com.x'`: `leg.com.x`, without indices and
+    primes, and `leg.com`, without the last component."""
     name = re.sub(r"\[[^\]]*\]", "", column).partition("'")[0]
     return {name, name.rpartition(".")[0]}
 
@@ -65,7 +65,8 @@ def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callabl
 
 
 def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
-    """Returns a scene of the clauses, and the model's source with it. Raises UsageError."""
+    """Returns a scene that consists of `clauses`, and the text of the model with this scene
+    appended. Raises UsageError."""
     name = "_options"
     for text in clauses:
         if set(text) & {"\n", "#"}:

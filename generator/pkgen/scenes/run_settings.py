@@ -83,7 +83,7 @@ def settings(
         of_scene = {
             parameters[indexed(name, index)][0]: x
             for (name, index), x in said.parameters.items()
-            if indexed(name, index) in parameters  # else the parameter is a constant
+            if indexed(name, index) in parameters  # the others became constants
         }
         parameters_set = {**of_scene, **parameters_set}
         of_scene = {inputs[n][0]: x for n, x in said.inputs.items() if n in inputs}

@@ -20,7 +20,8 @@ from ..system.near import unknown
 
 
 def chosen(model: Model, name: str) -> Scene:
-    """Returns a scene. Raises UsageError if unknown, ModelError if --size makes it invalid."""
+    """Returns the scene of a model with a given name. Raises UsageError if there is none,
+    ModelError if --size makes it invalid."""
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
         raise UsageError(unknown("--scene", name, scenes, "scene"))
@@ -35,7 +36,8 @@ def of(options: argparse.Namespace, model: Model) -> Scene | None:
 
 
 def wrong(model: Model, scene: Scene, span: Span, why: object) -> UsageError:
-    """Returns a UsageError with the place in the scene and the reason `why`."""
+    """Returns a UsageError whose message has the place of an error in the scene, and the reason
+    `why`."""
     return UsageError(f"{model.source.place(span)}: scene '{scene.name}': {why}")
 
 
@@ -74,7 +76,7 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
     inputs: dict[str, float] = {}
     names = {p.name for p in found.model.parameters}
     for item in scene.assignments:
-        if item.varies:  # A function of t is compiled with the model.
+        if item.varies:  # A function of t is no number, but part of the compiled model.
             continue
         for index, value in found.assigned(item):
             if item.name not in names:

@@ -34,13 +34,14 @@ def _started(model: Model, item: Start, index: int | None) -> str:
 def members(
     model: Model, scene: Scene, values: Values, known: Mapping[str, Column], given: Collection[str]
 ) -> Ensemble:
-    """Returns the ensemble of a scene's swarm. `known` has the quantities that may differ between
-    members and have an effect. `given` has starts that options set equally for all members."""
+    """Returns the ensemble that a scene's swarm defines. `known` has the quantities that may differ
+    between members and have an effect. `given` has the names of starts that options set to the same
+    value in all members."""
     swarm = scene.swarm
     first, last = (integer(end, values.sizes) for end in (swarm.lo, swarm.hi))
     count = np.arange(first, last + 1, dtype=float)
     starts: dict[str, tuple[Start, dict[str, int]]] = {}
-    for item in scene.starts:  # a later start overrides an earlier one
+    for item in scene.starts:  # a later statement overrides an earlier one
         for loop, index in _unrolled(item, values.sizes):
             starts[_started(model, item, index)] = item, loop
     chosen = {
@@ -77,7 +78,8 @@ def _unrolled(item: Start, sizes: Mapping[str, int]):
 
 
 class _Members(Evaluation):
-    """Evaluates expressions for all members: to arrays if the swarm's variable occurs in them."""
+    """Evaluates expressions for all members of a swarm at once. The value is an array, with an
+    element per member, if the swarm's variable occurs in the expression, else a number."""
 
     def __init__(self, model: Model, scene: Scene, values: Mapping, count: np.ndarray) -> None:
         super().__init__(values)

@@ -1,7 +1,8 @@
 """Finds the cheapest method, and its step or tolerance, for an accuracy.
 
-The answer is the cheapest measured point that keeps the accuracy, but not by luck: slightly finer
-runs keep it too (search.py measures missing points). Without such a point the answer is "none".
+A point is a run of a method at one setting. The answer is the cheapest point that keeps the
+accuracy, if runs at slightly finer settings keep it too; else the point may be lucky. search.py
+measures these finer runs. If no point qualifies, the answer is "none".
 """
 
 from __future__ import annotations
@@ -30,18 +31,19 @@ class Answer:
 
 @record
 class Beside:
-    """The fastest answers of another package for each accuracy, or `why` there are none."""
+    """The fastest answers of one other package, for each accuracy. If it has no answers, `why` is
+    the reason."""
 
     name: str
     version: str
-    takes: str  # description of its input; "" if the runtime contains its methods
+    takes: str  # description of the package's input; "" if pkgen's runtime contains its methods
     answers: tuple[Answer, ...] = ()
     why: str = ""
 
 
 def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track]]:
-    """Returns the cheapest method for every accuracy and measure of cost, and the tracks including
-    the points that the search added."""
+    """Returns the cheapest method for every accuracy and measure of cost, and the points of every
+    method (a Track each), including points that the search added."""
     search = Search(bench, tracks)
     told = [accuracy for accuracy in ACCURACIES if accuracy > 10 * bench.floor]
     try:
@@ -50,14 +52,15 @@ def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track
         for accuracy in told:
             search.time_again(accuracy)
         best = _best(search, told)
-    except KeyboardInterrupt:  # effort.left() is 0 now, so that nothing more is measured
+    except KeyboardInterrupt:  # after an interrupt effort.left() is 0: nothing more is measured
         best = _best(search, told)
     found = [_answer(search, bench.floor, *asked, point) for asked, point in best.items()]
     return found, search.tracks(told)
 
 
 def _best(search: Search, told: list[float]) -> dict[tuple[float, str], Point | None]:
-    """Returns the cheapest points. Checking them may add points that change others, so this is
+    """Returns the cheapest point for each accuracy and measure of cost. To check a point, new
+    points are measured, and a new point may be cheaper than another answer. Therefore the choice is
     repeated until no point is added."""
     count = -1
     while count != search.measured:

@@ -32,10 +32,10 @@ STEPWISE = "without dense output states on the way would cost steps of their own
 
 
 class Others(Protocol):
-    """The methods of other packages, which an add-on provides."""
+    """Solvers of other packages to compare with; an add-on implements this class."""
 
     names: tuple[str, ...]
-    methods: list[str]  # methods of the runtime
+    methods: list[str]  # methods of pkgen's runtime
 
     def measure(self, *given: Any) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]: ...
 
@@ -48,10 +48,10 @@ class Chart:
     until: float
     kind: ErrorKind
     starts: int
-    reference: Reference  # for the first start
+    reference: Reference  # the reference states of the first of the `starts` motions
     spectrum: Spectrum
-    tracks: list[Track]  # for the methods that apply
-    refused: dict[str, str]  # for each method that does not apply: the reason
+    tracks: list[Track]  # the points of each method that applies to the model
+    refused: dict[str, str]  # methods that do not apply to the model, with the reason
     answers: list[Answer]
     beside: tuple[Beside, ...] = ()  # answers of other packages
     unmeasured: tuple[str, ...] = ()  # methods and packages that an interrupt left unmeasured
@@ -62,7 +62,8 @@ class Chart:
         return f"{self.until:g} {self.unit}".rstrip()
 
     def times(self, answer: Answer) -> float | None:
-        """Returns the time of another package's answer relative to pkgen's answer, or None."""
+        """Returns the CPU time of another package's answer, divided by the CPU time of pkgen's
+        answer for the same accuracy. Returns None if one of them is missing."""
         mine = next(
             a.point for a in self.answers if (a.accuracy, a.axis) == (answer.accuracy, answer.axis)
         )
@@ -71,7 +72,7 @@ class Chart:
         return answer.point.seconds / mine.seconds
 
     def subtitle(self) -> str:
-        """Returns the parameters and nonzero initial values."""
+        """Returns the subtitle of a picture: parameters and nonzero initial values."""
         said = [f"{name} = {value:.6g} {unit}".rstrip() for name, value, unit in self.values]
         if len(said) > TITLE_PARAMETERS:
             said = [*said[:TITLE_PARAMETERS], "…"]
@@ -79,8 +80,8 @@ class Chart:
 
 
 def methods(wanted: list[str] | None, own: tuple[Own, ...] = ()) -> list[ChartedMethod]:
-    """Returns the methods named in `wanted` (None: all), of the runtime and the model's `own`.
-    Raises KeyError for an unknown name."""
+    """Returns the methods named in `wanted`, or all if it is None. The methods are those of the
+    runtime and `own`, which the user defines for the model. Raises KeyError for an unknown name."""
     known = {}
     for m in (*own_methods(own), *runtime_methods()):
         limits = m.get("limits") or {}
@@ -174,7 +175,7 @@ def measure(
 
 
 def _at(given: Settings, state: Exact) -> Settings:
-    """Returns settings that start from another state of the motion, which fulfils constraints."""
+    """Returns settings whose start is `state`, a state of the motion: it fulfils constraints."""
     q, v = state[: state.coordinates], state[state.coordinates :]
     return replace(
         given,

@@ -16,7 +16,7 @@ from .panel import FAILED, UNITS, Curve, Style, draw
 from .points import AXES, FAMILIES, Point
 
 STRONG_MOST = 10
-NAMED_MOST = 14  # with more methods, the first picture names only the strong ones
+NAMED_MOST = 14  # if there are more methods, the first picture names only the strong() ones
 LINE = 165  # characters per line of the subtitle
 FOOT = (
     "× failed, or lost: an error as large as the motion.   "
@@ -25,7 +25,8 @@ FOOT = (
 
 
 def pictures(chart: Chart, stem: Path) -> list[Path]:
-    """Writes STEM_full and STEM_families as SVG and PNG; returns their paths."""
+    """Writes two pictures as SVG and PNG: `stem` followed by _full and by _families. Returns the
+    paths of the files."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -124,7 +125,8 @@ def _answers(axes, chart: Chart, axis: str) -> None:
 
 
 def _legend(figure, strong: int) -> None:
-    """Draws a legend for curves without names; `strong` counts the others, 0: no legend."""
+    """Draws a legend for the curves without names. `strong` is the number of curves with names; if
+    it is 0, there is no legend."""
     from matplotlib.lines import Line2D
 
     if strong:
@@ -136,7 +138,8 @@ def _legend(figure, strong: int) -> None:
 
 
 def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:
-    """Adds title, parameters, footer. `bottom` and `height`: inches; gaps: relative to a panel."""
+    """Adds title, parameters and footer. `height` is that of the figure and `bottom` the space
+    below the panels, in inches; `gaps` between panels are relative to the size of a panel."""
     import textwrap
 
     width = figure.get_figwidth()

@@ -16,14 +16,15 @@ from ...system.exits import UsageError
 from .exact import Exact, difference
 
 ENERGY = "energy"
-END = 0.1  # final part of the time, over which a lead is averaged
+END = 0.1  # a lead in phase is averaged over this last fraction of the duration
 State = tuple[float, Exact]
 
 
 @record
 class ErrorKind:
-    """A kind of error: `axis` is its name in pictures, `said` its definition; `beside` says to what
-    it is relative. With `path` it needs states at equal intervals, not only the final one."""
+    """A kind of error. `axis` is its name in pictures, `said` is its definition in words, `beside`
+    says to which quantity the error is relative. If `path` is true, the error needs states at equal
+    intervals; otherwise it needs only the final state."""
 
     name: str
     axis: str
@@ -67,7 +68,8 @@ KINDS = {
 
 @record
 class Measure:
-    """Computes an error of a kind from the states of a reference at equal intervals, and scales."""
+    """Computes errors of one kind. `path` has the states of the reference at equal intervals;
+    `scales` has the magnitude of each component of a state, to which its error is relative."""
 
     kind: ErrorKind
     path: list[State]
@@ -84,7 +86,8 @@ class Measure:
         return _OF[self.kind.name](self, [state for _, state in states])
 
     def _far(self, states: list[Exact]) -> list[float]:
-        """Returns the error at each time of the reference. Raises ValueError if one is missing."""
+        """Returns the error at each time of the reference. Raises ValueError if `states` has not
+        as many states as the reference."""
         pairs = zip(states, self.path, strict=True)
         return [difference(one, other, self.scales) for one, (_, other) in pairs]
 

@@ -17,7 +17,8 @@ class Exact(list):
 
     @staticmethod
     def of(high: Iterable[float], low: Iterable[float], coordinates: int) -> Exact:
-        """Returns the sums of pairs of doubles. Raises NumericsFailed if one is not finite."""
+        """Returns a state whose components are the exact sums of a double from `high` and one from
+        `low`. Raises NumericsFailed if a double is not finite."""
         pairs = list(zip(high, low, strict=True))
         if not all(math.isfinite(x) for pair in pairs for x in pair):
             raise NumericsFailed("a state is not finite")

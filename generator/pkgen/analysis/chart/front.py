@@ -7,7 +7,8 @@ from .points import AXES, FAMILIES, PEER, Track
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:
-    """Returns the methods that are cheapest at some error, the most often cheapest first."""
+    """Returns the methods that are the cheapest for at least one of many error levels, sorted by
+    the number of levels at which they are the cheapest."""
     wins: dict[str, int] = {}
     for k in range(4, 57):
         error = 10 ** (-k / 4)
@@ -19,8 +20,8 @@ def front(tracks: list[Track], axis: str) -> list[str]:
 
 
 def strong(chart: Chart) -> list[str]:
-    """Returns the methods of the answers, then the most frequent ones of front() by each cost, then
-    the best of each family."""
+    """Returns the methods that are an answer of the chart, then the first methods of front() for
+    each measure of cost, then the best method of each family."""
     named = [a.method.name for a in chart.answers if a.method]
     own = [t for t in chart.tracks if t.method.family != PEER]
     fronts = [front(own, axis) for axis in AXES]
@@ -32,7 +33,8 @@ def strong(chart: Chart) -> list[str]:
 
 
 def drawn(chart: Chart, most: int) -> list[str]:
-    """Returns `most` methods: the first of strong(), and one for each other package."""
+    """Returns the `most` methods that a picture shows: one of each other package, and the first
+    ones of strong()."""
     peers = []
     for beside in chart.beside:
         names = [a.method.name for a in beside.answers if a.method]

@@ -13,8 +13,11 @@ PAD = 1.0  # margin around a label, in points
 # Vertical offsets of a label from its anchor, in label heights, in the order of preference. Each
 # offset is tried to the left and to the right of the anchor.
 REACH = (0.0, 0.6, -0.6, 1.1, -1.1, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.2, -4.2, 5.5, -5.5, 7, -7)
-COVERED = 0.35  # cost of each point of a curve under a label; full overlap of two labels costs 4
-FAR = 0.12  # cost of each label height of vertical distance
+# A label takes the position with the least cost. Each point of a curve under the label costs
+# COVERED, each label height of vertical distance from the anchor costs FAR. A full overlap with
+# another label costs 4.
+COVERED = 0.35
+FAR = 0.12
 
 
 @record
@@ -35,7 +38,7 @@ class _Box:
     y1: float
 
     def shared(self, other: _Box) -> float:
-        """Returns the area of the intersection of the boxes, relative to this box."""
+        """Returns the area that this box shares with the other one, relative to this box."""
         w = min(self.x1, other.x1) - max(self.x0, other.x0)
         h = min(self.y1, other.y1) - max(self.y0, other.y0)
         if w <= 0 or h <= 0:
@@ -47,8 +50,8 @@ class _Box:
 
 
 def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]]]) -> None:
-    """Writes the labels into the axes, off the `curves` if possible. Limits and layout must be
-    final."""
+    """Writes the labels into the axes, not over the `curves` if possible. The limits of the axes
+    and the layout of the figure must be final."""
     figure = axes.figure
     renderer = figure.canvas.get_renderer()
     scale = figure.dpi / 72
@@ -102,7 +105,8 @@ def _price(box: _Box, taken: list[_Box], covered: list[tuple[float, float]], roo
 
 
 def _along(transform, xs: list[float], ys: list[float]) -> list[tuple[float, float]]:
-    """Returns points along a curve in pixels, whose distance is below the size of a label."""
+    """Returns points along a curve, in pixels. Successive points are closer together than the size
+    of a label."""
     ends = [tuple(transform((x, y))) for x, y in zip(xs, ys, strict=True)]
     found = ends[:1]
     for (x0, y0), (x1, y1) in pairwise(ends):

@@ -1,8 +1,9 @@
 """Measures long runs: the drift of each constant by each fixed-step method in 10, 100, ... steps.
 
-All methods have the same step size, a fraction of the shortest period. A run of 10^k steps is an
-ordinary run, which fits the growth of the drift (pk/diagnostics.h): bounded, sqrt(t), t, t^2. Runs
-of a method end before one that would take more than the method's share of the time.
+All methods have the same step size, a fraction of the shortest period. A run of 10^k steps is like
+a run of `pkgen run`, which finds how the drift grows with time (pk/diagnostics.h): bounded, or like
+sqrt(t), t or t^2. The number of steps of a method is increased until the next run would take more
+than the method's share of the time.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ from .points import ChartedMethod
 from .reference import PRECISE, best
 from .sweep import Effort
 
-PERIOD = 32  # steps in a period of the fastest oscillation
+PERIOD = 32  # number of steps in one period of the fastest oscillation
 SAFE = 0.5  # largest step size, relative to the smallest stability limit
 DECADES = range(1, 8)
-LEAST = 0.1  # least seconds for a method
+LEAST = 0.1  # every method may take at least these seconds
 
 
 @record
@@ -42,8 +43,8 @@ class Decade:
 
 @record
 class Drifting:
-    """The runs of a method that fit in its time. For each constant, `growth` (in words) and
-    `exponents` (of t) describe the drift in the longest run."""
+    """The runs of a method within its share of the time. For each constant of motion, `growth` (in
+    words) and `exponents` (of t) describe how the drift grows with time in the longest run."""
 
     method: ChartedMethod
     decades: tuple[Decade, ...]
@@ -74,7 +75,8 @@ def measure(
     step: float | None,
     show: Show,
 ) -> Long:
-    """Measures the drifts. Raises NumericsFailed if the model has no constant or no method runs."""
+    """Measures the drifts of the model's constants of motion. Raises NumericsFailed if there is no
+    constant, or if no method can run."""
     name = compilation.model.name
     fixed = [m for m in chosen if m.fixed and "exact" not in m.flags]
     show(0.0, "compiling")
@@ -94,7 +96,7 @@ def measure(
         return Program(path, replace(settings, until=until, every=None), own)
 
     drifting, refused = [], {}
-    with suppress(KeyboardInterrupt):  # keeps the methods that are measured already
+    with suppress(KeyboardInterrupt):  # after Ctrl-C, the methods measured so far are returned
         for k, method in enumerate(fixed):
             show(k / len(fixed), method.name)
             share = effort.left() / (len(fixed) - k)

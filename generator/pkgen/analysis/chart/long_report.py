@@ -13,7 +13,7 @@ from ...plot.style import Look
 from .labels import Label, place
 from .long import Drifting, Long
 
-MOST = 6  # most lines in a panel
+MOST = 6  # largest number of methods whose drift is drawn in one panel
 HEADINGS = ("method", "constant", "steps", "largest drift", "growth")
 
 
@@ -111,8 +111,8 @@ def _figure(long: Long, look: Look):
 
 
 def _panel(axes, long: Long, constant: str, dark: bool):
-    """Draws the best method of each kind of growth, then the methods with the least drift; returns
-    a function that places the labels."""
+    """Draws the drift of MOST methods: for each kind of growth the method with the least drift,
+    then further methods with little drift. Returns a function that places the labels."""
     finite = [d for d in long.drifting if math.isfinite(d.decades[-1].drifts.get(constant, 0.0))]
     ranked = sorted(finite, key=lambda d: d.decades[-1].drifts.get(constant, math.inf))
     kinds = list({d.growth.get(constant): d for d in reversed(ranked)}.values())

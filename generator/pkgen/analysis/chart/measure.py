@@ -19,18 +19,18 @@ from .scale import divided
 
 AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
 
-# The signature of Program.point.
+# The signature of Program.point, which methods of other packages implement too.
 Measured = Callable[[ChartedMethod, float, float, float, Measure], Point]
 
 
 class Program:
-    """A compiled model in one scalar type, with settings that do not change."""
+    """The library of a model, compiled with one scalar type, and the settings of all its runs."""
 
     def __init__(self, path: Path, settings: Settings, own: tuple[Own, ...] = ()):
         self.known = known(own)
         self.library = load(path)
         self.settings = settings
-        self.peers: dict[str, Measured] = {}  # point() of methods of other packages
+        self.peers: dict[str, Measured] = {}  # replaces point(), by method of another package
 
     def run(self, method: str, setting: float, **more: object) -> Run:
         """Runs a method at a step or rtol. Raises UsageError for wrong settings."""
@@ -54,7 +54,7 @@ class Program:
         """Returns settings that contain every parameter and initial value, as doubles."""
         found = self.start
         numbers = map(float, found["parameters"])
-        lengths = [int(n) for n in found["families"]]  # 0 for a single parameter
+        lengths = [int(n) for n in found["families"]]  # lengths of families; 0: not a family
         given = [[(i, k, next(numbers)) for k in range(max(n, 1))] for i, n in enumerate(lengths)]
         return replace(
             self.settings,
@@ -71,14 +71,16 @@ class Program:
         return tuple(Shown(kind, i, "") for kind, xs in kinds for i in range(len(xs)))
 
     def states(self, done: Run) -> tuple[list[float], list[Exact]]:
-        """Returns the times and the states of a run whose columns are `state`."""
+        """Returns the times and the states in the rows of a finished run. The columns of the run
+        must be those of the property `state`."""
         high, low = done.rows(), done.rows(low=True)
         n = len(self.start["q"])
         exact = [Exact.of(x[1:], y[1:], n) for x, y in zip(high, low, strict=True)]
         return [float(x[0]) for x in high], exact
 
     def path(self, method: str, tolerance: float, count: int, cap: float) -> Run:
-        """Runs an adaptive method, with rows of the state after each of `count` equal intervals."""
+        """Runs an adaptive method. The run divides its duration into `count` equal intervals and
+        writes the state, a row of output, at the end of each."""
         until = self.settings.until
         but = {"every": until / count, "show": self.state, "rows": "land"}
         return self.run(method, tolerance, but=but, bare=1, cap=cap)
@@ -107,7 +109,7 @@ class Program:
                 states = list(zip(*self.states(seen), strict=True))
                 error = measure.of(states, seen.report)
                 fastest = done.laps(seconds)
-            else:  # the run with output rows ended early: it is reported
+            else:  # the run with output rows failed: the point describes this run
                 done = seen
         found = done.report
         return Point(

@@ -2,9 +2,10 @@
 as in Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, II.10). Points at the
 lower left are best.
 
-Failed points are crosses in a strip at the right, at their cost or the cost that they would have. A
-dotted line connects the strip with the curve at the predicted stability limit; crosses below this
-line are failures beyond the limit.
+Failed runs are crosses in a strip at the right. The height of a cross is the cost of the run, or an
+estimate if the cost is unknown. A dotted line starts at the point of the curve whose step is the
+predicted stability limit, and ends in the strip. Crosses below the dotted line are failures of
+steps beyond the limit.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from .chart import Chart
 from .labels import Label, place
 from .points import Point, Track
 
-LEAST, MOST = 1e-16, 2.0  # range of errors
+LEAST, MOST = 1e-16, 2.0  # range of errors that a panel can show
 STRIP = 100.0  # right end of the strip of failures, whose left end is MOST
 OTHER = 0.3  # opacity of points that are not on the curve
-LETTER, GAP = 0.68, 12.0  # width of a bold letter in font sizes; gap at a name, in points
+LETTER, GAP = 0.68, 12.0  # width of a bold letter, in font sizes; space beside a name, in points
 FAILED = "#8a3a10"
 UNITS = {
     "seconds": "time of one integration",
@@ -44,7 +45,8 @@ BEHIND = Style(PALE, None, False, False)
 
 @record
 class Curve:
-    """The points of a method: `measure` against cost; `limit` is its largest stable step size."""
+    """The points of a method. `measure` returns the error or drift of a point, the x coordinate;
+    `axis` is the measure of cost; `limit` is the method's largest stable step size."""
 
     track: Track
     axis: str
@@ -56,7 +58,8 @@ class Curve:
         return self.track.method.name
 
     def good(self) -> list[tuple[float, float, Point]]:
-        """Returns the points up to one after the most accurate; later errors are round-off."""
+        """Returns the points from the loosest setting to the one after the most accurate point. The
+        errors of later points are round-off."""
         good = self.track.good
         errors = [p.error or 0.0 for p in good]
         found = []
@@ -67,7 +70,8 @@ class Curve:
         return found
 
     def best(self) -> list[tuple[float, float]]:
-        """Returns the points, except lucky ones, that no other beats in both error and cost."""
+        """Returns the points of the curve: those that no other point beats in both error and cost,
+        without lucky ones (Point.lucky)."""
         found: list[tuple[float, float]] = []
         for value, cost, point in sorted(self.good(), key=lambda g: g[:2]):
             if not point.lucky and (not found or cost < found[-1][1]):
@@ -75,7 +79,8 @@ class Curve:
         return found[::-1]
 
     def failures(self) -> list[float]:
-        """Returns the costs of failed points; an unknown cost is estimated from the step size."""
+        """Returns the costs of the failed runs. If a cost is unknown, it is estimated from the step
+        size."""
         good, found = self.good(), []
         for point in (p for p in self.track.points if p.failed):
             cost = point.cost(self.axis)
@@ -87,7 +92,8 @@ class Curve:
         return found
 
     def cliff(self) -> tuple[float, float] | None:
-        """Returns the error (at most 1) and the cost at the stability limit, or None."""
+        """Returns the error (at most 1) and the cost of the method at its stability limit, or None
+        if no such point is known."""
         good = self.good()
         if self.limit is None or not good:
             return None
@@ -98,7 +104,8 @@ class Curve:
 def draw(
     axes, curves: list[Curve], styles: Mapping[str, Style], chart: Chart, failures: bool
 ) -> Callable[[], None]:
-    """Draws the curves. Returns a function that places the names, to be called after the layout."""
+    """Draws the curves. Returns a function that writes the names of the curves; it must be called
+    after the layout of the figure."""
     drawn, labels = [], []
     for curve in sorted(curves, key=lambda c: styles.get(c.name, BEHIND).strong):
         style = styles.get(curve.name, BEHIND)
@@ -131,7 +138,8 @@ def draw(
 
 
 def _room(axes, labels: list[Label], least: float, most: float) -> None:
-    """Sets the x limits so that errors and names fit. The layout must be done."""
+    """Sets the x limits so that the errors from `least` to `most` and the names of the curves fit.
+    The layout of the figure must be final."""
     from matplotlib.ticker import FixedLocator
 
     width = axes.get_window_extent().width * 72 / axes.figure.dpi
@@ -146,7 +154,8 @@ def _room(axes, labels: list[Label], least: float, most: float) -> None:
 
 
 def _others(axes, curve: Curve, style: Style) -> None:
-    """Draws in pale colour the points that are not on the curve, among them lucky ones."""
+    """Draws in pale colour the points that are not on the curve, since another point of the method
+    beats them, or since they are lucky (Point.lucky)."""
     best = {*curve.best()}
     rest = [g[:2] for g in curve.good() if g[:2] not in best]
     if rest and style is not BEHIND and style.strong:

@@ -23,12 +23,13 @@ MOST = 6  # most methods
 PALE = "Pale: runs that another of the same method beats, or that may be luck."
 SIZE = 2.8
 SPREAD = 0.35  # opacity of the bar from the least to the largest error of several starts
-LETTER, SIDES = 1.32, 18.0  # in millimetres: mean width of a letter at 7 points, both margins
-COLUMN = 120.0  # least width in millimetres of a higher picture
+# In millimetres: the mean width of a letter at 7 points, and the sum of both side margins.
+LETTER, SIDES = 1.32, 18.0
+COLUMN = 120.0  # pictures at least this wide, in millimetres, are higher than narrower ones
 
 
 def sentence(answers: Sequence[Answer]) -> str:
-    """Returns the answers for one measure of cost as a sentence, from loose to tight."""
+    """Returns the answers for one measure of cost as a sentence, from low to high accuracy."""
     told = []
     for a in answers:
         if a.method is None or a.point is None:
@@ -42,7 +43,8 @@ def sentence(answers: Sequence[Answer]) -> str:
 
 
 def picture(chart: Chart, axis: str, look: Look):
-    """Returns a figure; the style of `look` must be active. `axis` is one of UNITS."""
+    """Draws the chart and returns the figure. The style of `look` must be active. `axis`, a key of
+    UNITS, is the measure of cost."""
     from matplotlib import pyplot
 
     inches, width = look.inches, look.width
@@ -74,7 +76,8 @@ def picture(chart: Chart, axis: str, look: Look):
 
 
 def _beside(chart: Chart) -> str:
-    """Returns a sentence with the times of other packages relative to pkgen, loose to tight."""
+    """Returns a sentence with the times of other packages, relative to the time of pkgen for the
+    same accuracy, from low to high accuracy."""
     told = []
     for b in chart.beside:
         ratios = [chart.times(a) for a in b.answers]
@@ -92,5 +95,6 @@ def _spread(axes, points, axis: str, colour: str) -> None:
 
 
 def write(chart: Chart, stem: Path, look: Look, axis: str) -> list[Path]:
-    """Writes STEM.svg (which the page needs) and the other formats; returns their paths."""
+    """Writes the picture as SVG, which the HTML page needs, and in the formats of `look`. Returns
+    the paths of the files."""
     return style.written(lambda look: picture(chart, axis, look), stem, look)

@@ -6,7 +6,7 @@ from dataclasses import field
 
 from ...record import record
 
-LOST = 1.0  # relative error of a motion that is lost
+LOST = 1.0  # a run with this relative error or more has failed
 AXES = ("seconds", "work")  # measures of cost
 
 EXPLICIT = "explicit Runge–Kutta, fixed step"
@@ -33,9 +33,10 @@ FAMILIES = (
 
 @record
 class ChartedMethod:
-    """A method. `imaginary` and `real` are its stability limits on these axes, of h times the
-    eigenvalue: infinite if there is none, 0 if no step is stable, None if unknown. `peer` is a
-    package with its version, or "" for a method of the runtime."""
+    """A method. `imaginary` and `real` are its stability limits: the largest |h lambda| of a stable
+    step of size h, for an eigenvalue lambda on the imaginary or the negative real axis. They are
+    infinite if every step is stable, 0 if no step is, None if unknown. `peer` names the package
+    of the method with its version, or is "" for a method of pkgen's runtime."""
 
     name: str
     order: int
@@ -85,9 +86,9 @@ class ChartedMethod:
 
 @record
 class Point:
-    """A measured point. If the run failed, `error` and `seconds` are None. `slow`: the run was
-    stopped at the time limit, which is no failure. Counts that another package does not report are
-    None."""
+    """A measured run of a method at one setting. If the run failed, `error` and `seconds` are None.
+    If `slow` is true, the run was stopped at the time limit, which does not count as a failure.
+    Numbers of steps and evaluations are None if another package does not report them."""
 
     method: str
     setting: float
@@ -101,12 +102,12 @@ class Point:
     rejections: int | None
     evaluations: int | None
     jacobians: int | None
-    work: int | None  # evaluations; a Jacobian counts as those of its finite differences
+    work: int | None  # evaluations; a Jacobian counts as one per number of the state
     took: float  # CPU seconds of the whole measurement
     drifts: dict[str, float] = field(default_factory=dict)
     least: float | None = None  # range of errors over several starts; `error` is their median
     most: float | None = None
-    lucky: bool = False  # keeps an accuracy that slightly finer runs do not
+    lucky: bool = False  # keeps an accuracy, but slightly finer runs miss it
 
     @property
     def arrived(self) -> bool:
@@ -136,7 +137,8 @@ class Point:
         return "done" if self.good else "lost"
 
     def cost(self, axis: str) -> float | None:
-        """Returns the cost; `axis` is one of AXES, or "steps"."""
+        """Returns the cost of the run: CPU seconds, evaluations or steps, as `axis` says (one of
+        AXES, or "steps")."""
         cost = getattr(self, axis)
         return None if cost is None else float(cost)
 
@@ -153,6 +155,7 @@ class Track:
         return [p for p in self.points if p.good]
 
     def cost_at(self, error: float, axis: str) -> float | None:
-        """Returns the least cost of a point with at most this error, or None."""
+        """Returns the least cost of a point whose error is at most `error`, or None if there is no
+        such point."""
         costs = [p.cost(axis) for p in self.good if p.error is not None and p.error <= error]
         return min((c for c in costs if c is not None), default=None)

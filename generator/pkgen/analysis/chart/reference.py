@@ -1,11 +1,11 @@
 """Computes reference states beyond double precision, in __float128 (or else in long double): by
-gauss of order 16 at a tolerance near round-off, then at a looser one, and by dop853, whose step
-shares no code with gauss. The largest difference of the three runs is the reference's error. All
-use the model's C equations, which other tests check.
+gauss of order 16 at a tolerance near round-off, then at a looser one, and by dop853, an independent
+method: the C code of its step is not that of gauss. The largest difference of the three runs is the
+reference's error. All three runs use the model's C equations, which other tests check.
 
-States are compared at the ends of a hundred equal intervals. The largest magnitude of every
-coordinate and rate is the scale of errors; of a chaotic motion, the time is found until which the
-reference is valid.
+States are compared at the ends of a hundred equal intervals. Errors of a coordinate or rate are
+relative to its largest magnitude during the motion. The three runs of a chaotic motion agree only
+up to some time, after which the reference is invalid; this time is found.
 """
 
 from __future__ import annotations
@@ -24,19 +24,21 @@ from .exact import Exact, difference
 from .measure import Program
 
 TIMES = 100
-PRECISE = ("gauss", "dop853")  # methods of the reference
-MUST_AGREE = 1e-13  # largest error of a reference for a full chart
-SLOWEST = 60.0  # most CPU seconds of one integration
+PRECISE = ("gauss", "dop853")  # the methods that compute the reference
+MUST_AGREE = 1e-13  # a reference with a larger error is not good enough for a full chart
+SLOWEST = 60.0  # an integration for the reference is stopped after these CPU seconds
 
-# By scalar type: tolerances of gauss, of the second run of gauss, and of dop853. At 1e-22 dop853,
-# whose h ~ tolerance^(1/8), takes as long as gauss.
+# For each scalar type: the tolerances of the first and the second run of gauss, and of dop853. The
+# step of dop853 is proportional to tolerance^(1/8). At the tolerance 1e-22 it takes as long as the
+# runs of gauss, so a tighter tolerance would take too long.
 TOLERANCES = {"__float128": (1e-28, 1e-25, 1e-22), "long double": (1e-18, 1e-17, 1e-17)}
 
 
 @record
 class Reference:
-    """Reference states at equal intervals up to `until`. `error` is that of the last state, `worst`
-    the largest of all; until the time `holds` the error is below MUST_AGREE."""
+    """Reference states at equal intervals, in `path`. `error` is the error of the last state,
+    `worst` is the largest error of any state. Up to the time `holds` errors are below MUST_AGREE.
+    """
 
     path: list[State]
     scales: list[float]
@@ -80,14 +82,15 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
 
 
 def best(structure: Facts) -> str:
-    """Returns the method for the tightest runs: gauss is invalid if there are kinks."""
+    """Returns the method for the tightest runs. It is gauss, or dop853 if the equations have kinks,
+    at which gauss is inaccurate."""
     return "gauss" if structure.smooth_in_pieces else "dop853"
 
 
 def _agree(program: Program, scalar: str, method: str) -> Reference:
     tight, loose, other = TOLERANCES[scalar]
     runs = [(method, tight), (method, loose), ("dop853", other)]
-    if method == "dop853":  # dop853 is compared with itself
+    if method == "dop853":  # the third run would repeat the first method
         runs = [(method, other), (method, other * 100)]
     paths = [_path(program, *run) for run in runs]
     exact, checks = paths[0], paths[1:]

@@ -1,11 +1,12 @@
-"""Steps and tolerances of methods, as charts and the choice by `accuracy` try them."""
+"""Computes the steps and tolerances that are tried in charts, and in the choice of a method for
+`accuracy` in a scene."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-ROUNDING = 1e-12  # tolerance on a quotient that should be an integer
+ROUNDING = 1e-12  # rounding error of a quotient that should be an integer
 
 
 def pieces(interval: float, step: float) -> int:
@@ -14,7 +15,8 @@ def pieces(interval: float, step: float) -> int:
 
 
 def divided(interval: float, step: float) -> float:
-    """Returns the step, shortened so that it divides the interval, as in a run."""
+    """Returns the step, shortened so that a whole number of steps fills the interval. `pkgen run`
+    does the same."""
     return interval / pieces(interval, step)
 
 
@@ -24,6 +26,7 @@ def slope(one: Any, other: Any) -> float:
 
 
 def two_digits(tolerance: float) -> float:
-    """Rounds a tolerance down to two significant digits, below 1: a run takes no larger one."""
+    """Rounds a tolerance down to two significant digits, and to at most 0.99, since `pkgen run`
+    refuses tolerances of 1 or more."""
     size = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
     return min(float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}"), 0.99)

@@ -1,8 +1,9 @@
 """Finds the loosest settings that keep an accuracy, between the points of a sweep.
 
-A point keeps an accuracy by luck if a slightly finer run does not: its error passes through zero
-there, or is round-off that happens to be small. Therefore each possible answer is measured again at
-FINER times its setting; other measured points in this range count too.
+A point is a run of a method at one setting. It keeps an accuracy by luck if a slightly finer run
+does not: the error may change its sign near the setting, or may be round-off that happens to be
+small. Therefore the method of each possible answer is also run at FINER times its setting. Other
+measured points in this range of settings count too.
 """
 
 from __future__ import annotations
@@ -16,16 +17,19 @@ from .points import AXES, ChartedMethod, Point, Track
 from .scale import ROUNDING, divided, two_digits
 from .sweep import TIGHTEST, Bench
 
-FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # factors on a step, on a tolerance
+# Factors on the setting of a point: True: on a fixed step size, False: on a tolerance.
+FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}
 LOOSER = {True: (1.06, 1.12, 1.18, 1.25), False: (1.8, 3.2, 6.0, 10.0)}
-TRIALS = 12  # most trials between two points
-NEAR = 1.03  # least ratio of costs that is worth a trial
+TRIALS = 12  # largest number of trials to find the loosest setting of a method for an accuracy
+NEAR = 1.03  # a trial must promise to be cheaper than the best point by this factor
 AIM = 0.8  # intended error of a trial, relative to the accuracy
-INNER = (0.25, 0.75)  # bounds on a trial between the looser (0) and the tighter point (1)
-COARSER, FALLING = 1.2, 0.7  # errors fall if a setting COARSER times finer reduces them by FALLING
-FOREMOST = 3  # most methods measured in one round of _go_on()
-UNSEEN = 1e-2  # intended reduction of an error that is not known
-ROUNDS, TIMED = 3, 1.5  # rounds of timing, for points within TIMED times the fastest
+# Bounds on the setting of a trial, between those of the looser point (0) and the tighter point (1).
+INNER = (0.25, 0.75)
+# Errors of a method still fall if a setting finer by COARSER multiplies them by less than FALLING.
+COARSER, FALLING = 1.2, 0.7
+FOREMOST = 3  # largest number of methods that are measured in one round of _go_on()
+UNSEEN = 1e-2  # if the error of a method is unknown: intended ratio of the next to the last error
+ROUNDS, TIMED = 3, 1.5  # rounds of timing; points within TIMED times the fastest take part
 
 
 class Search:
@@ -45,7 +49,8 @@ class Search:
         return [p for points in self.points.values() for p in points if p.good]
 
     def tracks(self, accuracies: list[float]) -> list[Track]:
-        """Returns the tracks; a point that is cheaper than the answer for its accuracy is lucky."""
+        """Returns the points of every method (a Track each). A point that keeps an accuracy, but is
+        cheaper than the answer for it, was rejected as an answer and is marked as lucky."""
         best = {(a, x): self.cheapest(a, x) for a in accuracies for x in AXES}
 
         def lucky(p: Point) -> bool:
@@ -77,7 +82,7 @@ class Search:
                 return False
         if any(self._within(method, bounds[-1], point.setting)):
             return True
-        tighter = self._within(method, 0.0, point.setting)  # used if no time is left to measure
+        tighter = self._within(method, 0.0, point.setting)  # for want of finer runs
         return not tighter or _met(tighter[0], accuracy)
 
     def refine(self, accuracy: float) -> None:
@@ -92,8 +97,9 @@ class Search:
                 self._close_in(method, accuracy, axis)
 
     def unmeasured(self, accuracy: float, axis: str) -> tuple[str, ...]:
-        """Returns, once the time is up, methods that may be cheaper: those of _ahead(), and those
-        with an untried setting between two points, the looser of which misses the accuracy."""
+        """Returns the methods that may be cheaper than the answer, but were not measured since the
+        time is up: the methods of _ahead(), and methods with an untried setting between a point
+        that keeps the accuracy and a looser point that misses it."""
         if self.left > 0:
             return ()
         best = _cost(self.cheapest(accuracy, axis), axis)
@@ -142,8 +148,9 @@ class Search:
     def _looser(
         self, method: ChartedMethod, tight: Point, accuracy: float, best: float, axis: str
     ) -> bool:
-        """Measures points LOOSER than `tight`, since errors of long steps need not be monotonic: a
-        point may keep the accuracy beyond one that misses it. Returns whether one does."""
+        """Measures points at LOOSER times the setting of `tight`. Errors of long steps need not be
+        monotonic, so a looser point may keep the accuracy although a point between the two misses
+        it. Returns whether one of the measured points keeps the accuracy."""
         found = False
         for part in LOOSER[method.fixed] if _cost(tight, axis) < LOOSER[True][-1] * best else ():
             setting = tight.setting * part
@@ -153,14 +160,15 @@ class Search:
         return found
 
     def _go_on(self, accuracy: float, axis: str) -> bool:
-        """Measures the first methods of _ahead(); returns whether it measured any."""
+        """Measures the next point of the first methods of _ahead(). Returns whether there was such
+        a method."""
         able = self._ahead(accuracy, axis)[:FOREMOST]
         return any([self._measure(method, setting) for _, method, setting in able])
 
     def _ahead(self, accuracy: float, axis: str) -> list[tuple[float, ChartedMethod, float]]:
-        """Returns methods that may be cheaper than the cheapest one for this accuracy, and whose
-        sweep ended before it while errors still fell: forecast cost, method, and the setting to try
-        next."""
+        """Returns methods that may be cheaper than the cheapest one for this accuracy. Their sweep
+        ended before it reached the accuracy, while errors still fell. Each element has the forecast
+        cost, the method, and the setting to try next."""
         best = _cost(self.cheapest(accuracy, axis), axis)
         ahead = []
         for name, method in self.methods.items():
@@ -177,7 +185,7 @@ class Search:
                 continue
             order = max(1, method.order)
             share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER) if good else UNSEEN
-            finer = share ** (1 / order)  # factor on the step size
+            finer = share ** (1 / order)  # factor from the last step size to the next one
             setting = divided(self.bench.until, last.setting * finer)
             if not method.fixed:
                 setting = max(two_digits(last.setting * share), TIGHTEST)
@@ -217,7 +225,8 @@ class Search:
                 yield until / max(whole + k, round(whole / part))
 
     def _within(self, method: ChartedMethod, low: float, high: float) -> list[Point]:
-        """Returns points that ran, with low <= setting < high, from loose to tight."""
+        """Returns the points with low <= setting < high, from loose to tight, without refused runs
+        and runs stopped at the time limit."""
         return [
             p
             for p in self.points[method.name]
@@ -230,7 +239,8 @@ class Search:
         return next((p for p in points if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
 
     def _measure(self, method: ChartedMethod, setting: float, again: bool = False) -> Point | None:
-        """Returns a new point; None if it is already known or unusable, or if the time is up."""
+        """Measures a method at a setting and returns the point. Returns None if the point is
+        already known, if it cannot be used, or if the time is up."""
         known, old = self.points[method.name], self._known(method.name, setting)
         if self.left <= 0 or (old is not None and not again):
             return None

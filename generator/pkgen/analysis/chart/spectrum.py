@@ -1,15 +1,18 @@
 """Frequencies along a motion, from which stability limits of fixed-step methods follow.
 
-Near a state the equations of motion linearise to y' = J y, with J = [[0, 1], [da/dq, da/dv]]. A
-method is stable if h times each eigenvalue of J lies in its region of stability; the ends of this
-region on the imaginary and real axes are known (`pkgen methods`). Let omega be the largest
-imaginary part of an eigenvalue at any of many times, and rho the largest -(real part) of a real
-eigenvalue (only in dissipative systems; in others it is a saddle that the motion passes). Then
+Let a(q, v) be the accelerations. Near a state of the motion, a displacement y = (dq, dv) obeys the
+linearised equations y' = J y, with J = [[0, 1], [da/dq, da/dv]]. A method with the step size h is
+stable if h times each eigenvalue of J lies in the method's region of stability. The ends
+y_imaginary and y_real of this region, on the imaginary and the negative real axis, are known
+(`pkgen methods`). J is computed at many times of the motion. Let omega be the largest imaginary
+part of its eigenvalues. Let rho be the fastest decay: the largest -(real part) of a real
+eigenvalue, in dissipative systems only (in others a negative eigenvalue belongs to a saddle that
+the motion passes). Then
 
     h_limit = min(y_imaginary / omega, y_real / rho).
 
-For a nonlinear motion this is only a guide: the motion is fastest for part of its time. Reference:
-E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2.
+For a nonlinear motion this limit is only a guide, since the motion is fastest for a part of its
+duration. Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2.
 """
 
 from __future__ import annotations
@@ -28,7 +31,8 @@ DAMPED = 1e-6  # an eigenvalue with a relative imaginary part below this counts 
 
 @record
 class Spectrum:
-    """The fastest oscillation and decay of the motion up to `until`, per unit of time; 0: none."""
+    """The largest angular frequency `omega` and the largest decay rate `rho` along the motion up to
+    the time `until`, per unit of time. Each is 0 if the motion does not oscillate or decay."""
 
     omega: float
     rho: float
@@ -39,7 +43,8 @@ class Spectrum:
         return max(self.omega, self.rho) or 1.0 / self.until
 
     def limit(self, method: ChartedMethod) -> float | None:
-        """Returns the step at which a fixed-step method becomes unstable; None if none is known."""
+        """Returns the step size at which a fixed-step method becomes unstable; None if no limit is
+        known."""
         if not method.fixed:
             return None
         limits = [

@@ -20,20 +20,23 @@ from .points import ChartedMethod, Point, Track
 from .scale import pieces, slope
 from .spectrum import Spectrum
 
-# Most points of a method, seconds to time a point, seconds for all except drawing.
+# A full and a quick chart: the largest number of points of a method, the seconds in which a point
+# is timed by repetitions, the seconds for everything except drawing.
 FULL, QUICK = (16, 0.03, 55.0), (9, 0.004, 10.0)
 SWEPT = 2 / 3  # fraction of the time for the sweep; the rest is for search.py
-LEAST = 0.25  # least fraction of the time that remains after the reference
+LEAST = 0.25  # fraction of the time that measurements get even if the reference took it all
 LOOSEST, TIGHTEST = 1e-2, 1e-14  # range of tolerances
-DECADES = 14.0  # ratio of the first to the last error, in decades, if a method has all points
-FINER = (1.12, 4.0)  # bounds on the ratio of successive steps
-UNKNOWN = 1.4  # ratio of steps after a failed step
-PAST_LIMIT = 1.5  # first step in units of the stability limit; if none, see LONGEST
-LONGEST = 3.0  # first step in radians of the fastest oscillation, or the order if larger
-ANSWER = 1e-3  # largest error of a first step that may already be an answer
-LONGER = 3  # factor to longer steps than the first, if it may be an answer
+DECADES = 14.0  # the points of a method should reduce its error by this many powers of ten
+FINER = (1.12, 4.0)  # bounds on the ratio of a step size to the next shorter one
+UNKNOWN = 1.4  # this ratio if the run with the longer step failed, so that its error is unknown
+PAST_LIMIT = 1.5  # the first step size, in units of the method's stability limit, if it has one
+# Else the first step is so long that the fastest oscillation advances by this angle in radians, or
+# by the order of the method if that is larger.
+LONGEST = 3.0
+ANSWER = 1e-3  # if the first step has a smaller error, it may be an answer: longer steps are tried
+LONGER = 3  # factor from a step size to the next longer one in this case
 ROUND_OFF = 3e-16
-EASED = 1e-8  # errors below this that no longer fall are round-off
+EASED = 1e-8  # an error below this that no longer falls with the step is round-off
 
 
 def processor() -> float:
@@ -51,11 +54,12 @@ class Effort:
     began: float = field(default_factory=lambda: processor())
 
     def rest(self) -> Effort:
-        """Returns the remaining effort, but at least LEAST of it all: references may take long."""
+        """Returns the effort that remains after the reference was computed: the seconds left, but
+        at least the fraction LEAST of all seconds, since a reference may take long."""
         return Effort(self.points, self.lap_seconds, max(self.left(), LEAST * self.seconds))
 
     def left(self, part: float = 1.0) -> float:
-        """Returns the seconds left of the fraction `part` of the time; 0 after an interrupt."""
+        """Returns the seconds until the fraction `part` of the time is used, or 0 after Ctrl-C."""
         if children.ended():
             return 0.0
         return max(0.0, part * self.seconds - (processor() - self.began))
@@ -68,11 +72,12 @@ class Effort:
 
 @record
 class Bench:
-    """The setup of a measurement: a program and a measure for each start. The error of a point is
-    the median over the starts, its time that from the first start."""
+    """The setup of measurements: a program and a measure of errors for each start of the motion.
+    The error of a point is the median of its errors from all starts. The time of a point is that of
+    the run from the first start."""
 
     starts: list[tuple[Program, Measure]]
-    floor: float  # error of the reference
+    floor: float  # error of the reference; smaller errors cannot be measured
     until: float
     effort: Effort
 
@@ -85,7 +90,7 @@ class Bench:
         if not others or first.refused or first.slow:
             return first
         points = [first, *(p.point(method, setting, 0.0, cap, m) for p, m in others)]
-        if any(p.slow for p in points):  # the median is unknown in this case
+        if any(p.slow for p in points):  # a run without an error: no median is known
             return replace(first, slow=True, error=None, took=sum(p.took for p in points))
         errors = sorted(math.inf if p.error is None else p.error for p in points)
         median = statistics.median(errors)
@@ -102,9 +107,10 @@ class Bench:
 
 
 class Steps:
-    """Steps that divide the duration. The first is beyond the stability limit or, without a limit,
-    so long that an oscillation has few steps. Each further step is chosen to reduce the error by an
-    equal share of DECADES, by extrapolation of the last two errors."""
+    """The step sizes of a sweep, which divide the duration into equal steps. The first step size is
+    beyond the stability limit or, without a limit, so long that an oscillation has few steps. Each
+    further step size is extrapolated from the last two errors, such that every point reduces the
+    error by the same number of decades (DECADES in all)."""
 
     def __init__(self, method: ChartedMethod, spectrum: Spectrum, count: int):
         limit = spectrum.limit(method)
@@ -145,8 +151,8 @@ def measure(
     spectrum: Spectrum,
     on_progress: Callable[[str], None],
 ) -> list[Track]:
-    """Returns the points of all methods; of a refused method, one point. After an interrupt it
-    returns the points measured so far."""
+    """Returns the points of all methods. A method that the runtime refuses has one point, which
+    says why. After an interrupt, the points measured so far are returned."""
     kept: dict[str, list[Point]] = {}
     with suppress(KeyboardInterrupt):
         for k, method in enumerate(methods):
@@ -163,7 +169,7 @@ def _sweep(
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
     end = processor() + share
-    lap = share / (3 * count)  # limits the timing of loose points, so that tight ones have time
+    lap = share / (3 * count)  # limits repetitions of loose points, to leave time for tight points
     while len(points) < count:
         left = end - processor()
         # A point takes at least two integrations, and a tighter one takes longer.
@@ -181,8 +187,9 @@ def _sweep(
 def _longer(
     bench: Bench, method: ChartedMethod, plan: Steps, cap: float, lap: float, points: list[Point]
 ) -> None:
-    """While the first step may already be an answer, inserts longer steps before it: an exact
-    method allows any step on a linear system."""
+    """Inserts points with longer steps before the first point, as long as the first point is so
+    accurate that it may be an answer. For example, an exact method takes any step on a linear
+    system."""
     whole = plan.whole
     while whole > 1 and points[0].good and (points[0].error or 0) < ANSWER:
         whole = max(1, whole // LONGER)
@@ -190,7 +197,8 @@ def _longer(
 
 
 def _at_round_off(points: list[Point], floor: float) -> bool:
-    """Whether the last error is near the reference's, or the last two no longer fall."""
+    """Whether the last error is near the error of the reference, or the last two errors are no
+    longer smaller than earlier ones."""
     errors = [p.error for p in points if p.good]
     if errors and errors[-1] < max(ROUND_OFF, 2 * floor):
         return True

@@ -69,7 +69,8 @@ def unmeasured(chart: Chart) -> list[str]:
 
 
 def _exact(track: Track) -> bool:
-    """Whether the method is exact up to round-off on this motion, such as a uniform one."""
+    """Whether the method is exact up to round-off on the motion of the chart. Many methods are
+    exact on a uniform motion, for example."""
     return all(p.error is not None and p.error < EXACT for p in track.good)
 
 
@@ -109,7 +110,7 @@ def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
 
 
 def how_beside(chart: Chart) -> list[str]:
-    """Describes the input of the other packages."""
+    """Describes which function each other package calls to evaluate the model."""
     given = [f"{b.name} calls {b.takes}" for b in chart.beside if b.takes]
     return given and [
         "other packages: one call of each one's Python API, what it compiles compiled before; "
@@ -143,7 +144,8 @@ def report(chart: Chart, model: str, given: list[str]) -> str:
 
 
 def _lined(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    """Aligns columns; a row without a setting ends with a sentence in its third cell."""
+    """Returns the rows as lines with aligned columns. A row whose setting, the fourth cell, is ""
+    has a sentence in the third cell and no further cells."""
     rows = [headings, *rows]
     told = [r for r in rows if r[3] or r is headings]
     widths = [max(len(row[i]) for row in told) for i in range(len(headings))]

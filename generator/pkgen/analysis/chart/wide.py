@@ -22,7 +22,8 @@ PROBE = "#include {}\nint main(int n, char **x) {{ return x && {}(n) < 0; }}\n"
 
 
 def precise_tools(scalar: str) -> Toolchain | None:
-    """Returns a compiler that has the type, with flags; None if no compiler here has it."""
+    """Returns a C compiler that supports the scalar type, with its flags; None if no installed
+    compiler supports the type."""
     macro, libraries, header, function = TYPES[scalar]
     flags = ("-O2", "-ffp-contract=off", "-std=gnu11", macro)
     own = replace(find_toolchain(), flags=flags, gsl_cflags=None, gsl_libs=libraries)
@@ -41,9 +42,9 @@ def precise_tools(scalar: str) -> Toolchain | None:
 def library(
     files: dict[str, str], name: str, able: Sequence[str], types: Iterable[str] = TYPES
 ) -> tuple[Path, str] | None:
-    """Returns the library of a model with the methods `able`, in the first type that a compiler
-    has, and this type; None if there is none. Raises BuildError if the model fails to compile or
-    link."""
+    """Compiles a model and the methods `able` in the first of `types` that a C compiler supports.
+    Returns the path of the library and the type, or None if no type is supported. Raises BuildError
+    if the model fails to compile or link."""
     for scalar in types:
         if tools := precise_tools(scalar):
             return build_library(files, name, able=able, tools=tools), scalar

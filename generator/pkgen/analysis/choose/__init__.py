@@ -1,10 +1,11 @@
-"""`accuracy` in a scene: the method and its step or tolerance that keep it at the least cost.
+"""Finds the method, with its step or tolerance, that keeps the `accuracy` of a scene at the least
+cost.
 
 trials      runs of the scene, made and measured in C
-reference   the motion by the tightest runs, and its error
+reference   the motion as computed by the tightest runs, and the error of these runs
 candidates  the table of methods that are tried
-search      the loosest setting of a method that keeps the accuracy
-race        the cheapest candidate at these settings
+search      the loosest setting (step or tolerance) of one method that keeps the accuracy
+race        the cheapest candidate, if each has its loosest setting
 whole       checks a choice, made on the first part of a scene, over the whole scene
 choose      the whole procedure, from a `Task` to a `Choice`
 prepared    the program that runs the trials

@@ -1,8 +1,9 @@
-"""The methods that are tried on a scene, with reasons: each is among the cheapest on some scene of
-the test set if all methods are tried (docs/accuracy.md).
+"""The table of the methods that are tried on a scene, with reasons. All methods were run on a set
+of test scenes (docs/accuracy.md); each method of the table is among the cheapest on one of them.
 
-The runtime knows the requirements of a method; further facts in the table make it worth a trial. If
-two methods cost the same, the first is chosen, so simpler methods come first.
+The runtime knows which systems a method can integrate. The table adds the facts of a system with
+which a trial of the method is worth its time. If two methods cost the same, the first in the table
+is chosen, so simpler methods come first.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from .trials import DENSE, LAND
 
 @record
 class CandidateRow:
-    """A row of TABLE. `if_` and `if_not` are facts of a system (enum pk_fact)."""
+    """A row of TABLE. The method is tried on systems that have all facts of `if_` and no fact of
+    `if_not` (names of enum pk_fact)."""
 
     method: str
     rows: str

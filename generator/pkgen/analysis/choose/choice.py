@@ -12,7 +12,8 @@ from .search import Found
 
 @record
 class GivenUp:
-    """A trial of a whole scene that was stopped at time t, after `seconds`, before `until`."""
+    """A trial of a whole scene that took `seconds` and was stopped. It had reached the time t of
+    the motion, and should have reached `until`."""
 
     t: float
     seconds: float
@@ -21,7 +22,8 @@ class GivenUp:
 
 @record
 class Choice:
-    """A choice. `expected` is the error of the run itself, relative to a tighter run."""
+    """A choice. `expected` is the expected error of the run with the chosen method and setting, as
+    measured against a tighter run."""
 
     accuracy: float
     method: str
@@ -29,28 +31,29 @@ class Choice:
     setting: float
     fixed: bool
     expected: float
-    horizon: float | None  # time until which the accuracy is kept; None: to the end
+    horizon: float | None  # the accuracy is kept until this time; None: to the end
     check: Check
     found: tuple[Found, ...]
     seconds: float  # CPU seconds of all trials
     run_seconds: float  # CPU seconds that the run is expected to take
-    without: bool  # no event occurs: only start and end are compared
+    without: bool  # rows are at an event that never occurs: only start and end are compared
     max_step: float | None = None
     given_up: GivenUp | None = None  # set if only the first part of the scene was tried
     compiled_for: tuple[str, ...] = ()
     compile_seconds: float = 0.0
-    left_out: tuple[str, ...] = ()  # columns that are zero except for errors
-    unsure: tuple[str, ...] = ()  # expectations of quantities smaller than their errors
-    sampled: int = 0  # number of members tried, if an ensemble
+    left_out: tuple[str, ...] = ()  # columns not compared: exactly 0 but for numerical errors
+    unsure: tuple[str, ...] = ()  # expected quantities smaller than their errors
+    sampled: int = 0  # number of ensemble members that were tried
     of: tuple[str, ...] = ()  # the coordinates of a block; empty: all coordinates
 
     @property
     def kind(self) -> str:
-        """Returns the name of the setting."""
+        """Returns the name of the option that the setting is for: "step" or "rtol"."""
         return "step" if self.fixed else "rtol"
 
     def settings(self, given: Settings) -> Settings:
-        """Returns the settings of a run by the program that ran the trials."""
+        """Returns `given` with the chosen method and setting, for a run by the same program that
+        ran the trials."""
         given = replace(given, method=self.method, rows=self.rows, compiled_for=self.compiled_for)
         if self.fixed:
             return replace(given, step=self.setting)

@@ -1,15 +1,18 @@
-"""`accuracy` in a scene: chooses the method and its step or tolerance that keep it at the least
+"""Chooses the method, with its step or tolerance, that keeps the `accuracy` of a scene at the least
 cost.
 
-1. A reference is computed (reference.py) for the scene, or for its first part if that takes long.
-2. The loosest setting of each candidate (candidates.py) is found that keeps it (search.py).
-3. The cheapest ones are timed; of equal ones the first in the table is chosen (race.py).
-4. If only a part was tried, the choice is compared over the whole scene with a tighter run, and
-   its setting is tightened until it keeps the accuracy (whole.py).
+1. A reference run is computed (reference.py) for the whole scene, or for its first part if the
+   whole takes long.
+2. The loosest setting that keeps the accuracy is found for each candidate method (candidates.py,
+   search.py).
+3. The cheapest candidates are timed. If several cost the same, the first in the table of candidates
+   is chosen (race.py).
+4. If only the first part was tried, a run of the whole scene with the choice is compared with a
+   tighter run. The setting of the choice is tightened until it keeps the accuracy (whole.py).
 
-If round-off prevents the accuracy (a chaotic motion, or a very tight accuracy), the reference is
-the choice, with the time until which it is valid. If no method reaches the end, the reference is
-run to report the reason.
+If round-off prevents the accuracy (a chaotic motion, or a very tight accuracy), the choice is the
+method and setting of the reference, with the time until which they keep the accuracy. If no method
+reaches the end of the scene, the reference method is run, so that it reports the reason.
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ from .reference import FLOOR, Check, Task
 from .search import Found
 from .whole import SECONDS, Kept, TooLong, Whole
 
-REFERENCE_SECONDS = 0.03  # CPU seconds of a reference; for longer ones only a part is tried
+REFERENCE_SECONDS = 0.03  # if a reference takes longer, only the first part of the scene is tried
 
 
 def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
@@ -71,7 +74,8 @@ def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
 
 
 def _farthest(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
-    """Returns the run that keeps the accuracy for longest, or that of the reference's method."""
+    """Returns the trial that keeps the accuracy for the longest time, among all trials so far and
+    another run of the reference's method."""
     exact, own = check.exact, alone(check.method)
     how = {"accuracy": asked.accuracy, "every": check.every, "max_step": exact.max_step}
     again = asked.trials.attempt(exact.method, exact.setting, exact.rows, check.span, **how)
@@ -89,7 +93,7 @@ def _choice(asked: Task, check: Check, kept: Kept, found: Sequence[Found]) -> Ch
         rows=candidate.rows,
         setting=trial.setting,
         fixed=candidate.method.fixed,
-        expected=max(trial.error, check.floor),  # errors below the floor cannot be measured
+        expected=max(trial.error, check.floor),  # an error below that of the reference is unknown
         horizon=kept.horizon,
         check=check,
         found=tuple(found),

@@ -62,21 +62,22 @@ def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
 
 
 def _all(compilation: Compilation) -> list[Shown]:
-    """Returns all columns of rows, also those of large families."""
+    """Returns all columns that rows can have, also every member of a large family."""
     shown = Values(compilation).shown
     return [shown(quantity.name) for quantity in columns(compilation, listed=sys.maxsize)[1:]]
 
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:
-    """Returns the choice for a block, from trials of this block, with its recorded columns; steps
-    of blocks must end at rows."""
+    """Returns the choice for a block of coordinates. The block is run alone in trials, which
+    compare its recorded columns. Steps of blocks must end at the times of rows."""
     prepared = Prepared.of(compilation.files, part.name, part.structure, land=True)
     found = prepared.choose(alone(part, settings), settings.accuracy)
     return replace(found, of=tuple(q.name for q in part.equations.coordinates))
 
 
 def alone(part: CompiledPart, settings: Settings) -> Settings:
-    """Returns the settings with indices of coordinates in the block; those of parameters stay."""
+    """Returns the settings of a run of the block alone: indices of coordinates in the model become
+    indices in the block. Indices of parameters are the same in both."""
     place = {whole: k for k, whole in enumerate(part.coordinates)}
 
     def mine(starts: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:

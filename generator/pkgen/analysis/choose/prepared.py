@@ -20,7 +20,7 @@ from .choose import choose
 from .reference import Task
 from .trials import LAND, Trials
 
-WIDE = 63  # least mantissa bits of a type that is wider than double
+WIDE = 63  # a type with fewer mantissa bits does not count as wider than double
 
 
 @record
@@ -29,7 +29,7 @@ class Prepared:
     files: dict[str, str]
     name: str
     methods: tuple[str, ...]  # methods whose steps are inlined
-    seconds: float  # duration of its compilation
+    seconds: float  # how long the compilation took
     able: tuple[Candidate, ...]
     exact: tuple[str, ...]
     damped: bool
@@ -39,9 +39,10 @@ class Prepared:
     def of(
         files: dict[str, str], name: str, structure: object, *, land: bool, events: bool = False
     ) -> Prepared:
-        """Compiles the program. `land`: only methods whose steps end at rows. Raises BuildError."""
+        """Compiles the program. With `land`, it has only methods whose steps end at the times of
+        rows. Raises BuildError."""
         began = time.perf_counter()
-        able = candidates(structure, all_methods(None))  # this compiles the runtime
+        able = candidates(structure, all_methods(None))  # compiles the runtime
         methods = tuple(dict.fromkeys(c.name for c in able))
         exact = reference.methods(structure, events)
         program = build_library(files, name, *methods, able=("gauss", *exact))
@@ -74,7 +75,8 @@ class Prepared:
         return replace(choose(asked), compile_seconds=self.seconds)
 
     def _precise(self, trials: Trials) -> Trials | None:
-        """Returns trials in a wider type, from the same start; None if there is no such type."""
+        """Returns trials in a scalar type wider than double, from the same start; None if no
+        compiler supports such a type."""
         quick = numpy.finfo(numpy.longdouble).nmant >= WIDE
         types = ["long double" if quick else "__float128"]
         found = wide.library(self.files, self.name, ("gauss", *self.exact), types)

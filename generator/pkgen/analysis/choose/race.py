@@ -12,15 +12,19 @@ from .reference import Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-MARGIN = 0.98  # largest (error + 2 floor)/accuracy of a trial; the run reproduces its trial
-LEAST_CAP = 0.004  # seconds; shorter trials are never stopped
-SLOWER = 1.3  # the search of a candidate stops at this many times the least cost
-NEAR = (3.0, 1.3, 1.3)  # rounds of timing: candidates within these times the least cost
+# A trial keeps the accuracy if its error, plus twice the error of the reference, is at most MARGIN
+# times the accuracy. The later run reproduces its trial, so the margin may be small.
+MARGIN = 0.98
+LEAST_CAP = 0.004  # a trial is never stopped before this many seconds
+SLOWER = 1.3  # a candidate is given up if it costs this many times as much as the cheapest so far
+# Candidates are timed in three rounds. A candidate takes part in a round if its cost is at most
+# this many times the least cost.
+NEAR = (3.0, 1.3, 1.3)
 TIE = 1.05
-# First fixed step, if rows are farther apart, in units of the reference's mean step: after a
-# reference by gauss, whose steps are nearly the longest possible; after other references.
+# The first fixed step to try is the time between rows or, if shorter, this many mean steps of the
+# reference: FIRST if the reference is by gauss, whose steps are long, else FIRST_OF_MANY.
 FIRST, FIRST_OF_MANY = 4, 30
-LAPS = 0.002  # seconds to time a run
+LAPS = 0.002  # a run is repeated for these seconds to measure its time
 
 
 class Race:
@@ -34,7 +38,7 @@ class Race:
         aim, every = MARGIN * asked.accuracy - 2 * check.floor, check.every or asked.every
         found, first = [], FIRST if check.method == "gauss" else FIRST_OF_MANY
         stride = first * check.span / max(check.exact.steps, 1)
-        # The reference's method runs first: its time limits the time of the others.
+        # The method of the reference runs first: its time limits that of the other candidates.
         for candidate in sorted(self._able(), key=lambda c: c.name != check.method):
             accuracy = aim / growth(asked, check, "symplectic" in candidate.method.flags)
             start = min(every, stride) if candidate.method.fixed else accuracy
@@ -46,8 +50,9 @@ class Race:
         return sorted(found, key=lambda f: asked.able.index(f.candidate))
 
     def _able(self) -> list[Candidate]:
-        """Returns the candidates to run. If only a part is tried and round-off prevents the
-        accuracy, errors of the energy dominate afterwards, so only symplectic methods are run."""
+        """Returns the candidates to run. If only the first part of the scene is tried and round-off
+        prevents the accuracy, energy errors dominate after this part. Then only symplectic methods
+        are run, whose energy errors stay bounded."""
         steady = self.check.steady(self.asked) and self.check.span < self.asked.until
         able = [c for c in self.asked.able if not steady or "symplectic" in c.method.flags]
         return able or list(self.asked.able)
@@ -59,8 +64,9 @@ class Race:
         return self.asked.trials.attempt(*run, **how)
 
     def cheapest(self, kept: list[Found]) -> Found:
-        """Returns the first candidate that costs about as little as the cheapest. Nearly cheapest
-        ones are timed again in turns, since the first run of each has cold caches."""
+        """Returns the first candidate in the table that costs about as little as the cheapest one.
+        Candidates near the least cost are timed again in turns, since the first run of a candidate
+        has cold caches."""
         seconds = {id(f): f.kept.seconds for f in kept}
         near = kept
         for times in NEAR:

@@ -1,10 +1,11 @@
-"""Computes the reference of a scene, by the tightest runs of the scene's own program, and its
-error.
+"""Computes the reference of a scene, a run at the tightest setting, and its error. The program of
+the trials makes all runs.
 
-Two runs of one method at tolerances near round-off differ by the effect of round-off on the motion,
-which every run in double precision has; a method of another family shows whether both are wrong
-(like gauss across a kink). The smaller of the two differences is the reference's error. Linear
-equations have an exact flow: the two runs then take one and two steps per row.
+Two runs of one method at different tolerances near round-off differ by the effect of round-off on
+the motion, which every run in double precision has. A third run, by a method of another family,
+shows whether both runs are wrong, as those of gauss across a kink. The reference is compared with
+the other two runs; the smaller difference is its error. Linear equations have an exact flow: then
+the first two runs take one step and two steps per row.
 """
 
 from __future__ import annotations
@@ -17,28 +18,34 @@ from .candidates import Candidate, alone
 from .trials import DENSE, LAND, Trial, Trials
 
 EXACT = "exponential"
-TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5, so tighter tolerances take too long
+TOLERANCES = {"radau": (1e-13, 1e-12)}  # radau has order 5: tighter tolerances take too long
 USUAL = (1e-15, 1e-14)
-NOISE = 0.1  # least relative difference of two references in a column of mere errors
-TINY = 1e-10  # largest scale of such a column, relative to the largest column
-FINER = 1e-3  # tolerance in a wider type, relative to that in double
+# A column has only numerical errors, and is 0 in theory, if its largest magnitude is below TINY
+# times that of the largest column, and two references differ in it by more than NOISE times it.
+NOISE = 0.1
+TINY = 1e-10
+FINER = 1e-3  # tolerance of runs in a wider type, relative to that of runs in double
 DIGITS = " in more digits"
 SLOWEST = 5.0  # most seconds of a run in a wider type
-NEARLY = 0.2  # the first method that gets as far as this part of the farthest is used
-FLOOR = 0.3  # of the accuracy: largest error of a reference; two runs that differ less keep it
+# If no method reaches the end, the reference is by the first method that gets at least this
+# fraction of the way of the farthest method.
+NEARLY = 0.2
+FLOOR = 0.3  # largest error of a reference, relative to the accuracy
 ROUNDED = 2.0**-49  # error of an exact flow by round-off of its coefficients, equal in all runs
-OTHER = 0.7  # longest step of a run for comparison, relative to the exact run
-WRONG = 1e3  # largest error of another method, relative to loose - tight or its tolerance
+OTHER = 0.7  # longest step of the run for comparison, relative to the longest step of the reference
+# The reference is wrong if it differs from the run by another method by more than WRONG times the
+# difference of its own two runs, and by more than WRONG times the tolerance of the other method.
+WRONG = 1e3
 
 
-STEPS = 1000  # least number of steps of an exact run, if the equations depend on time
+STEPS = 1000  # if the equations depend on time, the reference has at least this many steps
 
 
 @record
 class Task:
     trials: Trials
     able: tuple[Candidate, ...]  # methods that may be chosen
-    exact: tuple[str, ...]  # methods for the reference, tried in order until one arrives
+    exact: tuple[str, ...]  # methods for the reference, tried in order until one reaches the end
     damped: bool
     accuracy: float
     timed: bool = False  # whether the equations depend on time
@@ -50,30 +57,30 @@ class Task:
 
     @property
     def every(self) -> float:
-        """Returns the interval of rows, or the duration if that is shorter."""
+        """Returns the time between rows, or the duration of the scene if that is shorter."""
         return min(self.trials.settings.every or self.until, self.until)
 
     @property
     def max_step(self) -> float | None:
-        """Returns the longest step of the exact run, since error control may miss features shorter
-        than a step; None: no bound."""
+        """Returns a bound on the steps of the reference, or None. If the equations depend on time,
+        the error control of long steps could miss short features of the equations."""
         return self.until / STEPS if self.timed else None
 
 
 @record
 class Check:
-    """A reference up to the time `span`: `exact` is its run, `floor` its error; until the time
-    `holds` two runs agree to FLOOR times the accuracy."""
+    """A reference up to the time `span`. `exact` is its run and `floor` its error. Up to the time
+    `holds` this run and the run for comparison agree to FLOOR times the accuracy."""
 
     exact: Trial
     span: float
-    every: float  # interval of rows in trials; 0: as in the scene
+    every: float  # time between rows in trials; 0: as in the scene
     floor: float
     holds: float
-    against: str  # method of the run for comparison, which gave the floor
-    ignored: tuple[int, ...] = ()  # columns that are zero except for errors
+    against: str  # method of the run for comparison, whose difference is `floor`
+    ignored: tuple[int, ...] = ()  # columns that are 0 in theory: they have only numerical errors
     unsure: tuple[int, ...] = ()  # columns of expectations that are smaller than the errors
-    ends: str = ""  # reason if no method reaches the end
+    ends: str = ""  # why no method reaches the end; "" if one does
 
     @property
     def method(self) -> str:
@@ -81,11 +88,12 @@ class Check:
 
     @property
     def in_more_digits(self) -> bool:
-        """Whether trials are compared with rows in a wider type (`exact` is a run in double)."""
+        """Whether trials are compared with the rows of a run in a type wider than double. (The run
+        `exact` is always in double.)"""
         return self.against.endswith(DIGITS)
 
     def steady(self, asked: Task) -> bool:
-        """Whether round-off prevents the accuracy in all runs of an undamped motion."""
+        """Whether the motion is undamped, and round-off prevents the accuracy in every run."""
         return self.in_more_digits and not asked.damped
 
 
@@ -98,13 +106,15 @@ def loose(method: str, every: float) -> float:
 
 
 def other_steps(asked: Task) -> float | None:
-    """Returns the longest step of a run for comparison; equal ones miss the same features."""
+    """Returns the bound on the steps of the run for comparison, or None. It is less than the bound
+    of the reference, since two runs with equal steps would miss the same features."""
     return asked.max_step and OTHER * asked.max_step
 
 
 def methods(structure: object, events: bool) -> tuple[str, ...]:
-    """Returns the methods for the reference, to be tried in order until one reaches the end. The
-    exact flow is not used with events, which its long steps, from row to row, would miss."""
+    """Returns the methods for the reference, to be tried in order until one reaches the end. If the
+    scene has events, the exact flow is not among them: one step of it leads from a row to the next,
+    and could miss an event in between."""
     if not getattr(structure, "smooth_in_pieces", False):
         return ("dop853", "dopri5")
     exact = (EXACT,) if getattr(structure, "affine", False) and not events else ()
@@ -133,9 +143,9 @@ class _Finder:
         return self.attempt(name, setting, cap, other_steps(self.asked))
 
     def farthest(self, cap: float) -> Trial:
-        """Returns the run of the first method that reaches the end. If none does, cuts the span to
-        the part reached by the first method that gets nearly farthest: stiffness stops some methods
-        early."""
+        """Returns the run of the first method that reaches the end of the scene. If none does,
+        shortens `span` to the part that is reached by the first method that gets far (NEARLY), and
+        returns its run. Stiffness stops some methods early."""
         made = []
         for name in self.asked.exact:
             made.append(self.tight(name, cap))
@@ -149,7 +159,8 @@ class _Finder:
         return self.tight(first.method) if slow and self.span > 0 else first
 
     def beside(self, name: str, cap: float) -> Trial:
-        """Returns the run of another method, the last of those that reach the end."""
+        """Returns a run of another method than `name`, for comparison. The methods for the
+        reference are tried from the last to the first, until one reaches the end."""
         for other in reversed([other for other in self.asked.exact if other != name]):
             trial = self.loose(other, cap)
             if trial.arrived:
@@ -157,9 +168,10 @@ class _Finder:
         return trial
 
     def in_more_digits(self, check: Check) -> Check:
-        """Returns a check against two runs in a wider type: the error of runs in double is their
-        round-off, which may be smaller for another method. Returns the same check if there is no
-        wider type, or if these runs agree no better."""
+        """Returns a check whose exact rows are those of a run in a scalar type wider than double.
+        With them the error of a trial can be measured even if it is round-off, which is smaller in
+        some methods. The difference of two runs in the wider type is the error of the check.
+        Returns `check` itself if there is no wider type, or if the error would not be smaller."""
         name, asked = "gauss" if check.method == EXACT else check.method, self.asked
         how = {"cap": SLOWEST, "every": self.interval}
         precise = precise_rows(asked, name, self.span, max_step=asked.max_step, **how)
@@ -174,8 +186,9 @@ class _Finder:
 
 
 def precise_rows(asked: Task, name: str, span: float, **how: float | None) -> Trials | None:
-    """Returns trials in a wider type, with the rows of a tight run as exact rows; None if there is
-    no wider type or the run does not reach the end."""
+    """Makes a tight run in a scalar type wider than double. Returns a Trials object in this type,
+    with the rows of the run as exact rows. Returns None if no wider type is available, or if the
+    run does not reach the end."""
     precise = asked.precise()
     if precise is None:
         return None
@@ -188,7 +201,7 @@ def precise_rows(asked: Task, name: str, span: float, **how: float | None) -> Tr
 
 def find(asked: Task, cap: float) -> Check:
     """Returns the reference over the whole duration, or over the part that it reaches in `cap`
-    seconds. Stores its rows in the trials."""
+    seconds. The Trials object keeps the reference's rows, to compare them with later runs."""
     finder = _Finder(asked)
     exact = finder.farthest(cap)
     if not exact.arrived:
@@ -206,7 +219,7 @@ def find(asked: Task, cap: float) -> Check:
     )
     for column in (*ignored, *unsure):
         asked.trials.ignore(column)
-    if ignored or unsure:  # the comparison is repeated without these columns
+    if ignored or unsure:  # repeats the comparison without the ignored and unsure columns
         judge = finder.attempt(judge.method, judge.setting, max_step=judge.max_step)
     floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0
     check = Check(
@@ -225,15 +238,16 @@ def find(asked: Task, cap: float) -> Check:
 
 
 def growth(asked: Task, check: Check, steady: bool) -> float:
-    """Returns the factor on errors from the span of the trials to the end: linear in time if the
-    method conserves energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3)
-    or the motion is damped; else quadratic."""
+    """Returns the factor by which errors grow from the end of the trials to the end of the scene.
+    Errors grow linearly with time if the method is symplectic (`steady`; E. Hairer, C. Lubich, G.
+    Wanner, Geometric Numerical Integration, X.3) or the motion is damped; else quadratically."""
     ratio = asked.until / check.span
     return ratio if steady or asked.damped else ratio**2
 
 
 def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: float) -> Trial:
-    """Returns the run whose difference from the reference is the reference's error."""
+    """Returns the run for comparison, `again` or `beside`: its difference from the reference is
+    taken as the error of the reference."""
     own, other = _error(again, ignored), _error(beside, ignored)
     if not beside.arrived:
         return again
@@ -244,11 +258,12 @@ def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: floa
 
 
 def part(t: float, every: float) -> tuple[float, float]:
-    """Returns a span of whole intervals below t, and their length (0: that of the scene's rows)."""
+    """Returns a time below t that is a multiple of the time between rows, and this time between
+    rows: 0 if it is `every`, that of the scene, or a fraction of `every`."""
     count = int(0.9 * t / every)
     if count >= 8:
         return count * every, 0.0
-    # With few rows, their intervals are divided.
+    # If a trial would have too few rows, the interval between rows is divided.
     interval = every
     while interval * 8 > 0.9 * t:
         interval /= 2
@@ -257,7 +272,8 @@ def part(t: float, every: float) -> tuple[float, float]:
 
 def _noise(agree: list[Trial], scales: tuple[float, ...]) -> tuple[int, ...]:
     def differ(i: int) -> float:
-        """Returns the least difference in column i, except 0: identical runs show no errors."""
+        """Returns the least nonzero difference of runs in column i. A difference of 0, between
+        identical runs, says nothing on their errors."""
         return min((t.columns[i] for t in agree if t.arrived and t.columns[i] > 0), default=0.0)
 
     tiny = TINY * max(scales, default=0.0)

@@ -8,11 +8,12 @@ from .choice import Choice
 from .reference import EXACT
 from .search import Found
 
-SHOWN = 0.1  # least seconds of compilation that are reported
+SHOWN = 0.1  # a compilation that takes fewer seconds is not reported
 
 
 def lines(choice: Choice, time: str, brief: bool) -> list[str]:
-    """Returns a line on the choice, unless `brief`, and warnings if the accuracy may fail."""
+    """Returns a line that describes the choice, unless `brief` is set, and warnings if the run may
+    miss the accuracy."""
     said = []
     setting = f"{choice.kind} {choice.setting:.3g}"
     if choice.max_step is not None:
@@ -71,9 +72,8 @@ def _warning(choice: Choice, time: str) -> str:
 
 
 def _apart(choice: Choice) -> str:
-    """Describes the difference of the tightest runs. It has two possible causes, which a comparison
-    of runs cannot distinguish: round-off and too long steps; an exact flow has no too long steps.
-    """
+    """Describes the difference of the two tightest runs. Its cause is round-off or too long steps;
+    a comparison of runs cannot tell which. For an exact flow, only round-off is possible."""
     if choice.check.method == EXACT:
         return f"for round-off the tightest run is known to {choice.expected:.1e}"
     if choice.check.in_more_digits:

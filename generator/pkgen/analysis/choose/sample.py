@@ -12,15 +12,15 @@ from .choice import Choice
 from .prepared import Prepared
 
 MOST = 5  # most members that are tried
-SPARE = 0.3  # error of tried members relative to the accuracy, as other errors may be larger
-# The field of the settings for each kind of column.
+SPARE = 0.3  # tried members keep SPARE times the accuracy, as errors of other members may be larger
+# For each kind of column in a table of members: the field of Settings that has its value.
 FIELDS = {"p": "parameters", "i": "inputs", "q": "start_q", "v": "start_v"}
 
 
 def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Choice:
     """Returns the method of the member that takes longest, at the tightest setting of all tried
     members, with a margin for other members."""
-    # Without an interval of rows, runs of members have two rows, and trials must have the same.
+    # If no time between rows is set, a member has two rows, start and end, and so must its trials.
     settings = replace(settings, every=settings.every or settings.until)
     accuracy = SPARE * settings.accuracy
     some, tried = _tried(prepared, settings, ensemble, accuracy)

@@ -19,21 +19,23 @@ from .trials import Trial
 
 TRIALS = 8
 AIM = 0.85  # intended error of a trial, relative to the accuracy
-LOST = 0.1  # a larger error is not proportional to a power of the setting
-BLIND = 3.0  # step is divided by this after such an error
+LOST = 0.1  # an error above this is not proportional to a power of the setting
+BLIND = 3.0  # after an error above LOST, the step is divided by BLIND
 GAIN = 1.05  # least speedup for which another trial is made
 LOOSEST, TIGHTEST = 0.5, 2.0**-51
-# Factor on the setting if a method's first trial is too slow: a larger tolerance, since the error
-# may be far too small; a shorter step, since equations of long steps take long to solve.
+# Factors on the setting if the first trial of a method is too slow. A tolerance is multiplied by
+# LOOSENED, since the error may be far smaller than necessary. A step is multiplied by SHORTENED,
+# since the implicit equations of long steps take long to solve.
 LOOSENED, SHORTENED = 100.0, 0.25
-ITERATIONS = 40  # model: an implicit step takes rtol^(-1/ITERATIONS) iterations
+ITERATIONS = 40  # an implicit step is assumed to take rtol^(-1/ITERATIONS) iterations
 FURTHEST = 1e5  # largest factor on the setting from one trial to the next
 
 
 @dataclass
 class Found:
-    """The result for one candidate. If it does not keep the accuracy, or would take too long,
-    `kept` is None and `verdict` is the reason."""
+    """The result of the search for one candidate. `kept` is the trial with the loosest setting that
+    keeps the accuracy. If the candidate does not keep it, or would take too long, `kept` is None
+    and `verdict` is the reason."""
 
     candidate: Candidate
     kept: Trial | None = None
@@ -52,8 +54,9 @@ def loosest(
     limit: float,
     attempt: Attempt,
 ) -> Found:
-    """Finds the loosest setting. `start` is the first one tried; fixed steps divide `interval`. A
-    setting that is expected to take more than `limit` seconds is not tried."""
+    """Finds the loosest setting of a candidate that keeps the accuracy. `start` is the first
+    setting to try. A fixed step must divide `interval`. A setting that is expected to take more
+    than `limit` seconds is not tried."""
     steps = scale(candidate, interval)
     found = Found(candidate)
     setting = steps.allowed(start)
@@ -143,10 +146,10 @@ class _Steps:
         return round(self.interval / trial.setting)
 
     def affordable(self, trial: Trial, setting: float, limit: float) -> float | None:
-        """Returns the setting, or the shortest step that is expected to take at most `limit`
-        seconds; None if that is no shorter than the trial's. Half of a trial's time is assumed not
-        to depend on the step. A first error may show nothing, so that a longer step than `setting`
-        is tried, too."""
+        """Returns the step to try after `trial`: `setting` or, if a run with this step would take
+        more than `limit` seconds, the shortest step that does not. Returns None if this is no
+        shorter than the step of `trial`. Half of the time of `trial` is assumed not to depend on
+        its step."""
         if not limit < math.inf:
             return setting
         most = math.floor(self._count(trial) * (2 * limit / trial.seconds - 1))
@@ -184,8 +187,9 @@ class _Tolerances:
         return setting if trial.seconds <= limit else None
 
     def gain(self, kept: Trial, setting: float) -> float:
-        """Returns the speedup. If rows determine the steps, only an implicit method has any, by
-        fewer iterations."""
+        """Returns the expected speedup by `setting` instead of the setting of the trial `kept`. If
+        every step ends at the next row, the number of steps stays the same. Then only an implicit
+        method is faster, since it needs fewer iterations."""
         power = self.order
         if kept.steps <= 1.02 * (kept.compared - 1):
             power = ITERATIONS if self.implicit else math.inf

@@ -14,13 +14,13 @@ from ...run.settings import Settings
 from ..chart.measure import Program
 
 LAND, DENSE = "land", "dense"
-MANY = 256  # with more rows, largest magnitudes between rows are not measured
+MANY = 256  # a run with more rows is not searched for larger magnitudes between rows
 
 
 @record
 class Trial:
-    """A run of one method at one setting. `error` is relative to the largest magnitude of each
-    column; it is infinite if the run fails."""
+    """A run of one method at one setting. `error` is the largest error of any column, relative to
+    the largest magnitude of the column; it is infinite if the run fails."""
 
     method: str
     rows: str  # LAND or DENSE
@@ -28,15 +28,15 @@ class Trial:
     able: bool  # whether the method applies
     reason: str
     arrived: bool
-    slow: bool  # stopped at its limit of CPU seconds
+    slow: bool  # whether the run was stopped at its limit of CPU seconds
     t: float  # last time reached
     seconds: float
     took: float
     steps: int
-    compared: int  # number of rows compared
+    compared: int  # number of rows that were compared with the exact rows
     error: float
     holds: float  # time until which the accuracy was kept
-    max_step: float | None = None  # limit of its adaptive steps
+    max_step: float | None = None  # upper limit of adaptive steps; None: no limit
     columns: tuple[float, ...] = field(default=(), repr=False)
 
     @property
@@ -46,13 +46,14 @@ class Trial:
 
 @record
 class Rows:
-    """The rows of a run; x + low has all digits of the scalar type."""
+    """The rows of a run at the times t. `x` has the values as doubles. If the scalar type is wider
+    than double, x + low has all digits of the values."""
 
     t: numpy.ndarray
     x: numpy.ndarray  # shape (times, columns)
     low: numpy.ndarray
-    by_number: bool  # rows at events, whose times differ between runs: compared by index
-    without: bool = False  # no event occurred: the only rows are start and end
+    by_number: bool  # rows are at events: row i of a run is compared with row i of another
+    without: bool = False  # rows are at events, but none occurred: only start and end
     between: numpy.ndarray | None = None  # largest magnitude of each column between rows
 
     @property
@@ -62,8 +63,9 @@ class Rows:
         return largest if self.between is None else numpy.maximum(largest, self.between)
 
     def found_in(self, tried: Rows) -> numpy.ndarray:
-        """Returns the index in `tried` of each row, -1 if it is missing. Times of rows are equal
-        doubles except the last, which may be the time of an event."""
+        """Returns, for each of these rows, the index of the row of `tried` at the same time, or -1
+        if there is none. Rows at the same time have equal doubles as times. An exception is the
+        last row, which may be at the time of an event."""
         count, theirs = len(self.t), len(tried.t)
         if self.by_number:
             at = numpy.arange(count)
@@ -81,9 +83,10 @@ class Rows:
     def compare(
         self, tried: Rows, accuracy: float, ignored: set[int]
     ) -> tuple[tuple[float, ...], float, float]:
-        """Returns the largest error of each column of `tried`, relative to its scale in these rows;
-        the largest of these errors, without ignored columns; and the time until which it is within
-        the accuracy."""
+        """Compares the rows `tried` with these rows. Returns the largest error of each column,
+        relative to the scale of the column in these rows; the largest of all errors; and the time
+        until which errors are within the accuracy. The last two results leave out the columns
+        `ignored`."""
         at = self.found_in(tried)
         there = at >= 0
         errors = numpy.full(self.x.shape, math.inf)
@@ -94,7 +97,7 @@ class Rows:
         kept = [i for i in range(self.x.shape[1]) if i not in ignored]
         row = errors[:, kept].max(axis=1, initial=0.0)
         row[~there] = math.inf
-        if len(self.t) and self.t[-1] > 0:  # an error in the time of an event counts
+        if len(self.t) and self.t[-1] > 0:  # the error of a row's time, at an event, counts too
             row[there] = numpy.maximum(
                 row[there], abs(tried.t[at[there]] - self.t[there]) / self.t[-1]
             )
@@ -109,7 +112,8 @@ class Rows:
 
 
 class Trials(Program):
-    """Runs of one scene with its output rows."""
+    """Makes runs of one scene by different methods, and compares their output rows with the rows
+    `exact`."""
 
     def __init__(self, path: Path, settings: Settings):
         super().__init__(path, settings)
@@ -117,11 +121,12 @@ class Trials(Program):
         self.exact: Rows | None = None
         self.ignored: set[int] = set()  # indices of columns
         self.last: Rows | None = None
-        self.between: numpy.ndarray | None = None  # becomes Rows.between of exact rows
+        self.between: numpy.ndarray | None = None  # the value of Rows.between for the exact rows
 
     @property
     def without(self) -> bool:
-        """Whether no event occurred, so that the exact rows are only the start and the end."""
+        """Whether rows are written at an event that did not occur in the exact run, so that the
+        exact rows are only the start and the end."""
         return self.exact is not None and self.exact.without
 
     def attempt(
@@ -137,9 +142,9 @@ class Trials(Program):
         every: float = 0.0,
         max_step: float | None = None,
     ) -> Trial:
-        """Makes one run up to the time `span`, and repeats it to measure its time until `laps`
-        seconds are used. The first run stops after `cap` seconds (0: never). `every` is the
-        interval of rows (0: the scene's)."""
+        """Makes one run up to the time `span`, then repeats the run for `laps` seconds to measure
+        its time. The first run is stopped after `cap` seconds (0: never). `every` is the time
+        between rows (0: that of the scene)."""
         bounds = [x for x in (max_step, self.settings.max_step) if x]
         but = {"until": span, "rows": rows, "diagnose": (), "max_step": min(bounds, default=None)}
         but["every"] = every or self.settings.every

@@ -16,15 +16,15 @@ from .reference import FLOOR, Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-SECONDS = 5.0  # most seconds of a trial of the whole scene, after which it is given up
-TIGHTER = 0.03  # error of the run for comparison, relative to the accuracy
-SAME = 0.9  # settings with a ratio above this count as the same
-MENDED = 4  # most tightenings of a setting
+SECONDS = 5.0  # a trial of the whole scene that takes more seconds is given up
+TIGHTER = 0.03  # intended error of the run for comparison, relative to the accuracy
+SAME = 0.9  # two settings count as equal if the smaller is at least SAME times the larger
+MENDED = 4  # a setting is tightened at most this many times
 
 
 @record
 class Kept:
-    """A trial that keeps the accuracy, or keeps it until the time `horizon`."""
+    """A trial that keeps the accuracy to the end or, if `horizon` is not None, up to this time."""
 
     candidate: Candidate
     trial: Trial
@@ -32,7 +32,7 @@ class Kept:
 
 
 class TooLong(Exception):
-    """A trial was stopped at its time limit."""
+    """The exception that is raised if a trial of the whole scene was stopped at its time limit."""
 
     def __init__(self, given_up: GivenUp):
         self.given_up = given_up
@@ -45,10 +45,10 @@ class Whole:
         self.asked, self.check, self.seconds = asked, check, seconds
 
     def verified(self, best: Found | None, found: list[Found]) -> Kept:
-        """Returns the checked choice. `best` is None if no candidate keeps the accuracy on the
-        part."""
-        # Two tight runs of one method have the same energy error, so over the whole scene they
-        # agree better than the extrapolated error of the reference.
+        """Returns the checked choice. `best` is the result of the cheapest candidate on the first
+        part of the scene; it is None if no candidate keeps the accuracy there."""
+        # If the reference's error, extrapolated to the whole scene, is too large, two tight runs of
+        # one method are compared. They may agree better, since their energy errors are the same.
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
         if best is None or floor > FLOOR * self.asked.accuracy:
             return self._tightest()
@@ -57,8 +57,9 @@ class Whole:
         return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
 
     def _mended(self, best: Found, found: list[Found], aim: float) -> Kept:
-        """Compares the choice with the cheapest tighter run. If they differ by too much, both are
-        tightened, since the part that was tried may have been easier than the rest."""
+        """Compares the choice with the cheapest run that is much tighter. If the two differ by too
+        much, both are tightened and compared again: the first part of the scene, on which the
+        choice was made, may be easier than the rest."""
         judge = min((f for f in found if f.kept), key=_tighter_cost)
         candidate = best.candidate
         whole = Found(candidate)
@@ -79,7 +80,8 @@ class Whole:
         return self._tightest()
 
     def _tightest(self) -> Kept:
-        """Returns a run of the reference's method near round-off, compared with another one."""
+        """Returns a run by the reference's method at a tolerance near round-off. The run is
+        compared with a second one, in a wider type if there is one."""
         candidate, every = alone(self.check.method), self.asked.every
         setting = reference.tight(candidate.name, every)
         if self._in_more_digits(candidate):
@@ -98,7 +100,8 @@ class Whole:
         return Kept(candidate, trial, None if keeps else trial.holds)
 
     def _in_more_digits(self, candidate: Candidate) -> bool:
-        """Replaces the exact rows by a run in a wider type; returns whether there is one."""
+        """Replaces the exact rows by those of a run in a type wider than double. Returns whether
+        this run was possible."""
         if candidate.name == reference.EXACT:
             return False
         how = {"cap": self.seconds, "max_step": reference.other_steps(self.asked)}
@@ -125,7 +128,8 @@ class Whole:
         return trial
 
     def _tighter(self, found: Found, more: float) -> float:
-        """Returns a setting that gives TIGHTER times the error, divided by `more`."""
+        """Returns the setting of `found`, tightened so that the error is expected to become TIGHTER
+        times as large; and further divided by `more`."""
         method = found.candidate.method
         power = max(method.order, 1) if method.fixed else 1
         setting = found.kept.setting * TIGHTER ** (1 / power) / more

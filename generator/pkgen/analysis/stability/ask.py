@@ -28,7 +28,9 @@ MOST_RATES = 128  # most states along the motion at which rates are computed
 
 @record
 class Motion:
-    """The reference motion: final time, first energy, scale (the range of v.p), initial state."""
+    """A summary of the reference motion, with which runs of methods are compared. `t` is its final
+    time, `energy` its initial energy, `scale` the range of v.p (the rates times the momenta), `q`
+    and `v` its initial state."""
 
     status: str
     t: float
@@ -38,9 +40,9 @@ class Motion:
     v: tuple[float, ...]
     parameters: tuple[float, ...]
     leaves: bool = False  # whether the motion still moves away at its end
-    horizon: float = math.inf  # time up to which a run at a looser tolerance agrees
+    horizon: float = math.inf  # up to this time, a run at a looser tolerance agrees
     by_norm: bool = False  # methods are judged by the distance from the start, not energy
-    condition: dict | None = None  # condition numbers: `report.condition` of a run
+    condition: dict | None = None  # condition numbers, as `condition` in the report of a run
     warning: str | None = None  # warning of an ill-conditioned motion
 
     @property
@@ -51,7 +53,8 @@ class Motion:
 
 @record
 class Point:
-    """A method's run at step size h; `rise` and `away` are relative to the motion's scale."""
+    """The result of a method's run at step size h: a point of the map. points.py explains `rise`
+    and `away`, which are changes of the energy relative to Motion.scale."""
 
     method: str
     h: float
@@ -60,11 +63,11 @@ class Point:
     steps: int
     rise: float | None
     away: float | None
-    cond: float | None  # condition number of the last step's equations; 0 if it solves none
-    # The next three are None if the method fails (docs/maps.md).
-    exchange: float | None = None  # largest ratio of a coordinate's swing to the motion's
+    cond: float | None  # condition number of the last step's equations; 0: it has none
+    # `exchange`, `moved` and `follows` are None if the method fails (docs/maps.md).
+    exchange: float | None = None  # largest ratio of a coordinate's amplitude to the reference's
     moved: float | None = None  # largest relative drift of a constant of motion
-    follows: float | None = None  # fraction of the time that the run stays near the motion
+    follows: float | None = None  # fraction of the time that the run stays near the reference
     constant: str = ""
 
     @property
@@ -83,7 +86,7 @@ class Close:
 
     status: str
     steps: int
-    growth: float  # factor by which the displacement grows; a run ends at 1000
+    growth: float  # growth factor of the displacement; the run ends when it exceeds 1000
     turn: float  # mean rotation angle per step
 
 
@@ -132,7 +135,7 @@ class Asker:
         fastest = max((m.rate for e in places for m in e.modes), default=0.0)
 
         def cleared(mode: Mode) -> Mode:
-            """Sets rates near 0 to 0: they are errors of an inexact equilibrium."""
+            """Sets the growth and frequency of a slow mode to 0: they are numerical errors."""
             slow = mode.rate <= ZERO * fastest
             return replace(mode, growth=0.0, frequency=0.0) if slow else mode
 
@@ -146,13 +149,13 @@ class Asker:
     ) -> Equilibrium:
         state = numpy.array([*q, *v], float)
         status, found = modes.settled(self.system, state, numpy.array(doubt, float))
-        if self.system.by_norm:  # energy is no measure of such motions
+        if self.system.by_norm:  # the energy of such a model is not used
             energy = 0.0
         return Equilibrium(_floats(q), _floats(v), float(energy), tuple(found), status, slack)
 
     @numpy.errstate(all="ignore")
     def start(self) -> Motion:
-        """Returns the initial state, without integrating the motion."""
+        """Returns a Motion that only has the initial state: nothing is integrated."""
         return self._told(Reference(self.system))
 
     @numpy.errstate(all="ignore")
@@ -190,9 +193,9 @@ class Asker:
     @numpy.errstate(all="ignore")
     def rates(self) -> tuple[Mode, ...]:
         """Returns the fastest eigenvalues of the equations linearised at states along the motion,
-        as modes. Each state contributes its fastest decay, unless a growth is half as fast, and its
-        fastest other mode, whose rate counts as growth. Adds the rotation rate of bodies; drops
-        rates below ZERO or SLOW."""
+        as modes. Each state contributes its fastest decaying mode, unless a mode grows at least
+        half as fast, and its fastest other mode, whose rate counts as growth. The rotation rate of
+        bodies is a further mode. Modes with rates below ZERO or SLOW are left out."""
         found, turns = [], 0.0
         for t, state in self._along():
             turns = max(turns, self.system.turning_rate(state))
@@ -228,8 +231,9 @@ class Asker:
         return [z for z in found if not z.imag < 0]
 
     def onto(self, begun: Settings, whole: Motion) -> Asker:
-        """Returns an asker with settings `begun`, whose start is projected onto the constraints.
-        `whole` holds the model's own start. Raises UsageError if the projection fails."""
+        """Returns an asker with the settings `begun`. Its start is that of `begun`, completed by
+        that of `whole`, and projected onto the constraints. Raises UsageError if the projection
+        fails."""
         q = tuple((dict(enumerate(whole.q)) | dict(begun.start_q)).values())
         v = tuple((dict(enumerate(whole.v)) | dict(begun.start_v)).values())
         status, on = self.system.reference().projected(numpy.array([*q, *v]))
@@ -243,7 +247,7 @@ class Asker:
         return self.with_settings(replace(begun, start_q=q, start_v=v))
 
     def at(self, place: Equilibrium) -> Asker:
-        """Returns an asker whose runs start at the equilibrium `place`."""
+        """Returns an asker whose runs start at the equilibrium `place`, for near() and leave()."""
         q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
         found = self.with_settings(replace(self.settings, start_q=q, start_v=v))
         found._place = place
@@ -255,17 +259,19 @@ class Asker:
         return self._place.modes
 
     def near(self, **question: object) -> Close:
-        """Runs some steps from near the start, which must be an equilibrium (see at())."""
+        """Makes some steps from a state near the start, which must be an equilibrium (see at())."""
         self._look()
         return Close(**near.near(self.system, self._modes(), **question))
 
     def leave(self, mode: int, amplitude: float) -> float:
-        """Returns the growth rate of the motion along a mode of an equilibrium (see at())."""
+        """Returns the growth rate of the reference motion that starts at the equilibrium of at(),
+        displaced along a mode by `amplitude`."""
         self._look()
         return near.leave(self.system, self._modes(), mode, amplitude)
 
     def orbits(self, **question: object) -> tuple[Orbit, ...] | None:
-        """Returns closed orbits (see orbits.orbits()), or None if it cannot search them."""
+        """Returns closed orbits as orbits.orbits() does, which explains the arguments and when the
+        result is None."""
         self._look()
         return orbits.orbits(self.system, self.unknowns, **_with_state(question))
 
@@ -282,7 +288,8 @@ class Asker:
         return distances.resolved(self.system, method, h, count)
 
     def spring(self, method: str, stiffness: float, damping: float, h: float) -> numpy.ndarray:
-        """Returns the 2 x 2 matrix of a step of (q, v) on q'' = -stiffness q - damping q'."""
+        """Returns the 2 x 2 matrix by which a step of the method maps (q, v) of the oscillator q''
+        = -stiffness q - damping q', with v = q'."""
         found = integration.spring(self.system.run, method, stiffness, damping, h)
         return numpy.array(found).reshape(2, 2)
 

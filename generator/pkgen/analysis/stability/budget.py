@@ -1,8 +1,9 @@
-"""The time budget of a map, in CPU time, so that the machine's load does not change the map.
+"""The time budget of a map, in CPU time, so that other load on the machine does not change the map.
 
-Seconds are estimates for an idle machine: serial work counts in full, parallel work is divided by
-the number of cores. Some points are timed; then the number of points is reduced to fit, and the
-remaining time is spent on the predictions.
+The budget is in seconds on an idle machine. The CPU time of serial work counts in full, that of
+parallel work is divided by the number of cores. Some points of the map are timed. Then the number
+of points is reduced so that the map fits in the budget. The remaining time is spent on the
+predictions.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from dataclasses import dataclass, field
 from ...record import record
 
 QUICK, FULL = 12.0, 54.0  # seconds of a quick and a full map, without compiling and drawing
-SERIAL, ROWS = 0.3, 0.65  # fractions of the time by which serial work, and the rows, must end
+# Serial work must end within the fraction SERIAL of the budget, the rows of the map within ROWS.
+SERIAL, ROWS = 0.3, 0.65
 PROBES = (0.2, 0.5, 0.9)  # step sizes of timed points, as fractions of the range
-LEAST_UP, LEAST_ACROSS = 4, 6  # least rows and columns; too costly methods are dropped
+# A map keeps at least these numbers of rows and columns; methods are dropped instead.
+LEAST_UP, LEAST_ACROSS = 4, 6
 
 
 @dataclass
@@ -28,11 +31,11 @@ class Clock:
     serial: float | None = None  # CPU seconds used before threads started
 
     def threads(self) -> None:
-        """Marks the start of parallel work."""
+        """Marks the end of serial work: from now on the CPU time counts as that of all cores."""
         self.serial = time.process_time() - self.began
 
     def left(self, part: float = 1.0) -> float:
-        """Returns the seconds left of the fraction `part` of the budget."""
+        """Returns the seconds until the fraction `part` of the budget is used."""
         used = time.process_time() - self.began
         if self.serial is None:
             return part * self.seconds - used
@@ -41,7 +44,8 @@ class Clock:
 
 @record
 class Cut:
-    """The size of a map: numbers of values and of step sizes, and the methods."""
+    """The size of a map: the number `up` of values of the varied quantity (rows), the number
+    `across` of step sizes (columns), and the methods."""
 
     up: int
     across: int
@@ -90,6 +94,6 @@ def told(before: Cut, after: Cut, seconds: float) -> list[str]:
 
 
 def fewer(values: tuple[float, ...], count: int) -> tuple[float, ...]:
-    """Returns `count` evenly spaced elements of `values`, including the last."""
+    """Returns `count` elements of `values`, evenly spaced. The last element is among them."""
     n = len(values)
     return tuple(values[round((k + 1) * n / count) - 1] for k in range(count))

@@ -47,14 +47,16 @@ SAID_OF = {  # legend texts that differ from the name of the class
     "constant lost": "another constant is lost",
 }
 SIZE = 2.6  # size of a glyph, in points
-APART, CLEAR = 17.0, 8.0  # least distance of two glyphs of a class, of any class, in points
-MARGIN = 0.25  # margin of an isolated cell's square, relative to the cell
+# Least distances, in points: of two glyphs of the same class, and of any two glyphs.
+APART, CLEAR = 17.0, 8.0
+MARGIN = 0.25  # an isolated cell is drawn as a smaller square with this margin, relative to a cell
 UNCONFIRMED = "unconfirmed"
 DEEP = 2  # radius in cells of the neighbourhood that measures the depth inside a region
 
 
 def edges(values: np.ndarray) -> np.ndarray:
-    """Returns the borders between cells centred at ascending values."""
+    """Returns the borders of the cells of a row or column, whose centres are the ascending
+    `values`."""
     if len(values) == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middles = (values[1:] + values[:-1]) / 2
@@ -63,7 +65,8 @@ def edges(values: np.ndarray) -> np.ndarray:
 
 
 def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look) -> set:
-    """Colours the cells; `kinds` has one row per element of xs. Returns the classes drawn."""
+    """Colours the cells of a map, each by the class of its point. `kinds` has the classes, with a
+    row for each element of xs and a column for each element of hs. Returns the classes drawn."""
     order = list(CLASSES)
     cells = np.array([[order.index(kind) for kind in row] for row in kinds])
     colours = ListedColormap([_colour(kind, look) for kind in order])
@@ -85,7 +88,8 @@ def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]],
 
 
 def _neighbours(cells: np.ndarray) -> np.ndarray:
-    """Returns the eight neighbours of each cell, -1 beyond the edge: shape (8, rows, columns)."""
+    """Returns the classes of the eight neighbours of each cell, as an array of shape (8, rows,
+    columns). Beyond the edge of the map the class is -1."""
     padded = np.pad(cells, 1, constant_values=-1)
     rows, columns = cells.shape
     return np.array(
@@ -99,7 +103,8 @@ def _neighbours(cells: np.ndarray) -> np.ndarray:
 
 
 def _alone(cells: np.ndarray) -> np.ndarray:
-    """Returns which cells have no neighbour of their own class; such a point may be accidental."""
+    """Returns for each cell of a map whether no neighbour has the same class. The class of such an
+    isolated cell may be accidental."""
     return (_neighbours(cells) != cells).all(axis=0) if min(cells.shape) > 1 else cells < 0
 
 
@@ -112,7 +117,8 @@ def _around(cells: np.ndarray) -> np.ndarray:
 def glyphs(
     axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look
 ) -> None:
-    """Draws sparse glyphs, starting deep inside regions. Call it after the layout of the figure."""
+    """Draws sparse glyphs that tell the classes of the cells. The first glyphs are placed deep
+    inside the region of a class. Call this function after the layout of the figure."""
     cells = np.array(kinds)
     order = list(CLASSES)
     alone = _alone(np.array([[order.index(kind) for kind in row] for row in kinds])).ravel()
@@ -137,7 +143,8 @@ def glyphs(
 
 
 def _depth(cells: np.ndarray) -> np.ndarray:
-    """Returns the number of cells of the same class in the neighbourhood of each cell."""
+    """Returns for each cell the number of cells of its class within DEEP cells: it is largest deep
+    inside the region of a class."""
     padded = np.pad(cells, DEEP, constant_values="")
     rows, columns = cells.shape
     return sum(

@@ -24,15 +24,17 @@ from .ask import Asker
 from .orbits import Orbit
 from .predict import Prediction
 
-FINEST, COARSER = 512, 0.8  # most steps per period; factor to the next smaller number
-FINE = 1000  # least steps of an orbit at the refined limit, for a precision of h of 1/FINE
-GROWS = 1e-3  # least log of a modulus outside the unit circle
-CLOSE = 0.1  # largest |log| of the last modulus inside, if it crosses the circle continuously
+# The search begins with FINEST steps per period, and multiplies this number by COARSER.
+FINEST, COARSER = 512, 0.8
+FINE = 1000  # orbits that refine the limit have at least FINE steps: h has a precision of 1/FINE
+GROWS = 1e-3  # a multiplier is outside the unit circle if the log of its modulus is larger
+# A multiplier crosses the unit circle continuously if the last one inside has a smaller |log|.
+CLOSE = 0.1
 DISPLACED = 1e-6  # initial distance of two runs, relative to the range of the motion
 STILL = 1e-3  # a cycle with multipliers of modulus below 1 + STILL is stable
 WAVES = ("sin", "cos")
-MOST_PERIODS = 24  # longest common period, in periods of the slowest driver
-LONG, SHORT = 300_000, 10_000  # steps of a measurement: for a damped cycle, for an undamped cycle
+MOST_PERIODS = 24  # longest common period of all drivers, in periods of the slowest driver
+LONG, SHORT = 300_000, 10_000  # steps of a measurement: LONG if the cycle is damped, else SHORT
 
 
 @record
@@ -42,11 +44,11 @@ class Cycle:
     period: float
     driven: bool
     orbit: Orbit
-    trivial: int  # number of multipliers that are 1
+    trivial: int  # number of Floquet multipliers that are 1 for every such orbit
 
     @property
     def stays(self) -> bool:
-        """Whether the cycle is stable and has a nontrivial multiplier."""
+        """Whether the cycle is stable. A cycle whose multipliers are all trivial does not count."""
         rest = abs(self.orbit.beyond(self.trivial))
         return 0 < rest < 1 + STILL
 
@@ -57,15 +59,17 @@ class Cycle:
 
 @record
 class Lost:
-    """The step size h at which a method loses the cycle; None if it keeps it at all steps searched.
+    """The step size h at which a method loses the cycle. It is None if the method keeps the cycle
+    at all step sizes that were searched.
 
-    `sharp`: a multiplier crosses the unit circle continuously. Otherwise it jumps, or no closed
-    orbit is found at longer steps; then h, up to which the orbit was followed, is only an estimate.
+    If `sharp` is true, a multiplier crosses the unit circle continuously at h. Otherwise the
+    multiplier jumps, or no closed orbit is found at longer steps. Then h is only an estimate: the
+    longest step at which the closed orbit was found.
     """
 
     method: str
     h: float | None
-    multiplier: complex | None  # at h; None if no closed orbit was found at longer steps
+    multiplier: complex | None  # largest one at h; None: no closed orbit beyond h
     measured: float | None
     sharp: bool
 
@@ -96,8 +100,8 @@ def find(asker: Asker, period: float | None) -> Cycle | None:
 
 
 def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
-    """Returns the prediction of a sharp loss, or of a cycle that is kept at all steps searched; `y`
-    is 2 pi h/period."""
+    """Returns one prediction if the loss of the cycle is sharp, or if the method keeps the cycle at
+    all step sizes searched; else none. The field `y` of the prediction is 2 pi h/period."""
     if cycle is None or lost is None or not lost.sharp:
         return []
     y = None if lost.h is None else 2 * math.pi * lost.h / cycle.period
@@ -110,11 +114,11 @@ class _Search:
 
     def __init__(self, asker: Asker, method: str, cycle: Cycle):
         self.asker, self.method, self.cycle = asker, method, cycle
-        self.period = cycle.period  # period of the method's last orbit found
+        self.period = cycle.period  # period of the last orbit that was found
 
     def orbit(self, k: int, m: int, beside: Orbit) -> Orbit | None:
-        """Returns the orbit, or None; the search starts from `beside`, an orbit of similar step
-        size."""
+        """Returns the method's orbit that closes after m steps in k periods, or None if none is
+        found. The search starts from `beside`, an orbit at a similar step size."""
         h = k * self.period / m
         question = {"method": self.method, "h": h, "count": m, "free": not self.cycle.driven}
         found = self.asker.orbits(state=beside.states[0], **question)
@@ -125,7 +129,8 @@ class _Search:
         return good[0]
 
     def leaving(self, orbit: Orbit) -> float:
-        """Returns the logarithm of the largest modulus among nontrivial multipliers."""
+        """Returns the logarithm of the largest modulus of the orbit's multipliers, without trivial
+        ones. If it is positive, displacements from the orbit grow."""
         rest = abs(orbit.beyond(self.cycle.trivial))
         return math.log(rest) if rest else -math.inf
 
@@ -133,7 +138,7 @@ class _Search:
         return orbit is None or self.leaving(orbit) > GROWS
 
     def parts(self, orbit: Orbit) -> bool:
-        """Whether two runs with nearly equal starts separate."""
+        """Whether two runs of the method that start near each other, on the cycle, separate."""
         count = LONG if self.cycle.damped else SHORT
         question = {"method": self.method, "h": orbit.h, "count": count}
         state = orbit.states[0]
@@ -142,7 +147,8 @@ class _Search:
 
 
 def lost(asker: Asker, method: str, cycle: Cycle) -> Lost | None:
-    """Returns where a method loses the cycle; None if it has no stable cycle at short steps."""
+    """Returns the step size at which a method loses the cycle, as a Lost; None if the method has no
+    stable cycle even at short steps."""
     search = _Search(asker, method, cycle)
     m, last = FINEST, search.orbit(1, FINEST, cycle.orbit)
     if last is None or search.outside(last):
@@ -169,10 +175,11 @@ class _Side:
 
 
 def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
-    """Refines the step size of the loss, between `most` and `fewest` steps per period. Orbits of k
-    periods allow finer step sizes: k is multiplied by 3 until neighbouring orbits are so close that
-    Newton's method stays on one branch. k stays odd, since a period-doubled orbit closes after an
-    even number of periods."""
+    """Refines the step size at which the method loses the cycle. With `most` steps per period the
+    cycle is kept (the orbit `inside`), with `fewest` steps it is lost. Step sizes in between need
+    orbits that close after m steps in k periods. k is multiplied by 3 until neighbouring orbits are
+    so close that Newton's method stays on one branch of solutions. k is odd, since after an even
+    number of periods an orbit of twice the period would close too."""
     period = inside.h * most
 
     def narrowed(test: Callable[[Orbit | None], bool]) -> tuple[_Side, _Side]:
@@ -203,8 +210,9 @@ def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
 
 
 def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float | None:
-    """Returns the common period of all sines and cosines of time, or None. Other functions of time
-    may occur: orbits.py checks whether the equations have this period."""
+    """Returns the common period of all sines and cosines of time in the equations, or None. Other
+    functions of time may occur in the equations too. Therefore orbits.py checks whether the
+    equations really have this period."""
     g = equations.graph
     roots = [*equations.force, *equations.state_rates, *(x for row in equations.mass for x in row)]
     waves = [

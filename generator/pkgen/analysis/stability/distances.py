@@ -15,14 +15,15 @@ from .unknowns import Unknowns
 SAMPLES, MOST_RETURNS = 8192, 8
 RETURNED = 0.1  # largest distance, in boxes, that counts as a return
 FAR = 1e3  # growth factor of the distance at which beside() stops
-LOOKS = 16  # states along the motion from which steps are compared
-STILL = 0.1  # least unit of a variable, relative to the largest unit of its kind
+LOOKS = 16  # number of states along the motion from which resolved() compares steps
+STILL = 0.1  # least box of a variable, relative to the largest box of its kind of variable
 
 
 @numpy.errstate(all="ignore")
 def returns(system: System, unknowns: Unknowns, period: float) -> tuple[numpy.ndarray, list[float]]:
-    """Returns the state at `until` (rounded up to a multiple of the period, if not 0), and the
-    elapsed times after which the motion returns to it."""
+    """Returns the state of the motion at the end of its duration, and the times that elapse until
+    the motion returns to this state. If `period` is not 0, the duration is rounded up to a multiple
+    of it."""
     until = system.until
     until = math.ceil(until / period) * period if period > 0 else until
     it, times, before, last, most = system.reference(), [], 0.0, 0.0, 0.0
@@ -49,8 +50,9 @@ def beside(
     amplitude: float,
     state: numpy.ndarray | None = None,
 ) -> tuple[str, float, numpy.ndarray]:
-    """Steps from `state` and from a second state, displaced by `amplitude` boxes in each unknown.
-    Returns the status, the growth factor of their distance, and the final second state."""
+    """Makes steps from `state` and from a second state, which differs by `amplitude` boxes in each
+    unknown. Returns the status, the factor by which the distance of the two states has grown, and
+    the second state after the last step."""
     if not h > 0 or not amplitude > 0:
         raise UsageError("a step is positive, and so is an amplitude")
     y = system.start if state is None else state
@@ -73,9 +75,9 @@ def beside(
 
 @numpy.errstate(all="ignore")
 def resolved(system: System, method: str, h: float, count: int) -> tuple[str, float]:
-    """Returns the status and the largest error, in boxes, of `count` steps of a method from states
-    along the motion. States are compared, since a free body's energy may stay constant at any step
-    size."""
+    """Makes `count` steps of a method from each of several states along the motion. Returns the
+    status, and the largest distance in boxes between the results and the motion. States are
+    compared instead of energies, since a free body's energy may stay constant at any step size."""
     system.cover()
     motion, it = system.reference(), system.begin(method, h=h)
     most = 0.0
@@ -85,7 +87,7 @@ def resolved(system: System, method: str, h: float, count: int) -> tuple[str, fl
         it.restart(motion.state, motion.t)
         for row in it.steps(motion.t + (count + 1) * h, count):
             if not motion.to(float(row[0])):
-                return "PK_DONE", most  # the reference motion failed, not the method
+                return "PK_DONE", most  # here the reference motion failed, not the method
             most = max(most, _off(system, row[1:], motion))
     return it.status if it.failed else "PK_DONE", most
 

@@ -20,18 +20,18 @@ from . import classes, overlay
 from .map import StabilityMap
 from .misses import unpredicted
 
-SAID = 12  # most parameters and initial values in the caption
+SAID = 12  # the caption has at most this many parameters and initial values
 LETTER = 1.32  # mean width of a letter at 7 points, in millimetres
 BETWEEN = 0.08  # inches above and below the caption
-MOST_COLUMNS = 4  # most columns of the legend
-WITHIN = 0.95  # fraction of the page width for the legend: fonts may be wider in files
+MOST_COLUMNS = 4  # largest number of columns of the legend
+WITHIN = 0.95  # the legend may take this fraction of the page width, as fonts in files may be wider
 WIDE = 120.0  # least page width for three maps side by side, in millimetres
 SMALL = 6.5  # font size of secondary axes, in points
 APART = 3.0  # least pixels between tick labels
 
 
 def pictures(made: StabilityMap, stem: Path, look: Look) -> list[Path]:
-    """Writes STEM.svg and the other formats in `look`; returns their paths."""
+    """Writes the picture as SVG and in the formats of `look`; returns the paths of the files."""
     return style.written(lambda look: figure(made, look), stem, look)
 
 
@@ -61,7 +61,7 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
     words.set_y((legend + BETWEEN / 2) / (maps + below))
     bottom = below / (maps + below)
     page.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
-    page.draw_without_rendering()  # lays out the axes
+    page.draw_without_rendering()  # computes the layout of the figure
     page.set_layout_engine("none")
     for after in later:
         after()
@@ -118,7 +118,8 @@ def titles(made: StabilityMap) -> list[str]:
 
 
 def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: int, last: bool):
-    """Draws a method's map. Returns keys of the legend, and a function to call after the layout."""
+    """Draws a method's map. Returns the names of everything drawn, for the legend, and a function
+    to be called after the layout of the figure."""
     hs, xs = np.array(made.steps[name]), np.array(made.asked.axis.values)
     kinds = [[p.shown for p in row.points if p.method == name] for row in made.rows]
     used = classes.fill(axes, hs, xs, kinds, look)
@@ -191,7 +192,8 @@ def three(x: float, zeros: bool = False) -> str:
 
 
 def fastest(made: StabilityMap) -> float | None:
-    """Returns the highest frequency of the primary equilibrium's modes, or None."""
+    """Returns the highest frequency of the modes of the primary equilibrium. Returns None if there
+    is no primary equilibrium, or none of its modes oscillates."""
     if made.primary is None:
         return None
     rates = [m.frequency for m in made.rest.equilibria[made.primary].modes]

@@ -13,21 +13,22 @@ from ...record import record
 from .ask import Asker
 from .orbits import Orbit
 
-# By number of unknowns: starts, step sizes, step sizes of a quick map. With more than four
-# unknowns, few starts would find next to nothing.
+# For each number of unknowns: the numbers of starts of Newton's method, of step sizes, and of step
+# sizes of a quick map. Models with more than four unknowns would need too many starts.
 EFFORT = {1: (24, 24, 8), 2: (16, 24, 8), 3: (4, 12, 4), 4: (4, 12, 4)}
-RUN, BESIDE = 4000, 1e-3  # steps of a test run, and its initial displacement in boxes
-AWAY = 30  # growth of the displacement at which a run has left the ghost
+RUN, BESIDE = 4000, 1e-3  # steps of a test run; its initial displacement from the ghost, in boxes
+AWAY = 30  # a run has left the ghost if its displacement has grown by this factor
 
 
 @record
 class Ghost:
-    """Ghosts of one method and kind, found at successive step sizes."""
+    """Spurious fixed points (or 2-cycles) of one method, attracting (or repelling) ones, that were
+    found at successive step sizes."""
 
     method: str
     steps: int  # 1: a fixed point, 2: a 2-cycle
-    holds: bool  # whether it is attracting or neutral
-    orbits: tuple[Orbit, ...]  # in ascending h
+    holds: bool  # whether the spurious orbits are attracting or neutral
+    orbits: tuple[Orbit, ...]  # in ascending step size
     stays: bool | None  # whether a run near `middle` stays there; None if not `holds`
 
     @property

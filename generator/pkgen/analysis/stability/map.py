@@ -29,7 +29,7 @@ from .predict import PAIRS, RESONANCES, Prediction, predictions
 from .rest import Equilibrium, Rest
 from .steps import MapOptions, refuse_unjudged, steps_over
 
-LEAST_ROWS = 2  # fewest rows of an interrupted map
+LEAST_ROWS = 2  # an interrupted map must have at least these rows
 REFUSED = "PK_REFUSED"
 Made = TypeVar("Made")
 
@@ -41,22 +41,22 @@ class StabilityMap:
     compilation: Compilation
     asked: MapOptions
     until: float
-    motion: Motion  # the start only: the motion is not integrated
-    rest: Rest  # at the model's own start and parameters
+    motion: Motion  # only the start: the fields of an integrated motion have no values
+    rest: Rest  # the equilibria, for the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
     steps: dict[str, tuple[float, ...]]
-    predictions: tuple[Prediction, ...]  # at the model's own start and parameters
+    predictions: tuple[Prediction, ...]  # for the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
-    interrupted: str = ""  # says how much of an interrupted map is complete
+    interrupted: str = ""  # if the map was interrupted: a text that says how much is complete
     cycle: Cycle | None = None  # the limit cycle that the motion approaches
     lost: tuple[cycles.Lost, ...] = ()
     ghosts: tuple[Ghost, ...] = ()
     turned: range = range(0)  # indices of quaternion components among the rates v
 
     def place(self, state: tuple[float, ...]) -> float:
-        """Returns the value of the varied quantity in a state (q, v)."""
+        """Returns the value of the varied quantity, the vertical axis, for a state (q, v)."""
         at = None if self.primary is None else self.rest.equilibria[self.primary]
         return self.asked.axis.place(state, at, self.motion)
 
@@ -132,10 +132,12 @@ def make(
     predicted = {}
     for name, step in maps.items():
         whole = cycles.predictions(cycle, lost.get(name))
-        # The Floquet multipliers of a cycle replace the eigenvalues along it.
+        # If there are predictions from the multipliers of a cycle, the eigenvalues along the cycle
+        # are not used.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # If the equilibrium is stable, the "local" estimate does not extend the range of steps.
+    # The range of step sizes covers all predictions, except "local" ones if the equilibrium is
+    # stable.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
     steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}
@@ -149,7 +151,7 @@ def make(
     def one(x: float, enough: Callable[[], float]) -> Row:
         here = started(x).within(enough)
         found, moved, points = measure.row(here, steps, None if moves else rest, tries, linear)
-        # All rows refer to one equilibrium when the amplitude is varied.
+        # If the amplitude is varied, it is the distance from the same equilibrium in all rows.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic) if at or not bound else None
         rates_here = here.rates() if moves else ()
@@ -239,7 +241,8 @@ def _spread(count: int) -> list[int]:
 
 
 def _kept(futures: list[Future[Made]]) -> list[Made]:
-    """Returns the results of completed jobs, without None. Raises the exception of a failed job."""
+    """Returns the results of the completed jobs, except those that are None. Raises the exception
+    of a failed job."""
     found = []
     for future in futures:
         if future.done() and not future.cancelled():
@@ -264,7 +267,8 @@ def _cycle(
 def _reduced(
     asked: MapOptions, steps: dict, started: Callable[[float], Asker], clock: Clock
 ) -> tuple[MapOptions, dict[str, tuple[float, ...]]]:
-    """Returns the options and steps that fit in the time, from the cost of some points."""
+    """Measures the cost of some points of the map. Returns options, with fewer points or methods if
+    necessary, and step sizes such that the map can be computed in the time budget."""
     here = started(asked.axis.values[len(asked.axis.values) // 2]).within(partial(clock.left, 3))
     here.motion()
     whole = Cut(len(asked.axis.values), asked.across, tuple(steps))
@@ -294,12 +298,13 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 def _quaternions(compilation: Compilation) -> range:
     """Returns the indices of quaternion components among the rates v."""
     count = len(single_rotations(compilation.model))
-    # Body rates precede quaternions, and are not first-order variables here.
+    # Body rates come before quaternions in v, and are not counted as first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
 
 
 def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
-    """Returns the largest displacement of a non-cyclic coordinate from the equilibrium."""
+    """Returns the largest distance, over all coordinates that are not cyclic, between the start and
+    the equilibrium."""
     apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
     return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)

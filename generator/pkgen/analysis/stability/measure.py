@@ -1,10 +1,14 @@
-"""Computes the points of the map, row by row, and measures each prediction on the model itself.
+"""Computes the points of the map, row by row, and measures each prediction on the model itself. The
+measurement depends on the kind of the prediction:
 
-Limit: a displacement of all modes that do not grow, 1e-6 of the start's, must not grow by a factor
-of 1000 in 4000 steps. Resonance: the step size at which the leading coordinate of the mode rotates
-by the predicted angle per step, averaged over hundreds of steps; the response is measured
-separately, at fractions of the start's displacement. Branch: the shortest single step near the
-equilibrium that fails. Growth rate: that of a reference motion along the mode.
+limit      The run starts near the equilibrium, displaced along all modes that do not grow by 1e-6
+           of the displacement of the model's start. The limit is the step size from which on the
+           displacement grows by a factor of 1000 in 4000 steps.
+resonance  The step size at which the mode's leading coordinate rotates by the predicted angle per
+           step, averaged over hundreds of steps. Whether the motion grows at the resonance is
+           measured by other runs, with larger displacements.
+branch     The shortest step near the equilibrium that fails.
+growth     The growth rate of a reference motion that starts displaced along the mode.
 """
 
 from __future__ import annotations
@@ -21,14 +25,15 @@ from .predict import RESONANCES, Prediction
 from .rest import Rest
 
 SMALL = 1e-6  # amplitude of small motions, relative to the displacement of the start
-LEAST = 1e-8  # least amplitude above round-off, relative to the largest coordinate
+LEAST = 1e-8  # smaller amplitudes, relative to the largest coordinate, are too close to round-off
 STEPS = 4000
-LONGER = 100  # factor on the number of steps just beyond a limit, where growth is slow
+LONGER = 100  # just beyond a limit growth is slow: runs there have this many times more steps
 FAR = 1e3
 LOOKS = 16  # points of the coarse search for a step size
 FINE = 1e-6  # relative precision of a step size found by search
-RESPONDS = 1.3  # least growth at a resonance, relative to the growth beside it
-LOST = 0.5  # energy error of a lost motion, relative to the range of v.p
+# A resonance has a response if the motion grows this many times more than at step sizes beside it.
+RESPONDS = 1.3
+LOST = 0.5  # a motion with a larger energy error, relative to the range of v.p, is lost
 FAILED = (
     "growing",
     "not converged",
@@ -38,17 +43,17 @@ FAILED = (
     "failed",
     "off constraints",
 )
-BESIDE = 0.06  # half-width of the scan for a response, relative to the resonant step size
+BESIDE = 0.06  # step sizes within this relative distance of a resonance are scanned for a response
 
 
 @record
 class Effort:
     """The effort spent on the measurement of a resonance."""
 
-    turns: int  # steps over which the rotation angle is averaged
-    scan: int  # step sizes at which a response is sought
-    steps: int  # steps of each run
-    sizes: tuple[float, ...]  # amplitudes, relative to the start's displacement
+    turns: int  # number of steps over which the rotation angle is averaged
+    scan: int  # number of step sizes, near the resonance, at which a response is sought
+    steps: int  # number of steps of each run that seeks a response
+    sizes: tuple[float, ...]  # amplitudes of these runs, relative to the start's displacement
 
 
 FULL = Effort(1000, 17, 1500, (0.02, 0.1, 0.5))
@@ -64,22 +69,23 @@ class Row:
     primary: int | None
     motion: Motion
     predictions: tuple[Prediction, ...]
-    points: tuple[Point, ...]  # for each method, in ascending step size
+    points: tuple[Point, ...]  # the points of all methods, each in ascending step size
 
 
 @record
 class Measured:
-    """A prediction and its measured step size h; None if the event did not happen."""
+    """A prediction, and the step size h at which the predicted event was measured. If the event did
+    not happen, h is None."""
 
     prediction: Prediction
     h: float | None
-    how: str  # description of the event
-    response: float | None = None  # peak growth at a resonance, relative to the growth beside it
-    peak: float | None = None  # step size of the peak
+    how: str  # how the measured event showed, in words
+    response: float | None = None  # growth at a resonance, relative to that beside it
+    peak: float | None = None  # step size at which the growth near a resonance is largest
 
     @property
     def silent(self) -> bool:
-        """Whether the prediction is a resonance and nothing responds to it."""
+        """Whether the prediction is a resonance at which the motion does not grow."""
         return self.response is not None and self.response < RESPONDS
 
 
@@ -100,16 +106,17 @@ def row(
     tries: int,
     linear: bool = False,
 ) -> tuple[Rest, Motion, tuple[Point, ...]]:
-    """Returns the equilibria (`known`, or else searched), the motion and the points of a row."""
+    """Returns the equilibria, the reference motion and the points of a row. The equilibria are
+    `known`; if this is None, they are searched."""
     found, moved = known or asker.rest(tries), asker.motion()
     points = [asker.point(name, h) for name, hs in steps.items() for h in hs]
     return found, moved, tuple(_settled(asker, p) if linear else p for p in points)
 
 
 def _settled(asker: Asker, point: Point) -> Point:
-    """Reclassifies a "growing" point of a linear model as "wrong amplitude" if no multiplier is
-    outside the unit circle: the run then settles at another amplitude, since steps sample the
-    driver coarsely."""
+    """Changes the class of a "growing" point of a linear model to "wrong amplitude" if no
+    eigenvalue of the method's step is outside the unit circle. Then the run settles at a finite but
+    wrong amplitude, since long steps sample the driving force coarsely."""
     if point.kind != "growing":
         return point
     found = radius(asker, point.method, point.h)
@@ -118,8 +125,9 @@ def _settled(asker: Asker, point: Point) -> Point:
 
 
 def radius(asker: Asker, method: str, h: float) -> float | None:
-    """Returns the spectral radius of a step on a linear model, with or without a driver:
-    differences of two states obey the homogeneous equations. Returns None if a step fails."""
+    """Returns the spectral radius of the linear map by which a step on a linear model changes the
+    difference of two states. A driving force has no effect on this difference. Returns None if a
+    step fails."""
     import numpy
 
     begun = asker.start()
@@ -134,9 +142,9 @@ def radius(asker: Asker, method: str, h: float) -> float | None:
 
 
 def small(at: Rest, cyclic: frozenset[int], size: float) -> float:
-    """Returns an amplitude, in the coordinates' unit, for linear motion above round-off: SMALL
-    times the start's displacement `size`, or if that is 0 times the largest coordinate of an
-    equilibrium."""
+    """Returns an amplitude so small that the motion is linear, but above round-off: SMALL times
+    `size`, the distance of the start from the equilibrium. If `size` is 0, it is replaced by the
+    largest coordinate of any equilibrium."""
     largest = max(
         (abs(x) for e in at.equilibria for i, x in enumerate(e.q) if i not in cyclic), default=0.0
     )
@@ -181,7 +189,7 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
 def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     fastest = at.equilibria[p.equilibrium].modes[p.mode].rate
     steps = 100 if p.h is None else STEPS
-    status = "PK_DONE"  # status at the last step size with growth
+    status = "PK_DONE"  # status of the last run that grew
 
     def grows(h: float) -> bool:
         nonlocal status
@@ -199,7 +207,7 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     elif p.h == 0:
         h = _search(grows, 0.0, 0.5 / fastest)
     elif not any(grows(p.h * x) for x in (0.5, 0.7, 0.9, 0.999)) and grows(1.001 * p.h):
-        h = _search(grows, 0.999 * p.h, 1.001 * p.h)  # the interval of growth may be narrow
+        h = _search(grows, 0.999 * p.h, 1.001 * p.h)  # growth may be limited to a narrow interval
     else:
         h = _search(grows, 0.5 * p.h, 1.5 * p.h)
         if h is None or h > 1.005 * p.h:
@@ -212,12 +220,12 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
 
 
 def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
-    """Measures the first step size, between 1/8 and 8 times the prediction, at which the motion is
-    lost: the method fails, or its error reaches LOST. The error is that of the energy, relative to
-    the range of v.p; if `bound`, that of the state after LEAP steps, relative to the range of the
-    motion."""
+    """Measures the first step size, between 1/8 and 8 times the prediction, at which the method
+    fails or its error reaches LOST. The error is that of the energy, relative to the range of v.p.
+    If `bound` is set, it is the error of the state after LEAP steps, relative to the width of the
+    region of the motion."""
     assert p.h is not None
-    asker = asker.with_settings(asker.settings)  # a copy, since other threads use the asker
+    asker = asker.with_settings(asker.settings)  # other threads use the first asker
     if not bound and not asker.motion().judges:
         return Measured(p, None, "the motion itself ends or leaves")
     kind = ""
@@ -262,7 +270,7 @@ def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
 
 
 def _search(test: Callable[[float], bool], low: float, high: float) -> float | None:
-    """Returns the first x in (low, high] at which `test` becomes true, with error FINE high."""
+    """Returns the first x in (low, high] at which `test` becomes true, to precision FINE * high."""
     return first_change(test, low, high, looks=LOOKS, parts=2, close=FINE * high)
 
 
@@ -306,11 +314,13 @@ def secant(f: Callable[[float], float | None], a: float, b: float) -> float | No
 def _response(
     asker: Asker, p: Prediction, size: float, effort: Effort
 ) -> tuple[float | None, float | None]:
-    """Returns the step size near resonance with the strongest response, and the response: the
-    growth at this step size relative to the larger growth at the two ends of the scan, maximal over
-    all amplitudes. Returns (None, None) if both ends grow too far.
+    """Scans step sizes near a resonance for the strongest response. Returns the step size, and the
+    response: the growth of the motion at this step size, divided by the larger growth at the first
+    and the last step size of the scan. Several amplitudes are tried; the largest response counts.
+    Returns (None, None) if the motion grows too far at the first and the last step size.
 
-    For a pair, the slower mode is measured; it starts at 1/100 of the amplitude of the faster mode.
+    In a resonance of two modes, the growth of the slower mode is measured. It starts with 1/100 of
+    the amplitude of the faster mode.
     """
     assert p.h is not None
     hs = [p.h * (1 + BESIDE * (2 * k / (effort.scan - 1) - 1)) for k in range(effort.scan)]

@@ -1,15 +1,15 @@
-"""A method's step on the linear oscillator, (q, v) -> A(y) (q, v) with y = h omega, made by the
-runtime.
+"""Properties of a method's step on the linear oscillator q'' = -omega^2 q. A step of size h
+multiplies the state (q, v) by a matrix A(y), with y = h omega. The runtime makes the steps.
 
 limit    the first y at which an eigenvalue of A leaves the unit circle, from the method's table
          (pk/limits.h); for a damped mode, from steps on the damped oscillator
-angle    the rotation angle of a step, h times the method's frequency. Verlet 2 asin(y/2),
-         midpoint 2 atan(y/2); E. Hairer, C. Lubich, G. Wanner, GNI I.5, VI.
-resonance  y at which the angle is a simple fraction of 2 pi, such as 2 pi/3: steps return to
-         the same phases, at which a nonlinear force always acts in the same direction
+angle    the angle by which a step rotates (q, v), such as 2 asin(y/2) for Verlet and 2 atan(y/2)
+         for midpoint (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, I.5, VI)
+resonance  y at which the angle is a simple fraction of 2 pi, such as 2 pi/3. After a few steps the
+         oscillator returns to the same phase, so a nonlinear force always acts in one direction
 pair     y at which the angles of two modes are in resonance
-pole     the first y at which a step on q'' = +q has no solution: an implicit method's equations
-         are singular there, and longer steps lose the solution that short steps follow
+pole     the first y at which a step on q'' = +q has no solution. The equations of an implicit step
+         are singular at the pole; longer steps lose the solution that short steps follow
 """
 
 from __future__ import annotations
@@ -28,19 +28,20 @@ from .ask import Asker
 
 FURTHEST = 30.0  # largest y in the search for limits and poles
 COARSE = 600  # points of the coarse search
-LEAP = 4  # steps after which an error shows that the motion is not resolved
-OUTSIDE = 1e-9  # least excess over 1 of the modulus of an eigenvalue outside the unit circle
+LEAP = 4  # if the error after this many steps is large, the method does not resolve the motion
+OUTSIDE = 1e-9  # an eigenvalue is outside the unit circle if its modulus is above 1 + OUTSIDE
 FIRST_GROWTH = 0.05  # a limit below this y counts as growth at any step size
 TWO_PI = 2 * math.pi
-# Resonances of third order between two modes: a (angle of the faster mode) + b (angle of the slower
-# mode) = 2 pi turns; values are (a, b, turns). In "1:2" the step shifts the frequency ratio to 2;
-# the others do not exist without steps, and in these sum resonances both modes may grow at once.
+# Resonances of third order between two modes, as (a, b, turns): a times the angle of the faster
+# mode plus b times the angle of the slower mode is 2 pi turns. In "1:2" the step shifts the ratio
+# of the frequencies to 2. The other two are sum resonances, which exact motions do not have; both
+# modes may grow at once in them.
 PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
 
 
 @record
 class Map:
-    """Properties of the matrix A; a number that is not finite is None."""
+    """Properties of the matrix A of a step; None instead of a number that is not finite."""
 
     growth: float | None  # largest modulus of the eigenvalues
     turn: float | None  # rotation angle in (0, 2 pi); None if the step grows, damps or flips
@@ -53,7 +54,8 @@ class Map:
 
 
 def _once(find: Callable[..., Any]) -> Callable[..., Any]:
-    """Caches a method of StepMap by its arguments, since many equilibria and rows repeat them."""
+    """Caches the results of a method of StepMap by its arguments, since many equilibria and rows of
+    a map need the same results."""
 
     @wraps(find)
     def kept(of: StepMap, *given: str | float) -> Any:
@@ -72,14 +74,14 @@ class StepMap:
 
     traits: ChartedMethod
     asker: Asker
-    states: bool = False  # the model has first-order variables, stepped like u' = lambda u
+    states: bool = False  # the model has first-order variables, like u' = lambda u
     bound: bool = False  # the model has rotations or constraints
     turning: bool = False  # the model has rotations
-    linear: bool = False  # linear with constant coefficients: resonances have no effect
+    linear: bool = False  # the model is linear with constant coefficients
     found: dict[tuple, Any] = field(default_factory=dict)
 
     def map(self, y: float, stiffness: float = 1, damping: float = 0) -> Map:
-        """Returns the properties of A for a step of size y; without values if the step fails."""
+        """Returns the properties of A for a step of size y; they are all None if the step fails."""
         (a, b), (c, d) = self.asker.spring(self.traits.name, stiffness, damping, float(y))
         half, det = (a + d) / 2, a * d - b * c
         if not math.isfinite(half * det):
@@ -92,7 +94,8 @@ class StepMap:
 
     @_once
     def limit(self, ratio: float) -> float | None:
-        """Returns the stability limit; None: none up to FURTHEST, 0: growth at any step size."""
+        """Returns the stability limit y of an oscillator with the damping ratio `ratio`. It is None
+        if there is no limit up to FURTHEST, and 0 if the motion grows at any step size."""
         known = self.traits.imaginary
         if self.states and self.traits.real == math.inf:
             return None
@@ -110,8 +113,8 @@ class StepMap:
 
     @property
     def tells(self) -> bool:
-        """Whether the oscillator represents the model: not if the method treats quaternions, as
-        first-order variables, unlike coordinates."""
+        """Whether steps on the oscillator tell how steps on the model behave. They do not if the
+        method treats quaternions, which are first-order variables, unlike coordinates."""
         apart = self.traits.implicit and self._partitioned and "group" not in self.traits.flags
         return not (self.turning and apart)
 
@@ -124,7 +127,8 @@ class StepMap:
 
     @_once
     def _pole(self) -> float | None:
-        """Returns the root of 1/trace by extrapolation: steps just below the pole may fail."""
+        """Returns the pole. It is the root of 1/trace (the trace of A), which is extrapolated from
+        shorter steps, since steps just below the pole may fail."""
 
         def beyond(y: float) -> bool:
             trace = self.map(y, -1.0).trace
@@ -145,9 +149,9 @@ class StepMap:
 
     @_once
     def resolves(self, grows: bool) -> float | None:
-        """Returns the first y at which LEAP steps on the oscillator have an error of half its
-        range; with `grows`, on q'' = +q an error of half the exact solution. None: no such y up to
-        FURTHEST."""
+        """Returns the first y at which the error of LEAP steps on the oscillator is half the range
+        of the motion. With `grows`, the steps are on q'' = +q, and the error is half the exact
+        solution. Returns None if there is no such y up to FURTHEST."""
 
         def off(y: float) -> bool:
             step = self.map(y, -1.0 if grows else 1.0)
@@ -157,13 +161,14 @@ class StepMap:
                 return not abs((step.growth / math.exp(y)) ** LEAP - 1) < 0.5
             cosine = max(-1.0, min(step.trace / (2 * step.growth), 1.0))
             made = (step.growth * cmath.exp(1j * math.acos(cosine))) ** LEAP
-            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # the range is twice the amplitude
+            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # half the range of the motion
 
         return first_change(off, 0.0, FURTHEST, close=1e-9)
 
     @_once
     def angles(self) -> tuple[list[float], list[float]]:
-        """Returns ascending y and the rotation angles at them, until A is no rotation."""
+        """Returns ascending values of y, and the rotation angle of a step for each. The values end
+        before the first y at which A is no rotation."""
         limit = self.limit(0.0)
         far = FURTHEST if limit is None else limit
         ys = [far * (k + 1) / COARSE for k in range(COARSE)] if far else []
@@ -185,10 +190,11 @@ class StepMap:
         return None
 
     def pair(self, kind: str, ratio: float) -> float | None:
-        """Returns y of the faster of two modes at which the rotation angles meet the condition
-        `kind` of PAIRS, or None; `ratio` is the ratio of the exact frequencies."""
+        """Returns the y of the faster of two modes at which their rotation angles are in the
+        resonance `kind` (a key of PAIRS), or None if there is none. `ratio` is the ratio of the
+        exact frequencies."""
         if kind == "1:2" and abs(ratio - 2) < 1e-6:
-            return None  # without a step the modes are already in this resonance
+            return None  # the exact modes are already in resonance
         return self._pair(kind, ratio)
 
     @_once
@@ -205,7 +211,8 @@ class StepMap:
 
 
 def combined(kind: str, fast: float, slow: float) -> float:
-    """Returns a angle(fast) + b angle(slow) - 2 pi turns, which is 0 at the resonance `kind`."""
+    """Returns `a * fast + b * slow - 2 pi * turns`, which is 0 at the resonance `kind`; `fast` and
+    `slow` are the rotation angles of the two modes."""
     a, b, turns = PAIRS[kind]
     return a * fast + b * slow - turns * TWO_PI
 

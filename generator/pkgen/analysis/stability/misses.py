@@ -8,7 +8,7 @@ from .measure import FAILED, Growth, Measured, Row
 from .predict import Prediction
 from .rest import UNDECIDED
 
-TOLERANCE = 0.01  # least relative difference of a miss
+TOLERANCE = 0.01  # a larger relative difference of prediction and measurement is a miss
 LISTED = 4  # most resonances named in one sentence
 NEXT = 0.03  # relative distance within which a failing point is near a prediction
 
@@ -16,12 +16,13 @@ NEXT = 0.03  # relative distance within which a failing point is near a predicti
 @record
 class Miss:
     method: str
-    kind: str  # kind of the prediction, or response, below, above, growth
+    kind: str  # the kind of a prediction, or "response", "below", "above" or "growth"
     text: str
 
 
 def difference(predicted: float | None, measured: float | None) -> float | None:
-    """Returns the relative difference; 0 if neither event happens, None if only one does."""
+    """Returns the difference of the measured and the predicted step size, relative to the latter.
+    If neither step size exists, it is 0; if only one exists, it is None."""
     if predicted is None and measured is None:
         return 0.0
     if predicted is None or measured is None:
@@ -32,7 +33,8 @@ def difference(predicted: float | None, measured: float | None) -> float | None:
 
 
 def _missed(off: float | None, sharp: bool = True) -> bool:
-    """Whether a difference is a miss; estimates (not `sharp`) may be off by a factor of 2."""
+    """Whether `off`, a result of difference(), is a miss. If `sharp` is false, the prediction is an
+    estimate, which may be wrong by a factor of 2."""
     return off is None or (abs(off) > TOLERANCE if sharp else not -0.5 <= off <= 1)
 
 
@@ -63,7 +65,7 @@ def of_prediction(m: Measured) -> Miss | None:
 
 
 def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
-    """Returns a miss if modes rotate as predicted at resonances but do not respond."""
+    """Returns a miss if modes rotate as predicted at resonances, but the motion does not grow."""
     silent = [m for m in measured if m.prediction.method == method and m.silent]
     if not silent:
         return []
@@ -132,7 +134,8 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
 
 
 def _close(row: Row, method: str, h: float) -> str:
-    """Names the prediction nearest to h if it is within the relative distance NEXT."""
+    """Returns a phrase that names the prediction nearest to the step size h, if its relative
+    distance from h is at most NEXT."""
     near = [p for p in row.predictions if p.method == method and p.h and abs(h / p.h - 1) < NEXT]
     if not near:
         return ""
@@ -154,7 +157,7 @@ def unmeasured(made: StabilityMap) -> list[str]:
 
 
 def unpredicted(made: StabilityMap) -> str | None:
-    """Returns the reason why nothing is predicted; None if something is."""
+    """Returns the reason why the map has no predictions; None if it has some."""
     if made.predictions or made.growths or any(row.predictions for row in made.rows):
         return None
     found = made.rest
@@ -175,7 +178,8 @@ def unsought(made: StabilityMap) -> str:
 
 
 def misses(made: StabilityMap) -> list[Miss]:
-    """Returns all misses: first those of predictions, then of responses, then of points."""
+    """Returns all disagreements of a map: first those of predictions and their measurements, then
+    resonances without a response, then points that contradict a limit."""
     found = [miss for m in made.measured if (miss := of_prediction(m))]
     found += [miss for g in made.growths if (miss := of_growth(g))]
     for method in made.steps:

@@ -1,15 +1,16 @@
 """The modes of small motions about an equilibrium, u = Re(shape exp(lambda t)) with lambda = growth
-+ i frequency, sorted from the fastest.
++ i frequency, sorted from the fastest. u is the displacement from the equilibrium.
 
-Momenta of the cyclic coordinates c are constant (Routh). The other coordinates n obey M u'' + C u'
-+ K u = 0 with
+Let p = dL/dv be the momenta, pdot = dL/dq + forces their derivatives, and M = dp/dv. The index c
+means the cyclic coordinates, whose momenta are constant (Routh), and n the other coordinates, which
+obey M u'' + C u' + K u = 0 with
 
 M = M_nn + M_nc R, C = D_nn + M_nc S + D_nc R, K = -F_nn + D_nc S, D = dp/dq - F', F = d(pdot)/dq,
 F' = d(pdot)/dv, u_c' = R u' + S u, R = -M_cn/M_cc, S = -(dp/dq)_cn/M_cc
 
-With first-order variables or constraints the modes are those of z' = A z in the tangent space of
-the constraints, over all variables on which a rate depends; z holds the unknowns, then the
-coordinates' rates.
+With first-order variables or constraints, the modes are those of z' = A z. The vector z holds the
+displacements of coordinates and first-order variables, then those of the coordinates' rates, as far
+as a rate depends on them. It is restricted to the tangent space of the constraints.
 
 References: L. Meirovitch, Methods of Analytical Dynamics, ch. 6; J. Marsden, T. Ratiu, Introduction
 to Mechanics and Symmetry, 8.9.
@@ -25,10 +26,10 @@ from numpy import linalg
 from .rest import ZERO, Mode
 from .system import System
 
-NATURAL = 1e-12  # largest relative size of C, and of the asymmetry of K, from round-off
+NATURAL = 1e-12  # a smaller C, or asymmetry of K, relative to the equations' terms, is round-off
 DEPENDENT = 1e-9  # a singular value below this part of the largest counts as 0
-ROUNDED = 1e-13  # an entry of A below this part of the largest of its kind becomes 0
-BESIDE = 6e-6  # step of numerical derivatives, relative
+ROUNDED = 1e-13  # an entry of A below this part of the largest entry of its block becomes 0
+BESIDE = 6e-6  # relative step of numerical derivatives
 TIED = 1e-9  # relative difference of equal rates
 SAME = 1e-2  # relative difference of lambda that shows a spurious mode
 
@@ -48,9 +49,10 @@ def modes(system: System, state: numpy.ndarray) -> tuple[str, list[Mode]]:
 
 
 def settled(system: System, state: numpy.ndarray, doubt: numpy.ndarray) -> tuple[str, list[Mode]]:
-    """Returns the status and the modes, with lambda = 0 for spurious modes. If the linear terms
-    vanish at an equilibrium, their numerical value is proportional to its error, estimated by
-    `doubt`: a mode that changes when the state moves by `doubt` is spurious."""
+    """Returns the status and the modes, with lambda = 0 for spurious modes. `doubt` estimates the
+    error of the equilibrium `state`. If linear terms vanish at the exact equilibrium, their values
+    at `state` are proportional to this error. Therefore a mode is spurious if its lambda changes
+    when `state` is moved by `doubt`."""
     status, found = modes(system, state)
     by_rate = numpy.arange(system.n) >= system.m
     by_rate[system.given["cyclic"]] = True
@@ -76,7 +78,8 @@ def _first(a: Mode, b: Mode) -> bool:
 
 
 def _mode(value: complex, shape: numpy.ndarray, free: numpy.ndarray) -> Mode:
-    """Returns a mode, scaled so that its largest component among `free` is 1."""
+    """Returns a mode. Its shape is scaled so that the largest of the components marked in `free` is
+    1."""
     sizes = abs(shape) * free
     lead = int((sizes >= sizes.max() / (1 + TIED)).argmax())
     shape = shape / shape[lead] if shape[lead] else shape
@@ -144,7 +147,7 @@ def _first_order(system: System, state: numpy.ndarray) -> list[Mode] | None:
             return None
     values, shapes = linalg.eig(A)
     values = _cleared(values)
-    left = int(system.idle[:m].sum())  # zero eigenvalues: constant momenta of cyclic coordinates
+    left = int(system.idle[:m].sum())  # number of zero eigenvalues from constant momenta
     zeros = numpy.flatnonzero(values == 0)[:left]
     found = []
     for k in numpy.flatnonzero(values.imag >= 0):
@@ -156,9 +159,9 @@ def _first_order(system: System, state: numpy.ndarray) -> list[Mode] | None:
 
 
 def kept(system: System, state: numpy.ndarray) -> numpy.ndarray:
-    """Returns the derivatives by z of the functions that constraints and rotations keep at 0: phi
-    of holonomic constraints, J v + j0 of all constraints, (|Q|^2 - 1)/2 of each quaternion Q. A
-    rotation of a body by a small vector d adds Q (0, d)/2 to Q."""
+    """Returns the derivatives by z (see above) of all functions that stay 0 during a motion: phi(q)
+    of each holonomic constraint phi = 0, J v + j0 of each constraint on the rates v, and (|Q|^2 -
+    1)/2 of each quaternion Q. A rotation of a body by a small vector d adds Q (0, d)/2 to Q."""
     n, m, turning = system.n, system.m, system.turning
     h, c, first = system.given["holonomic"], system.given["constraints"], m + turning
     C = numpy.zeros((h + c + turning // 3, n + m))
@@ -192,13 +195,14 @@ def kept(system: System, state: numpy.ndarray) -> numpy.ndarray:
 def _tangent(
     system: System, state: numpy.ndarray, among: numpy.ndarray, A: numpy.ndarray
 ) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Returns an orthonormal basis of the null space of kept(), and A in this basis. Round-off
-    relative to the block of A (positions or rates, by positions or rates) is set to 0, since a free
-    motion's eigenvalues would be its square root."""
+    """Returns an orthonormal basis of the null space of kept(), and A in this basis. A has four
+    blocks: derivatives of positions and of rates, by positions and by rates. Entries that are
+    round-off relative to their block are set to 0, since the eigenvalues of a free motion, which
+    are 0, would become the square root of round-off."""
     C = kept(system, state)[:, among]
     h, c = system.given["holonomic"], system.given["constraints"]
     rate = (among >= system.n) | ((among >= system.m) & (among < system.m + system.turning))
-    mixed = (C[h : h + c][:, ~rate] != 0).any()  # J v + j0 depends on positions
+    mixed = (C[h : h + c][:, ~rate] != 0).any()  # whether J v + j0 depends on positions
     columns, kinds = [], []
     for kind in (0, 1) if not mixed else (-1,):
         some = numpy.flatnonzero((rate == kind) | mixed)

@@ -2,9 +2,11 @@
 
 q = q* + A sum Re(u), v = v* + A sum Re(lambda u)
 
-Measures the growth of the largest displacement of a non-cyclic coordinate, and the mean angle per
-step by which the mode's leading coordinate rotates about q* in the plane (q, -v/omega). With a
-second mode, the growth is that of the second mode's component, hypot(u.M (q - q*), u.M v/omega).
+Here u is the shape of a mode times exp(lambda t). Two numbers are measured. The growth is that of
+the largest displacement of a non-cyclic coordinate. The angle is the mean rotation per step of the
+mode's leading coordinate about q* in the plane (q, -v/omega). If the start has a second mode, the
+growth is that of the second mode's part of the displacement, hypot(u.M (q - q*), u.M v/omega), with
+the mass matrix M.
 """
 
 from __future__ import annotations
@@ -34,12 +36,14 @@ def _displacement(system: System, modes: Sequence[Mode], amplitude: float) -> nu
 
 
 def _settled(system: System, state: numpy.ndarray) -> numpy.ndarray:
-    """Projects a state onto the constraints, to which a mode is only tangential."""
+    """Projects a state onto the constraints. A state displaced along a mode fulfils them only
+    approximately, since the mode is tangential to the constraints."""
     return system.reference().projected(state)[1] if system.bound else state
 
 
 def _largest(system: System, states: numpy.ndarray) -> numpy.ndarray:
-    """Returns the largest displacement in each state, without unknowns on which nothing depends."""
+    """Returns for each state the largest displacement of an unknown from the start. Unknowns on
+    which no rate depends are left out."""
     return abs(system.apart(states)[:, ~system.idle]).max(1, initial=0.0)
 
 
@@ -51,7 +55,7 @@ class _Turning:
         free = numpy.flatnonzero(~system.idle)
         size = abs(numpy.array(mode.re))
         self.lead = int(free[size[free].argmax()]) if len(free) else 0
-        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sum of angles in each half
+        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sums of angles by half
         self.angle = float(self._phase(state[None])[0])
 
     def _phase(self, states: numpy.ndarray) -> numpy.ndarray:
@@ -71,9 +75,10 @@ class _Turning:
 
     @property
     def mean(self) -> float:
-        """The mean angle per step. The phase oscillates about a straight line in time, since the
-        orbit is no circle in that plane; the difference of the means of the two halves nearly
-        cancels this."""
+        """The mean angle per step. In the plane (q, -v/omega) the orbit is no circle. Therefore the
+        angle is not proportional to time, but oscillates about a straight line. The slope of this
+        line is computed from the means of the angle in the first and in the second half of the
+        steps, in which oscillations nearly cancel."""
         if self.half and self.steps >= 2 * self.half:
             return (self.sums[1] - self.sums[0]) / self.half**2
         return self.turned / self.steps if self.steps else 0.0
@@ -92,8 +97,9 @@ def near(
     other: int | None = None,
     seed: float = 0.0,
 ) -> dict[str, str | float]:
-    """Makes `count` steps from near the start, displaced along `mode`, or along all modes that move
-    and do not grow (-1), and along mode `other` by `seed`. Returns the fields of a Close."""
+    """Makes `count` steps from a state near the start, an equilibrium. The state is displaced by
+    `amplitude` along the mode with index `mode` or, if this is -1, along all modes that move and do
+    not grow; and by `seed` along the mode with index `other`. Returns the fields of a Close."""
     if not modes or not all(-1 <= k < len(modes) for k in (mode, other or 0)):
         raise UsageError("no such mode")
     some = [m for m in modes if m.growth <= 0 and m.rate > 0] if mode < 0 else [modes[mode]]
@@ -126,12 +132,13 @@ def near(
 
 @numpy.errstate(all="ignore")
 def leave(system: System, modes: Sequence[Mode], mode: int, amplitude: float) -> float:
-    """Returns the growth rate of the reference motion along a growing mode from the start."""
+    """Returns the growth rate of the reference motion that starts at an equilibrium, displaced by
+    `amplitude` along a growing mode."""
     of, most = modes[mode], max(m.growth for m in modes)
     if not of.growth > 0:
         raise UsageError("one mode that grows, please")
-    until = math.log(FAR) / most  # short: later, a faster mode has grown from round-off
-    if of.frequency > 0:  # whole periods, so that the phase has no effect
+    until = math.log(FAR) / most  # later, round-off has grown along a faster mode
+    if of.frequency > 0:  # the time is whole periods, so that the phase of the mode has no effect
         period = 2 * math.pi / of.frequency
         until = math.ceil(until / period) * period
     state = _settled(system, system.start + _displacement(system, [of], amplitude))

@@ -18,13 +18,13 @@ from .unknowns import TURN, Unknowns, halton, primes
 
 MOST_KNOWN, MOST_ORBITS, MOST_TURNS = 128, 32, 60
 STATES = 4  # most states of an orbit that are returned
-BESIDE = 1e-6  # step of central differences, in boxes; their error is about 1e-10
+BESIDE = 1e-6  # step of central differences, in boxes; the error of these is about 1e-10
 FLAT = 1e-7  # a singular value below this part of the largest counts as 0
-SMALL = 1e-9  # size of the correction at which the iteration ends
+SMALL = 1e-9  # Newton's iteration ends when its correction is smaller
 CLOSED = 1e-6  # largest distance between the ends of a closed orbit
-FURTHEST = 0.5  # largest correction of a state in boxes; of log h: a quarter of this
+FURTHEST = 0.5  # largest correction of a state, in boxes; four times that of log h
 SAME = 1e-5  # largest distance of states that count as equal
-REST = 1e-6  # largest motion per step at an equilibrium
+REST = 1e-6  # a state that moves less than this in a step is an equilibrium
 AWAY = 16.0  # distance from the region of the motion beyond which an orbit is ignored
 ROUNDED = 1e-6  # round-off of the modulus of a multiplier
 
@@ -51,7 +51,8 @@ class Orbit:
         return self.growth < 1 + ROUNDED
 
     def beyond(self, trivial: int) -> complex:
-        """Returns the largest multiplier except the `trivial` ones nearest to 1, or 0."""
+        """Returns the multiplier with the largest modulus, or 0 if there is none. The number
+        `trivial` says how many multipliers, those nearest to 1, do not count."""
         others = sorted(self.multipliers, key=lambda z: abs(z - 1))[trivial:]
         return max(others, key=abs, default=0j)
 
@@ -68,10 +69,12 @@ class Closed:
 
 
 class _Search:
-    """Solves gap(y) = 0 by Newton's method from several starts at once; the gap is the end of some
-    steps of a method minus their start y. Deflation multiplies the gap by p = prod (1 + 1/|y -
-    known|^2). Its correction is that of the gap times 1/(1 - grad(p).correction/p), without other
-    derivatives."""
+    """Solves gap(y) = 0 by Newton's method from several starts at once. The gap is the state after
+    some steps of a method, minus the state y before these steps.
+
+    Deflation keeps the iteration away from known solutions: it multiplies the gap by p = prod (1 +
+    1/|y - known|^2). The correction for the multiplied gap is that for the gap itself, times
+    1/(1 - grad(p).correction/p)."""
 
     def __init__(
         self, system: System, unknowns: Unknowns, method: str | None, h: float, free: bool
@@ -108,7 +111,8 @@ class _Search:
         return numpy.where(slope == 1, 1.0, 1 / (1 - slope))
 
     def newton(self, y: numpy.ndarray, h: float, steps: int) -> dict[int, Closed]:
-        """Returns the solutions found, by index of the start; one start only if h is unknown."""
+        """Returns the solutions that are reached from the starts y, keyed by the index of the
+        start. If h is unknown, there must be one start only."""
         d, y, at, found = len(self.unknowns.of), y.copy(), numpy.arange(len(y)), {}
         for _ in range(MOST_TURNS):
             gap, slopes = self.gap(y, h, steps), self.slopes(y, h, steps)
@@ -136,8 +140,8 @@ class _Search:
         return found
 
     def sought(self, starts: numpy.ndarray, h: float, first: int, steps: int, many: bool) -> None:
-        """Finds the orbits that Newton's method reaches; with `many`, known orbits are deflated,
-        and each start that reached an orbit is used again."""
+        """Finds orbits by Newton's method. With `many`, orbits already found are deflated, and each
+        start that reached an orbit is used again, to find another orbit."""
         while len(starts) and len(self.orbits) < MOST_ORBITS and len(self.known) < MOST_KNOWN:
             before, again = len(self.known), []
             for number, found in self.newton(starts, h, steps).items():
@@ -148,7 +152,8 @@ class _Search:
             starts = starts[again] if many else starts[:0]
 
     def _take(self, found: Closed, first: int, many: bool) -> bool:
-        """Keeps an orbit, with the least number of steps after which it closes."""
+        """Adds a solution to the list of orbits, with the least number of steps after which the
+        orbit closes."""
         y, h = found.y, found.h
         for k in range(1, found.steps if many else 1):
             if found.steps % k or not abs(self.gap(y[None], h, k)).max() < SAME:
@@ -212,10 +217,11 @@ def orbits(
     tries: int = 0,
     free: bool = False,
 ) -> tuple[Orbit, ...] | None:
-    """Returns the orbits that close after `first` (default: count) to `count` steps of size h,
-    searched from `state` and `tries` more starts. With `free` h is unknown; without a method they
-    are orbits of the equations, over a time h. Returns None if the method is refused, or if the
-    equations depend on time and do not have these periods."""
+    """Returns the orbits that close after `first` (default: `count`) to `count` steps of size h.
+    The search starts from `state` and from `tries` other states. With `free`, Newton's method also
+    solves for h. Without a method, a step follows the equations exactly for the time h. Returns
+    None if the model refuses the method, or if the equations depend on time but are not periodic
+    with the duration of these steps."""
     if not h > 0 or count < 1:
         raise UsageError("a step is positive, and there is one at least")
     numbers = range(first or count, count + 1)

@@ -42,7 +42,9 @@ PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{
 SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # colours of a resonance without a response
 SIZE = 6.0  # font size of a label, in points
 DOWN = 24  # number of positions along a line that are tried for its label
-COVERED = 0.3  # cost of a label over another line; moving it down the full line costs 1
+# The cost of a label that covers another line. To move a label from the upper end of its line to
+# the lower end costs 1.
+COVERED = 0.3
 
 
 @record(eq=False)
@@ -56,7 +58,8 @@ class Marked:
 
 
 def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, float]]]:
-    """Returns the points (x, h) of each predicted line, by a key that identifies the line."""
+    """Returns the points (x, h) of each predicted line of a method: the predicted step size h in
+    the row with the value x of the varied quantity. The key identifies the line."""
     found: dict[tuple, list[tuple[float, float]]] = {}
     for row in rows:
         for p in row.predictions:
@@ -85,7 +88,7 @@ def lines(
             continue
         mark = (kind, round(1e4 * hs[-1] / (high - low)))
         if mark in seen:
-            continue  # the line of a mirror image of the equilibrium
+            continue  # a mirror image of the equilibrium has the same line
         seen.add(mark)
         xs = np.array([row.x for row in made.rows])
         at = dict(line)
@@ -114,9 +117,10 @@ def lines(
 
 
 def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
-    """Places upright labels on the lines, by priority: free of other labels, if possible free of
-    other lines, and as high as possible. Letters have a halo and no box, so that cells stay
-    visible. A label without a free position is omitted. Call it after the layout of the figure."""
+    """Writes upright labels on the lines, the most important label first. A label does not cover
+    other labels, avoids other lines if possible, and is as high on its line as possible. A label
+    without a free position is omitted. Letters have a halo instead of a box, so that the cells of
+    the map stay visible. Call this function after the layout of the figure."""
     renderer = axes.figure.canvas.get_renderer()
     frame = axes.get_window_extent(renderer)
     gap = axes.figure.dpi / 72
@@ -138,7 +142,7 @@ def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
             if not frame.x0 <= x <= frame.x1:
                 continue
             half = size.width / 2 + 2 * gap
-            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keeps the label inside the frame
+            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keeps labels inside the map
             here = Bbox.from_bounds(
                 x - size.width / 2 - gap, y - size.height / 2 - 2 * gap, size.width + 2 * gap,
                 size.height + 4 * gap,
@@ -171,13 +175,14 @@ def omega(mode: int) -> str:
 
 
 def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
-    """Draws triangles on the lower edge at the measured limits; returns whether any are drawn."""
+    """Draws triangles on the lower edge of a map, at the step sizes of measured limits. Returns
+    whether any triangle is drawn."""
     low, high = axes.get_xlim()
     own = [m for m in made.measured if m.prediction.method == name and m.h]
     failing = [m.h for m in own if m.prediction.kind in ("limit", "branch", "cycle")]
     places = [h for h in failing if low < h < high]
     if not places:
-        return False  # an empty unclipped line has no size: the layout would fail
+        return False  # matplotlib's layout fails with an empty unclipped line
     how = {"marker": "^", "ls": "", "ms": 4.5, "color": look.ink, "mec": look.ground, "mew": 0.5}
     at = {"clip_on": False, "transform": axes.get_xaxis_transform(), "zorder": 5}
     axes.plot(places, [0.0] * len(places), **how, **at)

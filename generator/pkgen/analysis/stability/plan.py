@@ -24,13 +24,13 @@ from .ask import Motion
 from .cycles import Cycle
 from .rest import Equilibrium, Rest
 
-# One or two methods of each family, which fail in different ways.
+# The default methods of a map: one or two of each family, since families fail in different ways.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
-HOLONOMIC = ("rattle", "lie_midpoint")  # used with constraints, in place of verlet and yoshida4
+HOLONOMIC = ("rattle", "lie_midpoint")  # replace verlet and yoshida4 if there are constraints
 PANELS = 6
-FACTORS = ("amplitude", "rates", "coordinates")  # kinds of axis that multiply the start
+FACTORS = ("amplitude", "rates", "coordinates")  # kinds of Axis whose values are factors
 AMPLITUDES = (0.0, 1.5)  # range of the factor on the displacement of the start
-AT_REST = 1e-12  # relative distance from the equilibrium below which the start is at it
+AT_REST = 1e-12  # a start within this relative distance of an equilibrium is the equilibrium
 PERIODS = 50  # duration of each run, in periods of the slowest mode
 FULL, QUICK = (48, 32), (24, 12)  # default numbers of step sizes and of rows
 MOST_POINTS = 1_000_000
@@ -38,12 +38,13 @@ MOST_POINTS = 1_000_000
 
 @record
 class Axis:
-    """The vertical axis. `amplitude` multiplies the start's displacement from the equilibrium.
-    Without an equilibrium, `rates` multiplies the start's rates and first-order variables, or
-    `coordinates` its coordinates. The other kinds are one start value or parameter, given by its
-    index."""
+    """The vertical axis of a map: the varied quantity. Its values are factors if the kind is
+    "amplitude" (on the displacement of the start from an equilibrium) or, in a model without
+    equilibrium, "rates" (on the rates and first-order variables of the start) or "coordinates" (on
+    the coordinates of the start). The kinds "q" and "v" mean one coordinate or rate of the start,
+    "parameter" means one parameter, each given by its index."""
 
-    kind: str  # amplitude, rates, coordinates, q, v, parameter
+    kind: str  # "amplitude", "rates", "coordinates", "q", "v" or "parameter"
     name: str
     unit: str
     values: tuple[float, ...]
@@ -63,9 +64,10 @@ class Axis:
         motion: Motion,
         turned: range = range(0),
     ) -> Settings:
-        """Returns the settings of the row at x. `at` is the equilibrium from which the start is
-        displaced, `turned` the indices of quaternions among the rates. The start is not yet
-        projected or normalised."""
+        """Returns the settings of runs in the row with the value x of the varied quantity. `at` is
+        the equilibrium from which the start is displaced; `turned` has the indices of quaternion
+        components among the rates. The start in the settings is not yet projected onto constraints,
+        and its quaternions are not yet normalised."""
         if self.kind == "rates":
             v = [v if i in turned else x * v for i, v in enumerate(motion.v)]
             return replace(base, start_v=tuple(enumerate(v)))
@@ -94,8 +96,8 @@ class Axis:
         return none + x * (part - none)
 
     def place(self, state: Sequence[float], at: Equilibrium | None, motion: Motion) -> float:
-        """Returns the x of a state; a factor is the ratio of its largest displacement to the
-        start's."""
+        """Returns the value of the varied quantity for a state. If the values are factors, this is
+        the largest displacement of the state, divided by the largest displacement of the start."""
         half = len(motion.q)
         if self.kind == "parameter":
             return motion.parameters[self.index]
@@ -157,8 +159,8 @@ def without_equilibrium(axis: Axis, motion: Motion, turned: range = range(0)) ->
 def still(
     axis: Axis, at: Equilibrium | None, motion: Motion, cyclic: frozenset[int], autonomous: bool
 ) -> bool:
-    """Returns whether all rows have the same start, because a factor multiplies zeros. Raises
-    UsageError if nothing moves either."""
+    """Returns whether all rows of the map have the same start, since the varied quantity is a
+    factor on numbers that are all 0. Raises UsageError if moreover nothing moves."""
     if axis.kind not in FACTORS:
         return False
     rest = (*at.q, *at.v) if at and axis.kind == "amplitude" else (0.0,) * 2 * len(motion.q)
@@ -239,7 +241,8 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
 
 
 def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int | None:
-    """Returns the index of the equilibrium nearest to `place`, of a stable one if there is any."""
+    """Returns the index of the equilibrium nearest to the coordinates `place`. If there are stable
+    equilibria, the others do not count."""
 
     def distance(number: int) -> tuple[bool, float]:
         at = rest.equilibria[number]
@@ -268,7 +271,8 @@ def beside(
 
 
 def duration(at: Equilibrium | None, given: float | None, cycle: Cycle | None = None) -> float:
-    """Returns `given`, else PERIODS of the cycle or slowest mode, else the default of a run."""
+    """Returns the duration of runs: `given` if it is set. Else it is PERIODS periods of the cycle
+    or of the slowest mode or, if there are none, the default duration of `pkgen run`."""
     if given is not None:
         return given
     slow = [at.modes[k].frequency for k in at.oscillating] if at else []

@@ -1,28 +1,40 @@
-"""Classifies a method's run at one step size, mostly by its energy E. E0 is the initial energy, S
-the range of v.p over the reference motion (twice the varying kinetic energy), [a, b] the range of E
-in the last quarter of the run, and R = |v.p| + |L| a bound on E, to which round-off is relative:
+"""Classifies a method's run at one step size, mostly by its energy E. The definitions use
 
-away distance of E0 from [a, b] rise max E - E0; early: max E - E0 in the first eighth of the run
-growing rise > S, and it continues (rise > 2 early), or E does not return (away > S/2 or away > (b -
-a)/4), or rise is larger than any beat (rise > 1e4 S) drifting not growing, away > (b - a)/4 and
-away > 1e-11 R exchange not growing, and the amplitude of a coordinate is TIMES that in the
-reference motion constant lost not drifting, and a constant other than E has changed by MOVED
-bounded otherwise: E returns to E0
+E0      the initial energy
+v.p     rates times momenta, which is twice the kinetic energy for most models
+S       the range of v.p over the reference motion
+[a, b]  the range of E in the last quarter of the run
+R       |v.p| + |L|, a bound on E; the round-off of E is relative to R
+away    the distance of E0 from [a, b]
+rise    max E - E0 over the run
+early   max E - E0 over the first eighth of the run
+
+The classes are
+
+growing        rise > S; moreover E still rises (rise > 2 early), or does not return to E0 (away >
+               S/2 or away > (b - a)/4), or has risen further than any beat (rise > 1e4 S)
+drifting       not growing, away > (b - a)/4 and away > 1e-11 R
+exchange       not growing, and the amplitude of a coordinate is TIMES that in the reference motion
+constant lost  not drifting, and a constant of motion other than E has changed by MOVED
+bounded        none of these: E returns to E0
 
 A drift smaller than 2.2 times the oscillation of E is not detected. Near a step resonance the
-oscillation of E may be slower than the run: a symplectic or symmetric method is `drifting` only if
-`away` is a fifth larger in a run four times as long. If the energy of the model is not constant, E0
-is replaced by energies of the reference motion: the range in its last quarter, and the maximum. A
-run has at least LEAST_STEPS steps; the reference motion lasts as long. If the reference motion
-leaves or ends, the run is `not judged`. Below its stability limit, Verlet's energy may rise by
-E0/(1 - y^2/4) and return, which is bounded. The other classes are failures of the steps.
+oscillation of E may be slower than the run. Therefore the run of a symplectic or symmetric method
+is drifting only if `away` is a fifth larger in a run four times as long. If the energy of the model
+is not constant, E0 is replaced by energies of the reference motion: their range in its last quarter
+for `away`, their maximum for `rise`. A run has at least LEAST_STEPS steps; the reference motion
+lasts as long. If the reference motion leaves (reference.py) or ends early, the run is "not judged".
+At y = h omega below its stability limit, Verlet's energy may rise by E0/(1 - y^2/4) and return,
+which is bounded. All other classes are failures of steps.
 
-The share of a coordinate is its largest |v_i p_i|. Only coordinates with a share above SHARE of the
-largest count:
+The share of a coordinate is its largest |v_i p_i|. Coordinates with a share below SHARE times the
+largest share do not count in the fields of a Point:
 
-exchange square root of the ratio of the shares in the run and in the reference motion moved largest
-secular change of a proved constant, relative to its scale (pk/diagnostics.h) follows fraction of
-the time, up to the horizon, for which the run stays near the motion
+exchange  square root of the ratio of the shares in the run and in the reference motion
+moved     largest secular change of a proved constant of motion, relative to its scale
+          (pk/diagnostics.h)
+follows   fraction of the time for which the run stays near the reference motion, as long as the
+          latter is known
 """
 
 from __future__ import annotations
@@ -37,10 +49,10 @@ from .reference import SHARE, Reference, Summary, Watch
 from .system import MOST_STEPS, System
 
 LEAST_STEPS = 200
-TIMES = 3.0  # least amplitude ratio that counts as exchange of energy
-MOVED = 1e-2  # relative change above which a constant counts as lost
-STEADY = 1e-6  # largest relative change of a constant in the reference motion
-SECULAR = 0.5  # least part of the change that is a linear trend, not an oscillation
+TIMES = 3.0  # "exchange": an amplitude is at least TIMES that in the reference motion
+MOVED = 1e-2  # "constant lost": a constant of motion has changed by this fraction of its scale
+STEADY = 1e-6  # a quantity that changes more in the reference motion is not treated as constant
+SECULAR = 0.5  # a change counts if at least this part of it is a linear trend, not an oscillation
 NOT_FINITE = "PK_NOT_FINITE"
 FAILURES = {
     "PK_REFUSED": "refused",
@@ -56,14 +68,14 @@ FAILURES = {
 
 
 class _Energies:
-    """The energies of a method's run so far, and its other measures."""
+    """Follows a method's run, and keeps the energies and other measures that classify the run."""
 
     def __init__(self, reference: Reference, it: Integration):
         self.reference, self.system, self.it = reference, reference.system, it
         self.most = self.early_most = -math.inf
-        self.low, self.high = math.inf, -math.inf  # range of energy in the last quarter
+        self.low, self.high = math.inf, -math.inf  # range of energy, last quarter of the run
         self.rise = self.early = self.away = 0.0
-        self.steps, self.lost = 0, math.inf  # `lost`: time of departure from the motion
+        self.steps, self.lost = 0, math.inf  # `lost`: when the run left the reference motion
         self.watch, self.status = Watch(self.system), it.status
 
     def follow(self, steps: int, h: float) -> Summary | None:
@@ -183,9 +195,9 @@ def _exchange(system: System, mine: numpy.ndarray, its: numpy.ndarray) -> float:
 
 
 def _secular(mine: dict[str, float | None], its: dict[str, float | None]) -> float:
-    """Returns the largest change of a constant, relative to its scale in the reference motion, if
-    most of it is a linear trend; else 0, also if the constant has no scale or varies in that
-    motion."""
+    """Returns the largest change of a constant of motion in a method's run (`mine`), relative to
+    the scale of the constant in the reference motion (`its`). Returns 0 if most of the change is no
+    linear trend, if the constant has no scale, or if it varies in the reference motion."""
     numbers = *(mine[key] for key in ("max", "slope", "mean_t")), its["max"], its["scale"]
     if None in numbers:
         return 0.0

@@ -1,4 +1,5 @@
-"""Predicts the step sizes of events from an equilibrium's modes and a method's step map."""
+"""Predicts the step sizes at which a method fails or has a resonance. The predictions follow from
+the modes of an equilibrium and from the method's step on the linear oscillator (method.py)."""
 
 from __future__ import annotations
 
@@ -11,10 +12,10 @@ from .orbits import ROUNDED
 from .rest import Equilibrium, Mode, Rest
 
 SAME = 0.1  # an estimate within this relative distance of a sharp limit is omitted
-TURNS = 2.1 * math.pi  # largest y of the fastest mode in the search for the limit of impulses()
-LOOKS = 4000  # points of this search: growth occurs in narrow intervals of y
-# Most non-primary equilibria with predictions; most modes (the fastest), and most pairs of modes
-# (the nearest to 1:2), with predicted resonances.
+TURNS = 2.1 * math.pi  # impulses() searches a limit up to this y of the fastest mode
+LOOKS = 4000  # number of values of y that impulses() tries: it may grow in narrow intervals only
+# MOST bounds the number of non-primary equilibria with predictions, of modes (the fastest), and of
+# pairs of modes (with frequencies nearest to 1:2) with predicted resonances.
 MOST = 4
 # Rotation angle per step at each resonance. The last two are for methods that rotate by more than
 # pi per step.
@@ -30,10 +31,10 @@ RESONANCES = {
 class Prediction:
     """An event of a `kind` at step size h, near an equilibrium or along the motion.
 
-    `kind` is limit, branch, local, cycle, or a key of RESONANCES or PAIRS. `mode` is the index of
-    the mode (the faster one of a pair), for which y = h |lambda|; `other` is the index of the
-    slower mode. h is None if the event never happens. Without `sharp`, h is an estimate within a
-    factor of 2."""
+    `kind` is "limit", "branch", "local", "cycle", or a key of RESONANCES or PAIRS. `mode` is the
+    index of the mode or, for a pair of modes, of the faster one; y is h |lambda| of this mode.
+    `other` is the index of the slower mode of a pair. h is None if the event never happens. If
+    `sharp` is false, h is an estimate that may be wrong by a factor of 2."""
 
     kind: str
     method: str
@@ -43,7 +44,7 @@ class Prediction:
     h: float | None
     y: float | None
     sharp: bool = True
-    known: tuple[float | None, str] | None = None  # measured h and description, if known
+    known: tuple[float | None, str] | None = None  # h as measured, with a description
 
 
 def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
@@ -59,7 +60,8 @@ def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
-    """Returns RESONANCES of modes and PAIRS of modes at steps below the stability limit."""
+    """Returns the predicted RESONANCES of single modes and of PAIRS of modes, as far as their step
+    sizes are below the stability limit."""
     found, name = [], step.traits.name
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
@@ -87,9 +89,9 @@ def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
 
 
 def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """Returns the limit of a method that steps fast forces with inner steps, which a single
-    oscillator cannot show: the first step size at which the linearised step at the equilibrium has
-    a multiplier outside the unit circle."""
+    """Returns the stability limit of a method that integrates fast forces with inner steps. Steps
+    on a single oscillator do not show this limit. It is the first step size at which the method's
+    step, linearised at the equilibrium, has an eigenvalue outside the unit circle."""
     if not at.stable or not at.oscillating:
         return None
     mode = at.oscillating[0]
@@ -106,8 +108,8 @@ def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """Returns where an implicit step's equations lose their solution near an unstable equilibrium,
-    from the fastest real growth."""
+    """Returns the step size at which the equations of an implicit step have no solution near an
+    unstable equilibrium. It follows from the mode that grows fastest without oscillation."""
     pole = step.pole() if step.traits.implicit else None
     real = [k for k, m in enumerate(at.modes) if m.growth > 0 and m.frequency == 0]
     if pole is None or not real:
@@ -117,13 +119,14 @@ def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
-    """Returns the shortest limit of the rates along the motion: a longer step does not resolve the
-    motion where it is fastest. Growth counts as oscillation of equal rate; E. Hairer, S. P.
-    Norsett, G. Wanner, Solving ODE I, I.10 (the logarithmic norm), II, IV.2. Without a limit, an
-    implicit method has its pole instead, except with first-order variables, which pass the pole
-    where growth is brief. Returns None for methods with neither, or that grow at any step. With
-    rotations or constraints the energy does not show errors, and the limit is StepMap.resolves().
-    """
+    """Returns the shortest stability limit for the eigenvalues `rates` along the motion: a longer
+    step does not resolve the motion where it is fastest. A growing mode counts as an oscillation of
+    equal rate (E. Hairer, S. P. Norsett, G. Wanner, Solving ODE I, I.10, on the logarithmic norm;
+    II, IV.2). For an implicit method without a stability limit, the pole of StepMap.pole() is used
+    instead. An exception are models with first-order variables: their steps pass the pole where
+    growth is brief. If the model has rotations or constraints, the energy does not show errors, and
+    StepMap.resolves() is used. Returns None if a method has none of these limits, or grows at any
+    step size."""
     best: tuple[float, float] | None = None
     for mode in rates:
         if (mode.on_group and "group" not in step.traits.flags) or (
@@ -147,11 +150,13 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
 def predictions(
     step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
 ) -> list[Prediction]:
-    """Returns limits at stable equilibria, branches at unstable ones, and resonances at the primary
-    one. Linear models have no resonances, since nothing couples modes or shifts frequencies, nor
-    have modes of first-order variables and of bound models, which are no planar oscillators. Keeps
-    one of several equilibria with equal modes (mirror images), and of the non-primary ones the MOST
-    with the shortest steps. An estimate from `rates` along the motion comes first."""
+    """Returns an estimate from `rates` along the motion, then limits at stable equilibria, branches
+    at unstable equilibria, and resonances at the primary equilibrium.
+
+    Linear models have no resonances, since nothing couples modes or shifts frequencies. Models with
+    first-order variables, rotations or constraints have none, since their modes are no planar
+    oscillators. If several equilibria have equal modes (mirror images), only one has predictions.
+    At most MOST non-primary equilibria have predictions, those with the shortest steps."""
     split = "fast" in step.traits.requires
     found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()
@@ -178,5 +183,6 @@ def predictions(
 
 
 def _says(p: Prediction, along: Prediction) -> bool:
-    """Whether an estimate along the motion repeats the limit of its equilibrium."""
+    """Whether the estimate `along` the motion is nearly equal to the stability limit `p` of an
+    equilibrium, so that it says nothing new."""
     return bool(p.kind == "limit" and p.h and along.h and abs(along.h / p.h - 1) < SAME)

@@ -1,11 +1,13 @@
-"""The reference motion, by dop853 with rtol = system.RTOL, with which methods are compared. It
-lasts as long as the method's run, which at long steps exceeds `until`.
+"""The reference motion, with which the runs of methods are compared. It is integrated by dop853
+with rtol = system.RTOL. It lasts as long as the method's run, which at long steps is longer than
+the duration `until`.
 
-The motion "leaves", and then judges no method, under two conditions. First, a non-cyclic coordinate
-still moves away at `until`: its largest displacement grows by a fifth in each of the last two
-quarters. Second, nothing returns: v.p, twice the kinetic energy, has no extremum in the last half
-or, if energy is constant, the range of v.p grows by half in each of these quarters. Solutions of
-x'' = x, a fall and a free flight leave; a driven resonance and a vibrating, drifting chain do not.
+No method can be judged by a motion that leaves. A motion leaves if it meets two conditions. First,
+a coordinate that is not cyclic still moves away at `until`: its largest displacement grows by a
+fifth in each of the last two quarters of the duration. Second, nothing returns: v.p (rates times
+momenta) has no extremum in the last half or, if the energy is constant, the range of v.p grows by
+half in each of the last two quarters. Solutions of x'' = x, a fall and a free flight leave. A
+driven resonance and a vibrating, drifting chain do not.
 """
 
 from __future__ import annotations
@@ -18,10 +20,10 @@ from ...record import record
 from ...run.integration import CONDITION, CONSTANTS
 from .system import MOST_STEPS, System
 
-LOOSER = 1e3  # factor on rtol of a second run, which shows up to when the motion is known
-SLIGHT = 1e-3  # least scale, relative to the largest |v.p|
-APART = 0.5  # least difference that counts, relative to the displacement: pi/3 in phase
-SHARE = 1e-4  # least |v_i p_i| of a coordinate that is compared, relative to the largest
+LOOSER = 1e3  # factor on rtol of a second run; while both runs agree, the motion is known
+SLIGHT = 1e-3  # the scale of energies is at least this part of the largest |v.p|
+APART = 0.5  # two motions differ from this part of the largest displacement on: pi/3 in phase
+SHARE = 1e-4  # a coordinate is compared if its |v_i p_i| is at least this part of the largest one
 MOST_REALS = 4_000_000  # most numbers stored of past states
 
 
@@ -31,9 +33,9 @@ class Summary:
 
     scale: float  # range of v.p
     size: float  # largest |v.p| + |L|, to which round-off of the energy is relative
-    low: float  # least energy in the last quarter; the initial energy if it is constant
-    high: float
-    top: float  # largest energy; the initial energy if it is constant
+    low: float  # least energy in the last quarter; the initial energy if energy is constant
+    high: float  # largest energy in the last quarter; likewise
+    top: float  # largest energy of the motion; the initial energy if energy is constant
 
 
 class Watch:
@@ -59,9 +61,9 @@ class Reference:
         self.watch = Watch(system)
         self.far = numpy.zeros(system.n)  # largest distance of each unknown from the start
         self.leaves, self.horizon, self.followed = False, math.inf, False
-        self._kept: list[numpy.ndarray] = []  # rows of t, energy, v.p, size
+        self._kept: list[numpy.ndarray] = []  # rows of t, energy, v.p, and |v.p| + |L|
         self._states: list[numpy.ndarray] = []
-        self._reported: tuple[int, dict] = 0, {}  # number of records at the last report
+        self._reported: tuple[int, dict] = 0, {}  # number of records, and report on them
         self._room = MOST_REALS // (2 * system.n)
         self._keep(numpy.array([[0.0, *system.start]]))
 
@@ -81,7 +83,7 @@ class Reference:
 
     @property
     def records(self) -> numpy.ndarray:
-        """Returns rows of t, energy, v.p and size."""
+        """Returns a row for each time t of the motion: t, energy, v.p, and |v.p| + |L|."""
         if len(self._kept) > 1:
             self._kept = [numpy.concatenate(self._kept)]
         return self._kept[0]
@@ -139,13 +141,14 @@ class Reference:
         conservative = self.system.given["conservative"]
         away = ((more > 1.2 * half) & (whole > 1.2 * more))[~self.system.idle].any()
         faster = scales[1] > 1.5 * scales[0] and scales[2] > 1.5 * scales[1]
-        # With rotations or constraints, cyclic coordinates of a steady motion are not recognised.
+        # If a model has rotations or constraints, not all cyclic coordinates are known to be
+        # cyclic. Therefore a constant v.p, as in a steady motion, does not mean that it leaves.
         evenly = self.system.bound and conservative
         faster = faster and conservative and not self.system.by_norm
         return bool(away) and (faster or (not evenly and self._turns_no_more()))
 
     def _turns_no_more(self) -> bool:
-        """Whether v.p is monotonic in the last half, up to round-off."""
+        """Whether v.p is monotonic in the last half of the duration, up to round-off."""
         records = self.records
         vp = records[records[:, 0] >= self.system.until / 2, 2]
         if not len(vp):
@@ -154,8 +157,8 @@ class Reference:
         return abs(numpy.diff(vp)).sum() <= 1.01 * (vp.max() - vp.min()) + 1e-6 * most
 
     def _horizon(self) -> float:
-        """Returns the time up to which a run at a looser tolerance agrees, so that the motion is
-        known."""
+        """Returns the time up to which the motion is known, since a second run at a looser
+        tolerance agrees with it."""
         until = self.system.until
         other = self.system.reference(LOOSER)
         while not other.failed and other.t < until:
@@ -171,9 +174,10 @@ class Reference:
         return min(self.horizon, self.system.until)
 
     def apart_at(self, rows: numpy.ndarray) -> float | None:
-        """Returns the first time, up to `until`, at which a coordinate in `rows` differs from the
-        motion by more than APART of its largest displacement, or its rate by more than the largest
-        rate. The motion is interpolated: positions by cubic Hermite polynomials, rates linearly."""
+        """Returns the first time, up to `until`, at which the states in `rows` are apart from the
+        motion: a coordinate by more than APART times its largest displacement in the motion, or a
+        rate by more than the largest magnitude of this rate. The motion is interpolated: positions
+        by cubic Hermite polynomials, rates linearly."""
         if len(self._states) > 1:
             self._states = [numpy.concatenate(self._states)]
         states, times = self._states[0], self.records[: len(self._states[0]), 0]

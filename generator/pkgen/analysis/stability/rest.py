@@ -6,19 +6,20 @@ import math
 
 from ...record import record
 
-ZERO = 1e-7  # a rate below this part of the largest at any equilibrium counts as 0
+ZERO = 1e-7  # a mode's rate below this part of the largest rate at any equilibrium counts as 0
 UNDECIDED = "not decided by the linear terms"
 
 
 @record
 class Mode:
-    """A motion Re(shape exp(lambda t)), lambda = growth + i frequency, shape = re + i im."""
+    """A mode of small motions: the displacement from the equilibrium at time t is Re(shape
+    exp(lambda t)), with lambda = growth + i frequency and shape = re + i im."""
 
     growth: float
     frequency: float
     re: tuple[float, ...]
     im: tuple[float, ...]
-    on_group: bool = False  # a body's rotation rate, which limits Lie-group methods only
+    on_group: bool = False  # the mode is a body's rotation: it limits Lie-group methods only
 
     @property
     def rate(self) -> float:
@@ -31,9 +32,9 @@ class Equilibrium:
     q: tuple[float, ...]
     v: tuple[float, ...]
     energy: float
-    modes: tuple[Mode, ...]  # in descending rate
+    modes: tuple[Mode, ...]  # the fastest first
     status: str = "PK_DONE"  # status of the computation of modes
-    slack: int = 0  # dimension of the continuum of equilibria around it
+    slack: int = 0  # dimension of the continuum of equilibria that contains this one
 
     @property
     def stable(self) -> bool:
@@ -47,7 +48,8 @@ class Equilibrium:
 
     @property
     def verdict(self) -> str:
-        """Describes the stability. Linear terms do not decide it if a mode has rate 0."""
+        """Describes the stability in words. If no mode grows but one has the rate 0, the linear
+        terms of the equations do not decide whether the equilibrium is stable."""
         if self.status != "PK_DONE":
             return f"modes: {self.status}"
         if self._grows:
@@ -72,11 +74,11 @@ class Rest:
     singular: int
     more: bool
     turns: tuple[bool, ...] = ()  # for each coordinate: whether it has the period 2 pi
-    middle: tuple[float, ...] = ()  # search region: middle +- box, and further (docs/maps.md)
+    middle: tuple[float, ...] = ()  # the search begins within middle +- box (docs/maps.md)
     box: tuple[float, ...] = ()
 
     def beside(self, q: float, place: float, i: int) -> float:
-        """Returns q, coordinate i; an angle is shifted by multiples of 2 pi to be nearest to
-        `place`."""
+        """Returns the value q of coordinate i. If the coordinate is an angle, a multiple of 2 pi is
+        added, so that it is nearest to the value `place`."""
         turns = bool(self.turns) and self.turns[i]
         return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q

@@ -13,8 +13,8 @@ from .ask import Motion
 from .plan import Axis
 from .predict import Prediction
 
-MARGIN = 1.25  # longest step size, relative to the predicted limit
-TURNS_UNLIMITED = 1.25  # longest step if there is no limit, in periods of the fastest mode
+MARGIN = 1.25  # the longest step size of a map, relative to the longest predicted limit
+TURNS_UNLIMITED = 1.25  # in periods of the fastest mode: the longest step if there is no limit
 MOST_STEPS = 2_000_000  # most steps of a run
 
 
@@ -29,13 +29,14 @@ class MapOptions:
     left: tuple[str, ...]  # sentences on methods that are not mapped
     steps: tuple[float, float] | None
     until: float | None
-    period: float | None  # given period of the driver
+    period: float | None  # period of the driving force, if given as an option
     quick: bool
     seconds: float
 
 
 def refuse_unjudged(motions: Iterable[Motion]) -> None:
-    """Raises UsageError if methods can be judged by none of the motions."""
+    """Raises UsageError if no method can be judged by any of the reference motions, one per row of
+    the map, since each leaves or ends early."""
     first = None
     for motion in motions:
         if motion.judges:
@@ -61,7 +62,8 @@ def steps_over(
     fastest: float,
     until: float,
 ) -> list[float]:
-    """Returns evenly spaced step sizes up to MARGIN times the predictions. Raises UsageError."""
+    """Returns the step sizes of a map, evenly spaced: those of the options or, by default, up to
+    MARGIN times the longest predicted limit. Raises UsageError."""
     count = asked.across
     if asked.steps:
         low, high = asked.steps

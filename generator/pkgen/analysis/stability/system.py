@@ -23,7 +23,8 @@ class System:
     """States are arrays of q, then v. Unknown i is q_i, or v_i for a first-order variable."""
 
     def __init__(self, program: Path, settings: Settings, look: Callable[[], None]):
-        """`look` is called between calls of the runtime; it may raise an exception."""
+        """The function `look` is called between calls of the runtime. It may raise an exception to
+        end a computation."""
         self.settings, self.look = settings, look
         self.run = load(program).run(settings, idle=True, bare=1)
         if self.run.code:
@@ -31,21 +32,22 @@ class System:
         given = self.run.given()
         self.given = given
         self.n, self.m = len(given["v"]), len(given["q"])  # numbers of unknowns and of coordinates
-        self.turning = 3 * given["rotations"]  # number of body rates; quaternions follow them
+        self.turning = 3 * given["rotations"]  # number of body rates in v, before quaternions
         self.bound = bool(given["rotations"] or given["constraints"])
         self.start = numpy.array(
             [*map(_number, given["q"]), *[0.0] * (self.n - self.m), *map(_number, given["v"])]
         )
         self.until = settings.until
-        self.idle = numpy.zeros(self.n, bool)  # unknowns on which nothing depends
+        self.idle = numpy.zeros(self.n, bool)  # unknowns on which no rate depends
         self.idle[given["cyclic"]] = True
         others = self.m + 7 * given["rotations"]
         if self.n > others:
             self.idle[self.m :] = self._unread()
-        # If rates depend on first-order variables, motions are judged by distance from the start.
+        # If rates depend on first-order variables, methods are judged by the distance of the motion
+        # from its start instead of the energy.
         self.by_norm = not self.idle[others:].all()
-        self.reach: numpy.ndarray | None = None  # largest distance of each unknown from the start
-        self.middle = self.box = numpy.zeros(0)  # one value per number in a state; set by cover()
+        self.reach: numpy.ndarray | None = None  # largest distance of each unknown from its start
+        self.middle = self.box = numpy.zeros(0)  # set by cover(): arrays like a state
 
     def q(self, states: numpy.ndarray) -> numpy.ndarray:
         return states[..., : self.n]
@@ -67,17 +69,18 @@ class System:
         return self.begin(EXACT, rtol=looser * RTOL, watch=watch)
 
     def apart(self, states: numpy.ndarray) -> numpy.ndarray:
-        """Returns the displacement of each unknown from the start."""
+        """Returns for each state the displacement of each unknown from its initial value."""
         m, moved = self.m, states - self.start
         return numpy.concatenate([self.q(moved)[..., :m], self.v(moved)[..., m:]], -1)
 
     def energies(
         self, t: numpy.ndarray | float, states: numpy.ndarray
     ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-        """Returns the quantities by which states are judged: the energy; v.p, whose range is the
-        scale; |v.p| + |L|, to which round-off is relative; |v_i p_i| of each coordinate. With
-        by_norm the first three are half the squared displacement in units of `reach`; before
-        cover() they are 0."""
+        """Returns four arrays, by which methods are judged: the energy of each state; v.p (rates
+        times momenta), whose range is the scale of energy errors; |v.p| + |L|, to which the
+        round-off of the energy is relative; |v_i p_i| of each coordinate. If `by_norm` is set, the
+        first three are half the squared displacement from the start, in units of `reach`. They are
+        0 before cover() is called."""
         if self.by_norm:
             norm = numpy.zeros(len(states))
             if self.reach is not None:
@@ -90,11 +93,12 @@ class System:
         return energy, vp, abs(vp) + abs(vp - energy), abs(parts[:, : self.m])
 
     def linearised(self, t: float, state: numpy.ndarray) -> numpy.ndarray:
-        """Returns A of z' = A z; z holds displacements of the unknowns, then of the coordinates'
-        rates. A is NaN if M is singular."""
+        """Returns the matrix A of the linearised equations z' = A z. The vector z holds the
+        displacements of the unknowns, then those of the coordinates' rates. A is NaN if the mass
+        matrix is singular."""
         n, m = self.n, self.m
         a_q, a_v = self.kernel("jacobian", t, state).reshape(2, n, n)
-        columns = [*range(n, n + m), *range(m, n)]  # positions in z of the rates of all unknowns
+        columns = [*range(n, n + m), *range(m, n)]  # for each number in v: its index in z
         full = numpy.zeros((n, n + m))
         full[:, :m] = a_q[:, :m]
         full[:, columns] = a_v
@@ -102,8 +106,8 @@ class System:
         return numpy.concatenate([above, full[m:], full[:m]])
 
     def _unread(self) -> numpy.ndarray:
-        """Returns for each first-order variable whether no rate depends on it, at three test
-        states."""
+        """Returns for each first-order variable whether no rate depends on it. The derivatives of
+        all rates are computed at three test states."""
         unread = numpy.ones(self.n - self.m, bool)
         number = numpy.tile(numpy.arange(self.n), 2)
         by = numpy.where(numpy.arange(2 * self.n) < self.n, 0.01 + 0.013 * number, 0.0)
@@ -121,9 +125,9 @@ class System:
         return [range(a, b) for a, b in pairwise(ends)]
 
     def cover(self) -> None:
-        """Sets `middle` and `box`, centre and width of the region of the motion, and `reach`. A
-        constant has its magnitude as width; a number that stays 0 has the largest width of its
-        kind."""
+        """Integrates the motion. Sets the centre `middle` and the width `box` of the region that
+        the motion covers, and `reach`. If a number of the state is constant, its magnitude is the
+        width; if it stays 0, the largest width of a number of its kind (see kinds())."""
         if self.reach is not None:
             return
         low, high = self.start.copy(), self.start.copy()
@@ -148,7 +152,8 @@ class System:
         self.box = box
 
     def turning_rate(self, state: numpy.ndarray) -> float:
-        """Returns the fastest rotation rate of a body, twice an eigenvalue of its quaternion."""
+        """Returns the rotation rate of the fastest rotating body. It is twice an eigenvalue of the
+        linear equation that the body's quaternion obeys."""
         rates = self.v(state)[self.m : self.m + self.turning].reshape(-1, 3)
         return float(numpy.sqrt((rates**2).sum(1)).max(initial=0.0))
 

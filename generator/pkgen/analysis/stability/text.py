@@ -14,7 +14,7 @@ from .predict import Prediction
 from .rest import Equilibrium, Mode
 
 MODES = 6  # most modes listed for each equilibrium
-FAR = ("rise", "away", "exchange", "moved", "follows")  # measures of a point in the CSV
+FAR = ("rise", "away", "exchange", "moved", "follows")  # fields of a Point that the CSV contains
 Table = tuple[list[str], list[list[str]]]
 
 
@@ -32,7 +32,8 @@ def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
 
 
 def _shown(made: StabilityMap) -> list[tuple[int, tuple[str, bool]]]:
-    """Returns _unknowns() with indices, without body rates, which are 0 at equilibria."""
+    """Returns the elements of _unknowns() with their indices. Body rates are left out, since they
+    are 0 at equilibria."""
     first = made.turned.start - 3 * len(made.turned) // 4
     still = range(first, made.turned.start)
     return [(i, one) for i, one in enumerate(_unknowns(made)) if i not in still]
@@ -50,7 +51,8 @@ def place(made: StabilityMap, at: Equilibrium) -> str:
 
 
 def _sizes(states: list[tuple[float, ...]]) -> list[float]:
-    """Returns the largest magnitude of each column, or of all columns for one that starts at 0."""
+    """Returns the largest magnitude of each number of the states. If a number is 0 in the first
+    state, the largest magnitude of all numbers is returned for it."""
     whole = max((abs(x) for state in states for x in state), default=0.0)
     return [max(map(abs, column)) if column[0] else whole for column in zip(*states, strict=True)]
 
@@ -109,7 +111,7 @@ def _off(off: float | None) -> str:
 
 
 def _times(p: Prediction, h: float | None) -> str:
-    """Formats the measured step size as a multiple of an estimate."""
+    """Formats a measured step size as a multiple of the estimated step size."""
     return "MISSED" if h is None or not p.h else f"x {h / p.h:.2g}"
 
 
@@ -123,7 +125,8 @@ def rates(made: StabilityMap) -> Table:
 
 
 def ghosts(made: StabilityMap) -> Table:
-    """Returns the table of ghosts (ghosts.py), each at the middle one of its step sizes."""
+    """Returns the table of ghosts, spurious orbits of a method (ghosts.py). If a ghost was found at
+    several step sizes, its row is for the middle one."""
     rows = []
     for g in made.ghosts:
         one = g.middle
@@ -285,7 +288,8 @@ def _columns(table: Table) -> list[str]:
 
 
 def sentences(made: StabilityMap) -> list[str]:
-    """Returns sentences on the misses, or one that says that nothing is missed or predicted."""
+    """Returns a sentence on each disagreement of prediction and measurement. If there are none,
+    returns one sentence, which says so or says that nothing was predicted."""
     why = unpredicted(made)
     if why:
         return [f"nothing is predicted here: {why}"]

@@ -1,7 +1,8 @@
-"""The unknowns of closed orbits are the numbers of a state on which the equations depend. On a
-closed orbit a cyclic coordinate or an integral may advance by any amount, and a coordinate in which
-the equations have the period 2 pi by multiples of it. Distances are in boxes, the widths of the
-region of the motion.
+"""The unknowns of closed orbits are the numbers of a state on which the equations depend. All other
+numbers may differ between the start and the end of a closed orbit: a cyclic coordinate, or the
+integral of a first-order variable. If the equations have the period 2 pi in a coordinate, it may
+differ by a multiple of 2 pi. Distances are in boxes: the box of a number is the width of the region
+that the motion covers.
 
 Reference: J. H. Halton, Numer. Math. 2 (1960) 84 (points that fill a box evenly).
 """
@@ -16,7 +17,9 @@ import numpy
 from .system import System
 
 TURN = 2 * math.pi
-PROBES, ODD = 3, 16  # test points; first points skipped, where a sine may vanish
+# Number of test points, and of elements of Halton's sequence that are skipped before them: a sine
+# may vanish at these elements.
+PROBES, ODD = 3, 16
 ALIKE = 1e-11  # largest relative difference of rates that count as equal
 
 
@@ -35,7 +38,8 @@ def halton(k: int, base: int) -> float:
 
 
 class Unknowns:
-    """Indices `of` the unknowns in a state; `turns` marks coordinates of period 2 pi."""
+    """The unknowns of a system. `of` has their indices in a state; `turns` tells for each unknown
+    whether the equations have the period 2 pi in it."""
 
     def __init__(self, system: System):
         system.cover()
@@ -51,8 +55,8 @@ class Unknowns:
         system.box[self.of] = self.box
 
     def _same(self, i: int | None, by: float) -> bool:
-        """Returns whether the rates at PROBES states stay the same if number i of the state, or t
-        if i is None, increases by `by`."""
+        """Returns whether the equations do not change if number i of the state increases by `by`
+        (if i is None: if the time t increases). The accelerations at PROBES states are compared."""
         system = self.system
         bases = primes(8 * PROBES)
         wide = range(2 * system.n)
