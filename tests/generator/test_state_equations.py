@@ -194,8 +194,8 @@ def test_strict_c_that_agrees_with_itself(text: str, tmp_path: Path) -> None:
     declared = re.search(r"^state (\w+)", text, re.M)[1]
     assert f"{name}_x_{declared} = {first}" in header
     says = " ".join(header.replace("\n *", " ").split())
-    assert f"The state x is v[i], and its rate g is a[i], for i = {first}" in says
-    assert "q[i]: give it any value" in says
+    assert f"stored in v[i], and its rate g in a[i], for i = {first}" in says
+    assert "q[i], whose value may be anything" in says
 
 
 CLAIMS = [
