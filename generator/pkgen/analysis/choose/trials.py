@@ -142,9 +142,9 @@ class Trials(Program):
         every: float = 0.0,
         max_step: float | None = None,
     ) -> Trial:
-        """Makes one run up to the time `span`, then repeats the run for `laps` seconds to measure
-        its time. The first run is stopped after `cap` seconds (0: never). `every` is the time
-        between rows (0: that of the scene)."""
+        """Makes one run up to the time `span`. To measure its time, repeats the run until all runs
+        together took `laps` seconds. The first run is stopped after `cap` seconds (0: never).
+        `every` is the time between rows (0: that of the scene)."""
         bounds = [x for x in (max_step, self.settings.max_step) if x]
         but = {"until": span, "rows": rows, "diagnose": (), "max_step": min(bounds, default=None)}
         but["every"] = every or self.settings.every
