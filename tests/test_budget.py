@@ -14,8 +14,8 @@ import pytest
 from conftest import ROOT, gone
 
 BUDGET = {  # area: lines, tokens
-    "generator": (62_200, 500_000),  # maps in Python: 2,600 fewer of C
-    "runtime": (32_000, 300_000),
+    "generator": (63_000, 500_000),  # plain words of comments: 900 lines
+    "runtime": (32_500, 300_000),  # plain words of comments: 700 lines
     "addons": (24_000, 210_000),  # pages and peers: 3,000 lines of the generator
 }
 WORDS = 35_000  # what a user reads: README.md and docs, but for docs/dev

@@ -17,4 +17,7 @@ def test_a_mutant_applies(patch) -> None:
         pytest.skip("the add-on is not here")
     assert fault.endswith(".") and re.fullmatch(r"tests: [\w/. ]+", tests)
     assert all((ROOT / path).exists() for path in tests.split()[1:])
-    assert subprocess.run(["git", "apply", "--check", patch], cwd=ROOT).returncode == 0
+    assert (
+        subprocess.run(["git", "apply", "--unidiff-zero", "--check", patch], cwd=ROOT).returncode
+        == 0
+    )

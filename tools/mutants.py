@@ -30,7 +30,8 @@ def head(patch: Path) -> tuple[str, list[str]]:
 
 
 def patched(tree: Path, patch: Path, *options: str) -> bool:
-    return not subprocess.run(["git", "apply", *options, patch], cwd=tree).returncode
+    command = ["git", "apply", "--unidiff-zero", *options, patch]
+    return not subprocess.run(command, cwd=tree).returncode
 
 
 def outcome(python: Path, words: list[str]) -> tuple[int, str]:

@@ -81,7 +81,7 @@ typedef float pk_real;
 #define PK_C(x) x##F
 #define PK_F(name) name##f
 #define PK_EPSILON FLT_EPSILON
-#define PK_INFINITY INFINITY /* a float; not all have HUGE_VALF */
+#define PK_INFINITY INFINITY /* an infinite float; not all C libraries have HUGE_VALF */
 #elif defined PK_LONG_DOUBLE
 typedef long double pk_real;
 #define PK_C(x) x##L
@@ -146,21 +146,22 @@ typedef uint64_t pk_bits;
 #define PK_RARELY
 #endif
 
-/* How a kernel that may fail is run: in a lane, without branches; likewise in a lane of an ensemble
- * member, whose own parameters are checked too; once, without rare slow cases; or carefully, with
- * all of them. */
+/* How a kernel that may fail is run. PK_IN_LANE: in a SIMD lane, without branches. PK_IN_MEMBER:
+ * likewise, for an ensemble member, whose own parameters are checked too. PK_ONCE: alone, without
+ * the code for rare cases, which is slow. PK_CAREFULLY: alone, with that code. */
 enum pk_pass { PK_IN_LANE, PK_IN_MEMBER, PK_ONCE, PK_CAREFULLY };
 
-/* Before a loop whose iterations are independent. gcc would unroll a short loop of 8 iterations
- * before it looks for vectors, and find none. (clang finds them by `restrict`; a pragma of its own
- * would warn wherever it cannot vectorise.) */
+/* PK_LANE_LOOP is written before a for statement whose iterations are independent. gcc would unroll
+ * a short loop of 8 iterations before it looks for vectors, and find none. (clang finds them by
+ * `restrict`; a pragma of its own would warn wherever it cannot vectorise.) */
 #if defined __GNUC__ && !defined __clang__
 #define PK_LANE_LOOP _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
 #else
 #define PK_LANE_LOOP
 #endif
 
-/* A pivot of M that is smaller than this, relative to its diagonal entry, is rounding error. */
+/* A pivot of M counts as rounding error if it is smaller than PK_PIVOT_MIN times its diagonal
+ * entry. */
 #define PK_PIVOT_MIN (16 * PK_EPSILON)
 
 #endif
