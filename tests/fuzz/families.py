@@ -109,10 +109,13 @@ def asked(folder: Path, *words: str) -> Answer:
 
 
 def both(folder: Path, *words: str) -> list[Answer]:
-    answers = []
-    for unrolled in (0, 10**6):
-        lengths.UNROLL = lengths.UNROLL_MEMBERS = unrolled
-        answers.append(asked(folder, *words))
+    usual, answers = (lengths.UNROLL, lengths.UNROLL_MEMBERS), []
+    try:
+        for unrolled in (0, 10**6):
+            lengths.UNROLL = lengths.UNROLL_MEMBERS = unrolled
+            answers.append(asked(folder, *words))
+    finally:  # other tests run in this process
+        lengths.UNROLL, lengths.UNROLL_MEMBERS = usual
     return answers
 
 
