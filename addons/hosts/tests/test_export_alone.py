@@ -269,7 +269,7 @@ def test_a_sketch_of_states_alone_shows_the_first(tmp_path: Path) -> None:
     words = ("--method", "rk4", "--step", "0.01")
     assert export(tmp_path / "m.lag", "arduino", tmp_path / "a", *words).returncode == 0
     sketch = (tmp_path / "a/examples/m/m.ino").read_text()
-    assert "Serial.println(motion.v[0], 4);" in sketch and "t and x over" in sketch
+    assert "Serial.println(motion.v[0], 4);" in sketch and "Prints t and x to" in sketch
 
 
 WRONG = [
