@@ -39,7 +39,7 @@ STRICT = [
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """What a first run says of the runtime, no test is told: it is compiled before.
+    """Compiles the runtime before the first test, so that no test sees the message about it.
 
     A shell starts what it puts in the background without SIGINT, which programs inherit.
     Results alone are compared, so -O1 is enough; of the long tests those of the first three
@@ -103,7 +103,7 @@ def gone() -> set[str]:
 
 
 def no_page() -> str:
-    """What `chart` and `stability` say without the add-on that writes pages."""
+    """Returns the line of `chart` and `stability` if the add-on that writes pages is missing."""
     where = addons.missing(addons.points("pages").get("chart"))
     return f"pkgen: no page: it is {where}\n" if where else ""
 
@@ -164,7 +164,7 @@ def run_pkgen(
 
 
 def ran(*arguments: object, **options) -> subprocess.CompletedProcess[str]:
-    """The same of a command that succeeds."""
+    """Runs a command that has to succeed."""
     done = run_pkgen(*arguments, **options)
     assert done.returncode == 0, done.stderr
     return done
