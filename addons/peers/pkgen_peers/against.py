@@ -169,56 +169,47 @@ class Against:
     ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
         """Returns the cheapest methods of the packages; those of pkgen, timed again in turns with
         them; and the points of all methods in the chart."""
-        return _measured(bench, self.peers, compilation, spectrum, own, tracks, on_progress)
+        refused = attach_peers(self.peers, compilation, bench.starts)
+        able = [p for p in self.peers if p.name not in refused]
+        part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
+        found: list[Beside] = [
+            _beside(p, why=refused[p.name]) for p in self.peers if p.name in refused
+        ]
+        for k, peer in enumerate(able):
+            on_progress(k / len(able), peer.name)
+            effort = Effort(bench.effort.points, bench.effort.lap_seconds, part)
+            bench = replace(bench, effort=effort)
+            if peer.open is None:
+                swept = [t for t in tracks if t.method.family == FOREIGN]
+            else:
+                swept = sweep.measure(bench, peer.charted(), spectrum, lambda _: None)
+            told, swept = answer.answers(bench, swept)
+            found.append(_beside(peer, tuple(a for a in told if a.axis == "seconds")))
+            if children.ended():
+                raise KeyboardInterrupt
+            names = {t.method.name for t in swept}
+            tracks = [*(t for t in tracks if t.method.name not in names), *swept]
+        told = {(a.method.name, a.point.setting): a for b in found for a in b.answers if a.point}
+        told |= {
+            (a.method.name, a.point.setting): a for a in own if a.point and a.axis == "seconds"
+        }
+        times = _in_turns(bench, list(told.values()))
+
+        def timed(p: Point | None) -> Point | None:
+            if p is None or (p.method, p.setting) not in times:
+                return p
+            return replace(p, seconds=times[p.method, p.setting])
+
+        def again(answers: Sequence[Answer]) -> list[Answer]:
+            return [replace(a, point=timed(a.point)) for a in answers]
+
+        tracks = [replace(t, points=tuple(timed(p) for p in t.points)) for t in tracks]
+        beside = tuple(replace(b, answers=tuple(again(b.answers))) for b in found)
+        return beside, again(own), tracks
 
 
 def _beside(peer: Peer, answers: tuple[Answer, ...] = (), why: str = "") -> Beside:
     return Beside(peer.name, peer.version, peer.takes, answers, why)
-
-
-def _measured(
-    bench: Bench,
-    peers: Sequence[Peer],
-    compilation: Compilation,
-    spectrum: Spectrum,
-    own: list[Answer],
-    tracks: list[Track],
-    on_progress: Show,
-) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-    """Implements Against.measure."""
-    refused = attach_peers(peers, compilation, bench.starts)
-    able = [p for p in peers if p.name not in refused]
-    part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
-    found: list[Beside] = [_beside(p, why=refused[p.name]) for p in peers if p.name in refused]
-    for k, peer in enumerate(able):
-        on_progress(k / len(able), peer.name)
-        effort = Effort(bench.effort.points, bench.effort.lap_seconds, part)
-        bench = replace(bench, effort=effort)
-        if peer.open is None:
-            swept = [t for t in tracks if t.method.family == FOREIGN]
-        else:
-            swept = sweep.measure(bench, peer.charted(), spectrum, lambda _: None)
-        told, swept = answer.answers(bench, swept)
-        found.append(_beside(peer, tuple(a for a in told if a.axis == "seconds")))
-        if children.ended():
-            raise KeyboardInterrupt
-        names = {t.method.name for t in swept}
-        tracks = [*(t for t in tracks if t.method.name not in names), *swept]
-    told = {(a.method.name, a.point.setting): a for b in found for a in b.answers if a.point}
-    told |= {(a.method.name, a.point.setting): a for a in own if a.point and a.axis == "seconds"}
-    times = _in_turns(bench, list(told.values()))
-
-    def timed(p: Point | None) -> Point | None:
-        if p is None or (p.method, p.setting) not in times:
-            return p
-        return replace(p, seconds=times[p.method, p.setting])
-
-    def again(answers: Sequence[Answer]) -> list[Answer]:
-        return [replace(a, point=timed(a.point)) for a in answers]
-
-    tracks = [replace(t, points=tuple(timed(p) for p in t.points)) for t in tracks]
-    beside = tuple(replace(b, answers=tuple(again(b.answers))) for b in found)
-    return beside, again(own), tracks
 
 
 def _in_turns(bench: Bench, answers: list[Answer]) -> dict[tuple[str, float], float]:
