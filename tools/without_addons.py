@@ -18,7 +18,12 @@ import venv
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-OF_ALL = ["tests/test_architecture.py", "tests/test_package.py", "tests/cli/test_command_line.py"]
+OF_ALL = [
+    "tests/test_architecture.py",
+    "tests/test_addons_read.py",
+    "tests/test_package.py",
+    "tests/cli/test_command_line.py",
+]
 
 
 def copied(to: Path, gone: list[str]) -> None:
