@@ -40,29 +40,11 @@ FOLDERS = {
 }
 # In this order; a page that is in none goes to the last.
 SECTIONS = {
-    "Tutorial": ("tutorial", "guide", "cheatsheet", "web", "plot", "pages", "film"),
+    "Tutorial": ("tutorial", "guide", "cheatsheet", "robots", "web", "plot", "pages", "film"),
     "Reference": (
-        "language",
-        "commands",
-        "editor",
-        "python",
-        "rotations",
-        "events",
-        "families",
-        "control",
-        "reductions",
-        "accuracy",
-        "peers",
-        "enclose",
-        "stability",
-        "charts",
-        "maps",
-        "diagnostics",
-        "describe",
-        "embedding",
-        "limits",
-        "errors",
-        "glossary",
+        *("language", "commands", "editor", "python", "bodies", "rotations", "events", "families"),
+        *("control", "reductions", "accuracy", "peers", "enclose", "maps", "diagnostics"),
+        *("own-methods", "checkpoints", "embedding", "install"),
     ),
     "Background": (),
 }
@@ -210,7 +192,7 @@ def said_of(place: str) -> str:
     for head, end in zip(heads, ends, strict=True):
         named = [x if "/" in x else f"{folder_of(head[2])}{x}" for x in files_in(head[2])]
         if place.removeprefix("models/") in (*named, *files_in(head[2])):
-            return linked(text[head.end() : end].strip() + "\n", "docs", "models")
+            return linked(text[head.end() : end].strip() + "\n", "docs/dev/results", "models")
     return ""
 
 
