@@ -8,7 +8,11 @@ import pint
 import pytest
 
 from pkgen.front import units
-from pkgen.front.units import NONE, UnitError, described, dimension, parse_unit, si_text
+from pkgen.front.units import NONE, UnitError, described, parse_unit, si_text
+
+
+def dimension(*exponents: int) -> tuple[int, ...]:
+    return (*exponents, *[0] * (7 - len(exponents)))
 
 
 @pytest.mark.parametrize(
@@ -72,12 +76,12 @@ def test_refuses(text, message, help):
 
 def test_the_table_agrees_with_pint():
     registry = pint.UnitRegistry(non_int_type=Fraction)
-    for name, (factor, dim, angle) in units._SIMPLE.items():
+    for name, unit in units._SIMPLE.items():
         theirs, base = registry.get_base_units(registry.parse_units(name))
         exponents = dict(base._units)
-        assert factor == theirs, name
-        assert dim == tuple(exponents.get(b, 0) for b in units._PINT_BASE), name
-        assert angle == exponents.get("radian", 0), name
+        assert (unit.factor, unit.pi) == (theirs, 0), name
+        assert unit.dimension == tuple(exponents.get(b, 0) for b in units._PINT_BASE), name
+        assert unit.angle == exponents.get("radian", 0), name
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import cache
+from operator import add, sub
 
 from ..record import record
 
@@ -31,84 +32,7 @@ _SPELT = str.maketrans(
 )  # fmt: skip
 
 
-def dimension(kg=0, m=0, s=0, A=0, K=0, mol=0, cd=0) -> Dimension:
-    return (kg, m, s, A, K, mol, cd)
-
-
-NONE = dimension()
-LENGTH = dimension(m=1)
-TIME = dimension(s=1)
-MASS = dimension(1)
-INERTIA = dimension(1, 2)
-ACCELERATION = dimension(m=1, s=-2)
-FORCE = dimension(1, 1, -2)
-ENERGY = dimension(1, 2, -2)
-POWER = dimension(1, 2, -3)
-
-_SIMPLE = {  # name of a unit -> factor to SI, dimension, exponent of rad
-    "kg": (1, dimension(1), 0),
-    "g": (Fraction(1, 1000), dimension(1), 0),
-    "m": (1, LENGTH, 0),
-    "cm": (Fraction(1, 100), LENGTH, 0),
-    "mm": (Fraction(1, 1000), LENGTH, 0),
-    "km": (1000, LENGTH, 0),
-    "s": (1, TIME, 0),
-    "ms": (Fraction(1, 1000), TIME, 0),
-    "min": (60, TIME, 0),
-    "h": (3600, TIME, 0),
-    "A": (1, dimension(A=1), 0),
-    "K": (1, dimension(K=1), 0),
-    "mol": (1, dimension(mol=1), 0),
-    "cd": (1, dimension(cd=1), 0),
-    "Hz": (1, dimension(s=-1), 0),
-    "N": (1, FORCE, 0),
-    "J": (1, ENERGY, 0),
-    "W": (1, POWER, 0),
-    "Pa": (1, dimension(1, -1, -2), 0),
-    "C": (1, dimension(A=1, s=1), 0),
-    "V": (1, dimension(1, 2, -3, -1), 0),
-    "F": (1, dimension(-1, -2, 4, 2), 0),
-    "H": (1, dimension(1, 2, -2, -2), 0),
-    "T": (1, dimension(1, 0, -2, -1), 0),
-    "Wb": (1, dimension(1, 2, -2, -1), 0),
-    "ohm": (1, dimension(1, 2, -3, -2), 0),
-    "rad": (1, NONE, 1),
-}
-
-# If such a unit is followed by another unit, the sign * is missing: Nm is a mistake for N*m. T is
-# not one of them, since THz, TJ and TW begin with the prefix tera.
-_JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K")
-
-KINDS = {
-    NONE: "a pure number",
-    LENGTH: "a length",
-    TIME: "a time",
-    dimension(1): "a mass",
-    dimension(0, 1, -1): "a speed",
-    dimension(0, 1, -2): "an acceleration",
-    FORCE: "a force",
-    ENERGY: "an energy",
-    POWER: "a power",
-    dimension(1, 1, -1): "a momentum",
-    dimension(1, 2, -1): "an angular momentum",
-    dimension(1, 2): "a moment of inertia",
-    dimension(1, 0, -2): "a stiffness",
-    dimension(1, 0, -1): "a damping constant",
-    dimension(0, 0, -1): "a rate",
-    dimension(0, 0, -2): "a squared rate",
-    dimension(0, 2): "an area",
-    dimension(0, 3): "a volume",
-    dimension(0, 2, -2): "a squared speed",
-    dimension(1, -3): "a density",
-    dimension(1, -1, -2): "a pressure",
-    dimension(A=1): "a current",
-    dimension(A=1, s=1): "a charge",
-    dimension(1, 2, -3, -1): "a voltage",
-    dimension(1, 0, -2, -1): "a magnetic field",
-    dimension(K=1): "a temperature",
-}
-_SHORT = {_SIMPLE[n][1]: n for n in ("J", "W", "C", "V", "F", "H", "T", "Wb", "ohm")}
-
+NONE: Dimension = (0,) * len(BASE)
 
 _BARE = re.compile(r"[A-Za-z]\w*(\^-?[0-9]+)?([*/][A-Za-z]\w*(\^-?[0-9]+)?)*")
 _MORE = ("deg", "kN", "kJ", "kW", "kPa", "mN", "um", "nm", "us", "kHz", "MHz", "GHz", "bar", "eV")
@@ -160,27 +84,19 @@ class Unit:
         return Unit(self.factor**n, self.pi * n, power(self.dimension, n), self.angle * n)
 
     def times(self, other: Unit) -> Unit:
-        return Unit(
-            self.factor * other.factor,
-            self.pi + other.pi,
-            times(self.dimension, other.dimension),
-            self.angle + other.angle,
-        )
+        both = times(self.dimension, other.dimension)
+        return Unit(self.factor * other.factor, self.pi + other.pi, both, self.angle + other.angle)
 
 
 ONE = Unit(Fraction(1), 0, NONE, 0)
 
 
 def times(a: Dimension, b: Dimension) -> Dimension:
-    return (
-        a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5], a[6] + b[6],
-    )  # fmt: skip
+    return (*map(add, a, b),)
 
 
 def over(a: Dimension, b: Dimension) -> Dimension:
-    return (
-        a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3], a[4] - b[4], a[5] - b[5], a[6] - b[6],
-    )  # fmt: skip
+    return (*map(sub, a, b),)
 
 
 def power(a: Dimension, n: Fraction | int) -> Dimension:
@@ -212,9 +128,9 @@ def _raised(name: str, exponent: Fraction | int) -> str:
 def described(a: Dimension) -> str:
     """Returns a text such as `a force [kg*m/s^2]` or `a pure number`; for a dimension without a
     name, `in [kg*m^3]`."""
-    if a == NONE:
-        return "a pure number"
     kind = KINDS.get(a)
+    if a == NONE:
+        return kind
     return f"{kind} [{si_text(a)}]" if kind else f"in [{si_text(a)}]"
 
 
@@ -281,9 +197,6 @@ def _is_odd(registry, name: str) -> bool:
 @cache
 def _look_up(name: str) -> Unit | str:
     """Returns the unit of a name, or an error text."""
-    if name in _SIMPLE:
-        factor, dim, angle = _SIMPLE[name]
-        return Unit(Fraction(factor), 0, dim, angle)
     if not _NAME.fullmatch(name):
         return f"'{name}' is not a unit"
     registry = _registry()
@@ -316,10 +229,12 @@ def _without_pi(factor: Fraction) -> tuple[Fraction, int]:
 
 
 def _named(name: str, at: int) -> Unit:
+    if name in _SIMPLE:
+        return _SIMPLE[name]
     found = _look_up(name)
     pair = next(((a, b) for a in _JOINED for b in _SIMPLE if a + b == name), None)
     if isinstance(found, Unit):
-        if pair is None or found.dimension == times(_SIMPLE[pair[0]][1], _SIMPLE[pair[1]][1]):
+        if pair is None or found.dimension == _SIMPLE[pair[0]].times(_SIMPLE[pair[1]]).dimension:
             return found
         found = f"unknown unit '{name}'"  # For instance, pint reads Nm as a unit for yarns.
     help = ""
@@ -332,6 +247,39 @@ def _named(name: str, at: int) -> Unit:
     elif near:
         help = f"did you mean '{near[0]}'?"
     raise UnitError(found, at, at + len(name), help)
+
+
+# Units, each after the units in which it is given: factor, unit.
+_TABLE = """
+g 1/1000 kg; cm 1/100 m; mm 1/1000 m; km 1000 m; ms 1/1000 s; min 60 s; h 3600 s; Hz 1 1/s
+N 1 kg*m/s^2; J 1 N*m; W 1 J/s; Pa 1 N/m^2; C 1 A*s; V 1 W/A; F 1 C/V; H 1 V*s/A; T 1 V*s/m^2
+Wb 1 V*s; ohm 1 V/A
+"""
+_SIMPLE = {
+    name: Unit(Fraction(1), 0, tuple(int(name == other) for other in BASE), int(name == "rad"))
+    for name in (*BASE, "rad")
+}
+for _name, _factor, _unit in map(str.split, re.split("[;\n]", _TABLE.strip())):
+    _SIMPLE[_name] = replace(parse_unit(_unit), factor=Fraction(_factor), text="")
+# If such a unit is followed by another unit, the sign * is missing: Nm is a mistake for N*m. T is
+# not one of them, since THz, TJ and TW begin with the prefix tera.
+_JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K")
+_SHORT = {_SIMPLE[n].dimension: n for n in ("J", "W", "C", "V", "F", "H", "T", "Wb", "ohm")}
+
+LENGTH, TIME, MASS, INERTIA, ACCELERATION, FORCE, ENERGY, POWER = (
+    parse_unit(text).dimension for text in ("m", "s", "kg", "kg*m^2", "m/s^2", "N", "J", "W")
+)
+_KINDS = """
+1 a pure number; m a length; s a time; kg a mass; m/s a speed; m/s^2 an acceleration; N a force
+J an energy; W a power; N*s a momentum; J*s an angular momentum; kg*m^2 a moment of inertia
+N/m a stiffness; kg/s a damping constant; Hz a rate; Hz^2 a squared rate; m^2 an area
+m^3 a volume; m^2/s^2 a squared speed; kg/m^3 a density; Pa a pressure; A a current; C a charge
+V a voltage; T a magnetic field; K a temperature
+"""
+KINDS = {
+    parse_unit(unit).dimension: kind
+    for unit, kind in (row.split(maxsplit=1) for row in re.split("[;\n]", _KINDS.strip()))
+}
 
 
 def known_units() -> tuple[str, ...]:

@@ -47,10 +47,10 @@ class Bodies(BodyJoints):
     # statements
 
     def body(self, statement: st.Body) -> None:
-        name, before = statement.name, len(self.report.errors)
+        name, before = statement.name, self.report.count
         if statement.left.name == GROUND:
             message = f"'{GROUND}' is what stands still, and no body"
-            self.report.error(message, statement.name_span, "choose another name")
+            self.error(message, statement.name_span, "choose another name")
         elif self._declared(statement.left):
             self.bodies[name] = statement
         else:
@@ -62,12 +62,12 @@ class Bodies(BodyJoints):
         if "mass" not in given:
             message = f"the body '{name}' has no mass"
             help = f"e.g. body {name} mass 1 [kg]; of one that only carries others: mass 0"
-            self.report.error(message, statement.name_span, help)
+            self.error(message, statement.name_span, help)
         else:
             self.mass(name, given["mass"])
         self.place(name, given.get("at"), statement)
         self.inertia(name, given.get("inertia"))
-        if len(self.report.errors) > before:
+        if self.report.count > before:
             self.bad.add(name)
             self.wrong.add(statement.span)
         self._advance()
@@ -82,7 +82,7 @@ class Bodies(BodyJoints):
         (own,) = members.intervals
         if entry.members.touch(*own):
             text = with_number(left.name, left)
-            self.report.error(f"'{text}' is declared already", left.span)
+            self.error(f"'{text}' is declared already", left)
             return False
         entry.members.add(*own)
         return True
@@ -90,14 +90,14 @@ class Bodies(BodyJoints):
     def gravity(self, statement: st.Single) -> None:
         if self.gravity_at is not None:
             line = self.names.line_of(self.gravity_at)
-            self.report.error(f"there is gravity already, in line {line}", statement.span)
+            self.error(f"there is gravity already, in line {line}", statement)
             return
         self.gravity_at = statement.span
         needs = "gravity is a vector of an acceleration [m/s^2]"
         self.given("gravity.field", statement.value, needs, ACCELERATION, place="joint")
 
     def joint(self, statement: st.Joint) -> None:
-        before = len(self.report.errors)
+        before = self.report.count
         name, (child, child_at) = statement.name[0], statement.child
         if statement.span in self.wrong:
             self._hang(statement, True)
@@ -105,15 +105,15 @@ class Bodies(BodyJoints):
         kind = self.kind_of(statement)
         if child == GROUND:
             help = f"write it first: joint {name}: ground to {statement.parent[0]} …"
-            self.report.error("the ground hangs on no joint", child_at, help)
+            self.error("the ground hangs on no joint", child_at, help)
         elif (other := self.joints.get(child)) is not None:
             where = f"the joint '{other.name[0]}' in line {self.names.line_of(other.span)}"
-            self.report.error(f"'{child}' hangs on {where} already", child_at, _LOOP)
+            self.error(f"'{child}' hangs on {where} already", child_at, _LOOP)
         if kind is not None:
             self.coordinates(statement, kind)
         if kind is not None and name not in self.texts:
             self.parts_of(statement, kind)
-        self._hang(statement, len(self.report.errors) > before)
+        self._hang(statement, self.report.count > before)
 
     def _hang(self, statement: st.Joint, wrong: bool) -> None:
         child = statement.child[0]
@@ -192,7 +192,7 @@ class Bodies(BodyJoints):
         """Reports errors of the tree of bodies, and adds the energies."""
         self._tree()
         if self.gravity_at is not None and not self.bodies:
-            self.report.error("gravity acts on bodies, and there is none", self.gravity_at)
+            self.error("gravity acts on bodies, and there is none", self.gravity_at)
         if self.report.errors:
             return
         parents = {joint.parent[0] for joint in self.joints.values()}
@@ -226,7 +226,7 @@ class Bodies(BodyJoints):
             return
         name, index = parted(what)
         if index is not None and what.rpartition(".")[2] in TURNING:
-            self.keep(what, self.expressions.factor(value, Scope(PLACES["let"]))[1], span)
+            self.keep(what, self.factor(value, Scope(PLACES["let"]))[1], span)
             return
         at = None if index is None else Number(Fraction(index), span)
         self.run(st.Define("let", st.Left(name, at, None, span), value, "", span))
@@ -272,19 +272,19 @@ class Bodies(BodyJoints):
                 told.add(name)
                 near = get_close_matches(name, [*names, GROUND], 1, 0.6)
                 help = f"did you mean '{near[0]}'?" if near else f"declare it: body {name} mass …"
-                self.report.error(f"unknown body '{name}'", span, help)
+                self.error(f"unknown body '{name}'", span, help)
         for name, body in self.bodies.items():
             if name not in self.joints and not broken:
                 message = f"the body '{name}' hangs on no joint"
                 help = f"joint NAME: ground to {name} revolute [0, 1, 0] at O; or free, or fixed"
-                self.report.error(message, body.name_span, help)
+                self.error(message, body.name_span, help)
                 broken = True
         if self.waiting and not broken:
             names = [joint.name[0] for joint in self._circle()]
         if self.waiting and not broken and names:
             shown = ", ".join(names[:8]) + ", …" * (len(names) > 8)
             message = f"the joints {shown} go round in a circle, without the ground"
-            self.report.error(message, self.waiting[0].span, _LOOP)
+            self.error(message, self.waiting[0], _LOOP)
 
     def _circle(self) -> list[st.Joint]:
         found: list[st.Joint] = []

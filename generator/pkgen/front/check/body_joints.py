@@ -41,16 +41,16 @@ class BodyJoints(BodyParts):
             help = (
                 f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"
             )
-            self.report.error(message, statement.to[1], help)
+            self.error(message, statement.to[1], help)
         if kind is None:
             near = get_close_matches(word, KINDS, 1, 0.6)
             help = f"did you mean '{near[0]}'?" if near else f"kinds: {', '.join(KINDS)}"
-            self.report.error(f"there is no joint '{word}'", span, help)
+            self.error(f"there is no joint '{word}'", span, help)
         elif kind.axis and axis is None:
             help = f"e.g. joint {statement.name[0]}: … {word} [0, 1, 0] at O"
-            self.report.error(f"a {word} joint has an axis", span, help)
+            self.error(f"a {word} joint has an axis", span, help)
         elif axis is not None and not kind.axis:
-            self.report.error(f"a {word} joint has no axis", axis.span, "leave it out")
+            self.error(f"a {word} joint has no axis", axis, "leave it out")
         else:
             return kind
         return None
@@ -62,11 +62,11 @@ class BodyJoints(BodyParts):
             wanted = {0: "no coordinate", 1: "one coordinate"}
             many = wanted.get(len(pairs), f"{len(pairs)} coordinates")
             message = f"a {statement.kind[0]} joint has {many}, not {len(given)}"
-            self.report.error(message, given[0].span)
+            self.error(message, given[0])
         for e in given:
             if not isinstance(e, Name):
-                text = self.expressions.mismatch.text(e)
-                self.report.error(f"'coord' takes names of coordinates, not {text}", e.span)
+                text = self.text(e)
+                self.error(f"'coord' takes names of coordinates, not {text}", e)
         (_, at), name = statement.name, statement.left.name
         ends = None, None
         if statement.left.index is not None:
@@ -95,7 +95,7 @@ class BodyJoints(BodyParts):
             if (first.kind[0], joint_names(first)) != (statement.kind[0], pairs):
                 message = f"'{statement.name[0]}' is not as '{first.name[0]}' in line {line} is"
                 help = "joints of a family are of one kind, with one 'coord': choose another name"
-                self.report.error(message, at, help)
+                self.error(message, at, help)
             return None
         numbers = family(self.statements, st.Joint, name)
         for one, other in pairwise(numbers):
@@ -109,7 +109,7 @@ class BodyJoints(BodyParts):
                         f"'{name}[{other}]'"
                     )
                 )
-                self.report.error(message, at, "a family of joints is numbered one by one")
+                self.error(message, at, "a family of joints is numbered one by one")
                 break
         lo, hi = (Number(Fraction(k), at) for k in (numbers[0], numbers[-1]))
         return lo, hi
@@ -122,7 +122,7 @@ class BodyJoints(BodyParts):
             values = self.axis(name, statement.axis)
             if None in values and len(kind.coordinates) > 1:
                 message = "the axis of a planar joint is written in numbers"
-                self.report.error(message, statement.axis.span, "turn the joint by 'turned'")
+                self.error(message, statement.axis, "turn the joint by 'turned'")
             elif len(kind.coordinates) > 1:
                 texts[2:] = across(values)
             texts[0] = f"{name}.axis"
@@ -134,11 +134,11 @@ class BodyJoints(BodyParts):
 
     def _limits(self, statement: st.Joint, kind: Kind, value: Expr) -> None:
         """Adds the events j_lower and j_upper (j_3_lower, j_3_upper for j[3]), which stop a run."""
-        name, before = statement.name[0], len(self.report.errors)
+        name, before = statement.name[0], self.report.count
         if len(kind.coordinates) != 1 or kind.coordinates[0][1] == "rotation":
             message = f"a {statement.kind[0]} joint has no limits"
             help = "a revolute and a prismatic joint have; of others write an 'event'"
-            self.report.error(message, value.span, help)
+            self.error(message, value, help)
             return
         ((own, what),) = joint_names(statement)
         ends = self._ends(value)
@@ -150,12 +150,12 @@ class BodyJoints(BodyParts):
                 continue
             values = self.given(f"{name}.{end}", part, needs, dimension, vector=False)
             found.append(values[0] if values else None)
-        if len(self.report.errors) > before or None in found:
+        if self.report.count > before or None in found:
             found = []
         if len(found) == 2 and not found[0] < found[1]:
             message = f"the lower limit of '{name}' is not below the upper one"
-            self.report.error(message, value.span)
-        if len(self.report.errors) > before:
+            self.error(message, value)
+        if self.report.count > before:
             return
         for end, part in zip(LIMITS, ends, strict=True):
             if _infinite(part) != LIMITS[end][1]:
@@ -165,7 +165,7 @@ class BodyJoints(BodyParts):
         items = self._elements(value)
         if items is None or len(items) != len(LIMITS):
             help = "e.g. limits [-pi/2, pi/2]; where there is none: [-inf, 2]"
-            self.report.error("limits are two numbers, the lower one first", value.span, help)
+            self.error("limits are two numbers, the lower one first", value, help)
             return ()
         return items
 

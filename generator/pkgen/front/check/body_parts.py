@@ -27,7 +27,7 @@ _INERTIAS = "[Ixx, Iyy, Izz], [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] or three rows of th
 class BodyParts(Checks):
     def __init__(self, shared: Shared) -> None:
         super().__init__(shared)
-        self.united = self.expressions.time_dimension != NONE
+        self.united = self.time_dimension != NONE
         self.masses: dict[str, Value] = {}
         # Name of a body -> the elements of its inertia tensor.
         self.inertias: dict[str, tuple[Value, ...]] = {}
@@ -45,11 +45,11 @@ class BodyParts(Checks):
                 near = get_close_matches(word, words, 1, 0.6)
                 have = ", ".join(f"'{w}'" for w in words)
                 help = f"did you mean '{near[0]}'?" if near else f"there are {have}"
-                self.report.error(f"{what} has no part '{word}'", span, help)
+                self.error(f"{what} has no part '{word}'", span, help)
             elif word in found:
-                self.report.error(f"'{word}' is given twice", span)
+                self.error(f"'{word}' is given twice", span)
             elif len(items) > 1 and word != "coord":
-                self.report.error(f"'{word}' takes one value", items[1].span)
+                self.error(f"'{word}' takes one value", items[1])
             found.setdefault(word, items[0])
         return found
 
@@ -57,7 +57,7 @@ class BodyParts(Checks):
         values = self.given(f"{name}.mass", value, "a mass needs [kg]", MASS, vector=False)
         self.masses[name] = found = values[0] if values else None
         if found is not None and found < 0:
-            self.report.error("a mass is not negative", value.span)
+            self.error("a mass is not negative", value)
 
     def place(self, name: str, value: Expr | None, of: st.Body) -> None:
         """Checks a body's `at`, the position of its centre of mass in the body's frame."""
@@ -81,7 +81,7 @@ class BodyParts(Checks):
             return
         if len(items) not in (3, 6):
             help = f"write {_INERTIAS}"
-            self.report.error(f"an inertia has no {len(items)} elements", value.span, help)
+            self.error(f"an inertia has no {len(items)} elements", value, help)
             return
         values: tuple[Value, ...] = ()
         for member, k in (("inertia", 0), ("products", 3)):
@@ -91,7 +91,7 @@ class BodyParts(Checks):
                 values += self.given(f"{name}.{member}", Vector(part, span), needs, INERTIA)
         for item, found in zip(items[:3], values, strict=False):
             if found is not None and found < 0:
-                self.report.error("a moment of inertia is not negative", item.span)
+                self.error("a moment of inertia is not negative", item)
         self.inertias[name] = values
 
     def _elements(self, value: Expr) -> tuple[Expr, ...] | None:
@@ -107,34 +107,34 @@ class BodyParts(Checks):
         if None in rows or [len(row) for row in rows] != [3, 3, 3]:
             return value.items
         (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rows
-        text = self.expressions.mismatch.text
+        text = self.text
         for a, b in ((xy, yx), (xz, zx), (yz, zy)):
             if text(a) != text(b):
                 message = f"a tensor of inertia is symmetric, and {text(b)} is not {text(a)}"
-                self.report.error(message, b.span)
+                self.error(message, b)
         return xx, yy, zz, xy, xz, yz
 
     def axis(self, name: str, value: Expr) -> tuple[Value, ...]:
         needs = "an axis is a vector of numbers"
         values = self.given(f"{name}.axis", value, needs, NONE)
         if values and all(found == 0 for found in values):
-            self.report.error("the zero vector is no axis", value.span, "e.g. [0, 1, 0]")
+            self.error("the zero vector is no axis", value, "e.g. [0, 1, 0]")
             return ()
         size = max((abs(float(found)) for found in values if found is not None), default=1.0)
         if None not in values and not 1e-100 < size < 1e100:
             message = "no double holds the square of this axis: only its direction counts"
-            self.report.error(message, value.span, "e.g. [0, 1, 0]")
+            self.error(message, value, "e.g. [0, 1, 0]")
             return ()
         return values or (None,)
 
     def turning(self, name: str, value: Expr) -> bool:
         """Checks the clause `turned rot(...)` of a joint and defines the rotation NAME.turn.
         Returns False if the value is no constant rotation."""
-        _, facts = self.expressions.factor(value, Scope(PLACES["body"]))
+        _, facts = self.factor(value, Scope(PLACES["body"]))
         if facts.known and not facts.turns:
-            text = self.expressions.mismatch.text(value)
+            text = self.text(value)
             help = "e.g. turned rot([1, 0, 0], pi/2)"
-            self.report.error(f"{text} is no rotation", value.span, help)
+            self.error(f"{text} is no rotation", value, help)
         if not (facts.known and facts.turns) or not self._stands(facts, value.span):
             return False
         self.keep(f"{name}.turn", facts, value.span)
@@ -143,7 +143,7 @@ class BodyParts(Checks):
     def _stands(self, facts: Facts, span: Span) -> bool:
         if facts.moves:
             help = "it takes numbers, constants and parameters; what moves is a joint of its own"
-            self.report.error("this part of a body or of a joint does not move", span, help)
+            self.error("this part of a body or of a joint does not move", span, help)
         return not facts.moves
 
     def given(
@@ -159,25 +159,25 @@ class BodyParts(Checks):
         not known at compile time; () after an error."""
         dimension = dimension if self.united else NONE
         target, scope = Target(dimension, needs, bare=True), Scope(PLACES[place])
-        before = len(self.report.errors)
-        value = self.shared.origin(value)
-        wanted = self.expressions.wanted_vector if vector else self.expressions.wanted
+        before = self.report.count
+        value = self.origin(value)
+        wanted = self.wanted_vector if vector else self.wanted
         found, facts = wanted(value, scope, target)
-        if len(self.report.errors) == before and place == "body":
+        if self.report.count == before and place == "body":
             self._stands(facts, value.span)
-        self.shared.use_inputs(facts)
+        self.use_inputs(facts)
         own = replace(facts, dimension=dimension, vector=vector, value=None, bare=False)
         self.keep(name, own, value.span)
         own_name, index = parted(name)
         at = None if index is None else Number(Fraction(index), value.span)
         definition = m.Definition(own_name, at, None, found, si_text(dimension), "", value.span)
         self.parts["definitions"].append(definition)
-        if len(self.report.errors) > before:
+        if self.report.count > before:
             return ()
         items = value.items if isinstance(value, Vector) else (value,)
         if vector and not isinstance(value, Vector):
             return (None,) * len(AXES)
-        return tuple(self.expressions.check(item, scope)[1].value for item in items)
+        return tuple(self.checked(item, scope)[1].value for item in items)
 
     def keep(self, name: str, facts: Facts, span: Span) -> None:
         """Declares a quantity of a body or a joint, such as the rotation R of a body. `link[3].R`

@@ -52,10 +52,10 @@ class Calls(RotationCalls):
         new, facts = self.check(argument, Scope(PLACES["record"]))
         at = argument.span
         if facts.vector:
-            raise Wrong("the drift of a vector: take a component (.x, .y, .z)", span=at)
+            raise Wrong("the drift of a vector: take a component (.x, .y, .z)", at=at)
         if facts.known and not facts.moves:
-            text = self.mismatch.text(argument)
-            raise Wrong(f"{text} does not move: it has no drift", span=at)
+            text = self.text(argument)
+            raise Wrong(f"{text} does not move: it has no drift", at=at)
         return replace(expr, arguments=(new,)), Facts(NONE) if facts.known else UNKNOWN
 
     def _time_of(self, argument: Expr) -> Facts:
@@ -69,7 +69,7 @@ class Calls(RotationCalls):
         near = get_close_matches(name, events, 1, 0.6)
         help = f"the events are: {', '.join(events)}" if events else "declare it by 'event'"
         help = f"did you mean '{near[0]}'?" if near else help
-        raise Wrong("time(…) takes an event: when it first happens", help, argument.span)
+        raise Wrong("time(…) takes an event: when it first happens", help, argument)
 
     def _not_callable(self, expr: Call) -> Wrong:
         if expr.function in SPECIAL - {"sum"}:
@@ -87,8 +87,8 @@ class Calls(RotationCalls):
             "norm": "the magnitude of a number is abs(x)",
             "abs": "the magnitude of a vector is norm(v)",
         }.get(function, "")
-        text = self.mismatch.text(argument)
-        return Wrong(f"{function} needs {needs}, {text} is {is_}", help, argument.span)
+        text = self.text(argument)
+        return Wrong(f"{function} needs {needs}, {text} is {is_}", help, argument)
 
     def _vector_call(self, expr: Call, facts: list[Facts]) -> Facts:
         dims = [f.dimension for f in facts]
@@ -105,9 +105,9 @@ class Calls(RotationCalls):
         if function.units == "none":
             for argument, part in zip(expr.arguments, facts, strict=True):
                 if part.dimension not in (None, NONE):
-                    self.mismatch.argument(expr.function, argument, part)
+                    self.not_pure(expr.function, argument, part)
         else:
-            shared = self.mismatch.common(expr.arguments, facts, expr.function)
+            shared = self.common(expr.arguments, facts, expr.function)
             if function.units == "same":
                 dimension = shared
             elif function.units == "root" and shared is not None:
@@ -133,8 +133,8 @@ class Calls(RotationCalls):
             raise Wrong(message, "in a plane write [x, y, 0]")
         for item, part in zip(expr.items, facts, strict=True):
             if part.vector:
-                raise Wrong("a component of a vector is a number", span=item.span)
-        dimension = self.mismatch.common(expr.items, facts, "a vector")
+                raise Wrong("a component of a vector is a number", at=item)
+        dimension = self.common(expr.items, facts, "a vector")
         return Vector(tuple(e for e, _ in parts), expr.span), joined(dimension, True, facts)
 
 

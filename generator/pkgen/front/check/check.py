@@ -31,13 +31,13 @@ from .drawings import Drawings
 from .dynamics import Dynamics
 from .expr import Expressions
 from .methods import Methods
-from .names import Names, Report
+from .names import UNKNOWN, Entry, Names, Report
 from .params import check_bounds
 from .required import Required
 from .rotation_statements import coordinates_of, identity, states_of
 from .scene_values import check_scene_values
 from .scenes import Scenes
-from .shared import Shared
+from .shared import Checks, Shared
 from .states import States
 
 _INERTIA = ("kinetic", "potential", "lagrangian")
@@ -84,7 +84,7 @@ def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
     unique = {(d.message, d.span.start, d.span.end): d for d in found}
     errors = sorted(unique.values(), key=lambda d: d.span.start)
     warnings = sorted(checker.report.warnings, key=lambda d: d.span.start)
-    known = checker.names, checker.shared.parts, checker.expressions.sizes
+    known = checker.names, checker.parts, checker.sizes
     return Seen(model, *known, tuple(errors), tuple(warnings))
 
 
@@ -102,32 +102,29 @@ def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
     return ModelError(source, shown, more=len(errors) - len(shown))
 
 
-class _Checker:
+class _Checker(Checks):
     def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
-        self.report = Report()
+        report = Report()
         counted = (expr for s in file.statements for expr in indices(s))
         # Names that occur in indices of bodies or joints.
         self.counting = frozenset().union(*map(names, counted))
-        taken = {*dict(_declarations(file.statements)), *CONSTANTS}
-        self.file, self.given = written_out(file, given, taken, self.report.error), dict(given)
-        file = self.file
-        declared = dict(_declarations(file.statements))
+        taken = {*(name for name, *_ in _declarations(file.statements)), *CONSTANTS}
+        self.file = file = written_out(file, given, taken, report.error)
         self.broken = {b.keyword for b in file.broken}
         self.dimensionless = all(_has_no_dimension(text) for text in file.units)
-        poisoned = [n for b in file.broken for n in b.names]
-        self.names = Names(self.report, self._line, declared, poisoned)
+        known = Names(report, self._line, [*_declarations(file.statements)])
+        for name in (n for b in file.broken for n in b.names):
+            known.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
         bodies = [s.name for s in file.statements if isinstance(s, st.Body)]
-        self.names.loose = loose(bodies, [s for s in file.statements if isinstance(s, st.Joint)])
-        self.names.coordinates = _named(file.statements, "coord")
-        self.names.states = _named(file.statements, "state")
-        self.names.rotations = _named(file.statements, "rotation")
+        known.loose = loose(bodies, [s for s in file.statements if isinstance(s, st.Joint)])
         lagrangian = any(s.keyword == "lagrangian" for s in file.statements)
-        about = file.source, self.report, self.names, {}, self.dimensionless
-        self.expressions = Expressions(*about, lagrangian=lagrangian)
-        self.shared = Shared(self.expressions, self.report, self.names, self.given)
+        expressions = Expressions(
+            file.source, report, known, {}, dimensionless=self.dimensionless, lagrangian=lagrangian
+        )
+        super().__init__(Shared(expressions, dict(given)))
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
         self.bodies = Bodies(self.shared, self._check, file)
-        self.methods = Methods(self.shared, file.source)
+        self.methods = Methods(self.shared)
         self.scenes = Scenes(self.shared, self.dynamics, self.methods)
         self.checks = {
             "definitions": Definitions(self.shared),
@@ -152,16 +149,16 @@ class _Checker:
         for statement in self.file.statements:
             if isinstance(statement, st.Scene):  # Scenes are checked last: all names are known.
                 self.scenes.check(statement)
-        self.expressions.indices.finish()
+        self.indices.finish()
         if "rate" not in self.broken:
             self.states.finish()
         required = Required(self.file, self.shared, self.broken)
         required.check()
-        parts = self.shared.parts
+        parts = self.parts
         check_bounds(
-            [p for p in parts["parameters"] if p.span in self.shared.sound],
-            [d for d in parts["definitions"] if d.span in self.shared.sound],
-            self.expressions.sizes,
+            [p for p in parts["parameters"] if p.span in self.sound],
+            [d for d in parts["definitions"] if d.span in self.sound],
+            self.sizes,
             self.report,
         )
         if not self.broken & {"", "let", "coord", "body", "joint", *_INERTIA}:
@@ -184,7 +181,7 @@ class _Checker:
         are reported if the scene is run."""
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
-        for scene in scenes if self.given else ():
+        for scene in scenes if self.given_sizes else ():
             start, end = scene.span.start, scene.span.end
             mine = [e for e in self.report.errors if start <= e.span.start < end]
             if mine:
@@ -200,12 +197,12 @@ class _Checker:
         for entry in self.names.table.values():
             used = entry.used or entry.name in self.counting
             if not used and entry.kind in _UNUSED:
-                self.report.warn(f"the {entry.kind} '{entry.name}' is never used", entry.span)
+                self.warn(f"the {entry.kind} '{entry.name}' is never used", entry)
 
     def _model(self) -> m.Model | None:
         if self.report.errors or self.file.diagnostics:
             return None
-        parts = {field: tuple(found) for field, found in self.shared.parts.items() if field}
+        parts = {field: tuple(found) for field, found in self.parts.items() if field}
         (head,) = parts.pop("name")
         rotations = parts["rotations"]
         parts["coordinates"] += tuple(c for r in rotations for c in coordinates_of(r))
@@ -217,48 +214,38 @@ class _Checker:
         return m.Model(source=source, dimensionless=dimensionless, **said, **parts)
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:
-        order = self.shared.inputs.get(item.name, 0)
+        order = self.inputs.get(item.name, 0)
         dimension, texts = unit.dimension, []
         for _ in range(order + 1):
             texts.append(si_text(dimension, unit.angle) if texts else unit.shown)
-            dimension = over(dimension, self.expressions.time_dimension)
+            dimension = over(dimension, self.time_dimension)
         return m.Input(item.name, order, tuple(texts), description, item.span)
 
 
 _UNUSED = ("parameter", "constant", "size", "input", "definition")
 
 
-def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
-    """Returns the names declared by `keyword` (`coord`, `state` or `rotation`) or by joints."""
-    found = {item.name for s in statements if s.keyword == keyword for item in s.items}
-    joints = [s for s in statements if isinstance(s, st.Joint)]
-    for name, what in (pair for joint in joints for pair in joint_names(joint)):
-        if keyword == ("rotation" if what == "rotation" else "coord"):
-            found.add(name)
-    return frozenset(found)
-
-
-def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
-    """Yields every name that the statements declare, with its source position."""
+def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span, str]]:
+    """Yields every name that the statements declare, with its source position, and the keyword of
+    its declaration if that is `coord`, `state` or `rotation`, for a joint's coordinates too."""
     for statement in statements:
         match statement:
             case st.Define(keyword="rate" | "force"):
                 pass  # `rate` and `force` declare no name.
-            case st.Param(left=left) | st.Define(left=left):
-                yield left.name, left.span
-            case st.Declare(items=items):
-                yield from ((item.name, item.name_span) for item in items)
-            case st.Body(left=left):
-                yield left.name, left.span
+            case st.Param(left=left) | st.Define(left=left) | st.Body(left=left):
+                yield left.name, left.span, ""
+            case st.Declare(keyword=keyword, items=items):
+                yield from ((item.name, item.name_span, keyword) for item in items)
             case st.Joint(left=left, ends=(_, child)):
-                yield left.name, left.span
-                yield from ((coordinate, left.span) for coordinate, _ in joint_names(statement))
-                yield from ((f"{child.id}.{member}", left.span) for member in SHOWN)
+                yield left.name, left.span, ""
+                for coordinate, what in joint_names(statement):
+                    yield coordinate, left.span, "rotation" if what == "rotation" else "coord"
+                yield from ((f"{child.id}.{member}", left.span, "") for member in SHOWN)
             case st.Event(name=name, name_span=span):
-                yield name, span
+                yield name, span, ""
             case st.Equation(left=left):
-                yield left.name, left.span
-                yield from ((name, left.span) for name in m.multipliers(left.name))
+                names = left.name, *m.multipliers(left.name)
+                yield from ((name, left.span, "") for name in names)
 
 
 def _has_no_dimension(text: str) -> bool:

@@ -5,35 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
-from ...source import Source, Span
+from ...source import Span
 from ...tree import Expr
 from .. import units
 from ..units import NONE, UnitError
 from . import values
 from .indices import Indices
 from .mismatch import Mismatch
-from .names import Facts, Names, Report
+from .names import Facts
 
 Checked = tuple[Expr, Facts]
 
 
-class Checking:
+class Checking(Mismatch):
     """Base class of Operators, Calls and Quantities, which `Expressions` combines."""
 
-    def __init__(
-        self,
-        source: Source,
-        report: Report,
-        names: Names,
-        sizes: dict[str, int],
-        dimensionless: bool,
-    ) -> None:
-        self.source, self.report, self.names, self.sizes = source, report, names, sizes
+    def __init__(self, *given, dimensionless: bool, lagrangian: bool = False) -> None:
+        super().__init__(*given)
+        self.lagrangian = lagrangian
         self.time_dimension = NONE if dimensionless else units.TIME
         self.energy_dimension = NONE if dimensionless else units.ENERGY
         self.power_dimension = NONE if dimensionless else units.POWER
-        self.indices = Indices(source, report, names, sizes)
-        self.mismatch = Mismatch(source, report, names)
+        self.indices = Indices(*given)
 
     def constant(
         self, expr: Expr, facts: list[Facts], compute: Callable, *more: object
@@ -45,7 +38,7 @@ class Checking:
         try:
             return compute([f.value for f in facts], *more)
         except values.NoValue as error:
-            self.report.error(str(error), expr.span)
+            self.error(str(error), expr)
             return None
 
     def unit(self, text: str, span: Span) -> units.Unit | None:
@@ -57,9 +50,7 @@ class Checking:
             help = error.help
             if self.indices.is_index(text):
                 help = "an index touches the name before it, without a space: q[i]"
-            self.report.error(
-                error.message, Span(start, max(start + 1, span.start + 1 + error.end)), help
-            )
+            self.error(error.message, Span(start, max(start + 1, span.start + 1 + error.end)), help)
             return None
 
     @staticmethod

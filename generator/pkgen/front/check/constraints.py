@@ -30,28 +30,28 @@ class Constraints(Checks):
         """Checks an equation; reports sides of different rank or unit, and quantities that are not
         allowed. After an error it only declares the names."""
         left = statement.left
-        scope, members = self.shared.left_scope(left, "constraint")
-        before = len(self.report.errors)
+        scope, members = self.left_scope(left, "constraint")
+        before = self.report.count
         sides = (statement.a, statement.b)
         difference = Add(sides, (1, -1), statement.a.span.to(statement.b.span))
-        parts = [self.expressions.check(side, scope) for side in sides]
+        parts = [self.checked(side, scope) for side in sides]
         self._alike(sides, [facts.vector for _, facts in parts])
-        if len(self.report.errors) > before:
+        if self.report.count > before:
             parts = [(side, UNKNOWN) for side, _ in parts]
-        dimension = self.expressions.mismatch.common(
+        dimension = self.common(
             sides, [f for _, f in parts], f"'{statement.keyword}'", numbers=True
         )
         value, facts = self.expressions.summed(difference, parts, dimension)
-        if facts.known and len(self.report.errors) == before:
+        if facts.known and self.report.count == before:
             self._moves(statement, facts, difference.span)
-        self.shared.use_inputs(facts)
+        self.use_inputs(facts)
         multiplier = self._multiplier(statement.keyword, dimension)
         multiplier.vector = facts.vector
         place = name_span(left)
         if self.names.declare(Entry(left.name, "constraint", facts, place, members)):
             for name in m.multipliers(left.name):
                 self.names.declare(Entry(name, "multiplier", multiplier, place, members))
-        if len(self.report.errors) > before or not facts.known:
+        if self.report.count > before or not facts.known:
             return
         holonomic, unit = statement.keyword == "constraint", si_text(multiplier.dimension)
         self.parts["constraints"] += [
@@ -62,10 +62,11 @@ class Constraints(Checks):
     def _alike(self, sides: tuple[Expr, Expr], vectors: list[bool | None]) -> None:
         if True in vectors and False in vectors:
             vector, number = sides if vectors[0] else reversed(sides)
-            text = self.expressions.mismatch.text
-            message = f"{text(vector)} is a vector; the other side, {text(number)}, is a number"
+            message = (
+                f"{self.text(vector)} is a vector; the other side, {self.text(number)}, is a number"
+            )
             help = "write a vector on both sides, or take a component (.x, .y, .z) or norm(v)"
-            self.report.error(message, number.span, help)
+            self.error(message, number, help)
 
     @staticmethod
     def _rows(name: str, difference: Add, vector: bool) -> list[tuple[str, Expr]]:
@@ -82,30 +83,29 @@ class Constraints(Checks):
         if facts.states or facts.state_rates:
             message = f"a {keyword} cannot use the state '{min(facts.states | facts.state_rates)}'"
             help = "it is an equation between coordinates, rotations, parameters, inputs and t"
-            self.report.error(message, span, help)
+            self.error(message, span, help)
         elif keyword == "constraint" and facts.rates:
-            self.report.error(
+            self.error(
                 "a constraint is an equation between positions; this one has rates in it",
                 span,
                 f"write 'rolling {statement.left.name}: …' for an equation between rates",
             )
         elif keyword == "rolling" and not facts.rates:
-            self.report.error(
+            self.error(
                 "a rolling is an equation between rates; there is none in it",
                 span,
                 f"write 'constraint {statement.left.name}: …' for one between positions",
             )
         elif not facts.coordinates:
-            self.report.error(
+            self.error(
                 f"nothing that has an equation of motion is in this {keyword}",
                 span,
                 "it holds or fails whatever the motion",
             )
 
     def _multiplier(self, keyword: str, dimension: Dimension | None) -> Facts:
-        of = self.expressions
         power = STATEMENTS[keyword].needs == "power"
-        work = of.power_dimension if power else of.energy_dimension
+        work = self.power_dimension if power else self.energy_dimension
         everything = self.names.moving
         return Facts(
             None if dimension is None else units.over(work, dimension),

@@ -24,7 +24,7 @@ class Coordinates(Checks):
     def __init__(self, shared: Shared, states: States, rotations: Rotations) -> None:
         super().__init__(shared)
         self.rotations = rotations
-        self.declared = {
+        self.kinds = {
             "coord": self._coordinate,
             "state": states.declare,
             "rotation": rotations.declare,
@@ -41,30 +41,28 @@ class Coordinates(Checks):
             if item.unit is not None:
                 unit = self.expressions.unit(item.unit.text, item.unit.span)
                 if unit is not None and not unit.is_si:
-                    self.report.warn(
+                    self.warn(
                         f"values of '{item.name}' are in SI,"
                         f" [{si_text(unit.dimension, unit.angle)}], not in [{item.unit.text}]",
-                        item.unit.span,
+                        item.unit,
                     )
             given.append(unit)
         for item, unit in zip(statement.items, reversed(given), strict=True):
-            self.declared[statement.keyword](item, unit, statement.description)
+            self.kinds[statement.keyword](item, unit, statement.description)
 
     def _coordinate(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         own = frozenset((item.name,))
-        found = self.shared.variable(item, unit, "coordinate", coordinates=own)
+        found = self.variable(item, unit, "coordinate", coordinates=own)
         if found is None:
             return
-        time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
+        time, energy = self.time_dimension, self.energy_dimension
         momentum = units.over(units.times(energy, time), found.dimension)
         shown = found.unit, found.rate_unit, si_text(momentum), description
         self.parts["coordinates"].append(m.Coordinate(item.name, found.family, *shown, item.span))
 
     def _input(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         if item.lo is not None:
-            self.report.error(
-                "a family of inputs cannot be compiled yet", item.span, "declare them one by one"
-            )
+            self.error("a family of inputs cannot be compiled yet", item, "declare them one by one")
         dimension = None if unit is None else unit.dimension
         united, own = unit is not units.ONE, {item.name: 0}
         facts = Facts(dimension, united=united, known=unit is not None, inputs=own)
@@ -74,17 +72,17 @@ class Coordinates(Checks):
     def ends(self, statement: st.Pairs) -> None:
         keyword = statement.keyword
         for left, value in statement.items:
-            entry = self.shared.named(left, f"'{keyword}'", self.shared.moving)
+            entry = self.named(left, f"'{keyword}'", self.moving)
             if entry is None:
                 if value is not None:
-                    self.expressions.check(value, Scope(PLACES["fixed"]))
+                    self.checked(value, Scope(PLACES["fixed"]))
                 continue
             if entry.members is None:
                 help = f"{KIND_TEXT[entry.kind]} is held fixed in a scene with 'hold'"
-                self.report.error(f"'{left.name}' is not a family: it has no ends", left.span, help)
+                self.error(f"'{left.name}' is not a family: it has no ends", left, help)
                 continue
             if left.range is not None:
-                self.report.error("an end is one index, not a range", left.span)
+                self.error("an end is one index, not a range", left)
                 continue
             self._end(keyword, left, entry, value, statement)
 
@@ -97,25 +95,23 @@ class Coordinates(Checks):
             example = f"fixed {entry.name}[0]"
             checked, facts = self.rotations.numbers("an end", example, value, scope)
         else:
-            checked, facts = self.expressions.wanted(value, scope, target)
+            checked, facts = self.wanted(value, scope, target)
         for kind, names in (("coordinate", facts.coordinates), ("state", facts.states)):
             if not names:
                 continue
             message = f"a fixed end cannot depend on the {kind} '{min(names)}'"
-            self.report.error(message, value.span, "it may use parameters, inputs and t")
-        self.shared.use_inputs(facts)
+            self.error(message, value, "it may use parameters, inputs and t")
+        self.use_inputs(facts)
         return checked
 
     def _end(
         self, keyword: str, left: st.Left, entry: Entry, value: Expr | None, statement: st.Pairs
     ) -> None:
-        lo, hi = self.shared.range_of(left.name)
+        lo, hi = self.range_of(left.name)
         given = self._fixed_value(value, entry)
         if keyword == "periodic":
             if left.index is not None:
-                self.report.error(
-                    "a family is periodic as a whole", left.span, f"write 'periodic {left.name}'"
-                )
+                self.error("a family is periodic as a whole", left, f"write 'periodic {left.name}'")
                 entry.periodic = True
                 return
             at: list[int | None] = [None]
@@ -124,7 +120,7 @@ class Coordinates(Checks):
             if keyword == "fixed":
                 message = f"'fixed' names an end: {left.name}[{lo - 1}] or {left.name}[{hi + 1}]"
                 help = f"e.g. fixed {left.name}[{lo - 1}] = 0, {left.name}[{hi + 1}] = 0"
-                self.report.error(message, left.span, help)
+                self.error(message, left, help)
                 return
             at = [lo - 1, hi + 1]
         else:
@@ -147,23 +143,23 @@ class Coordinates(Checks):
     ) -> bool:
         name = left.name
         if index is not None and lo <= index <= hi:
-            self.report.error(
+            self.error(
                 f"{name}[{index}] is {KIND_TEXT[self.names.table[name].kind]};"
                 f" an end lies outside {lo}..{hi}",
-                left.span,
+                left,
                 f"the ends are {name}[{lo - 1}] and {name}[{hi + 1}]",
             )
             return False
         if keyword == "free" and index not in (lo - 1, hi + 1):
             message = f"a free end is next to the family: {name}[{lo - 1}] or {name}[{hi + 1}]"
-            self.report.error(message, left.span)
+            self.error(message, left)
             return False
         clash = [
             k for k in self.own_ends if k[0] == name and (k[1] == index or None in (k[1], index))
         ]
         if clash:
             line, what = self.names.line_of(self.own_ends[clash[0]]), indexed(name, index)
-            self.report.error(f"the end {what} is given already in line {line}", left.span)
+            self.error(f"the end {what} is given already in line {line}", left)
             return False
         self.own_ends[name, index] = left.span
         return True

@@ -24,20 +24,18 @@ _UNKNOWN = "?"  # Replaces a bound that has an error. No model can declare this 
 class Definitions(Checks):
     def model(self, statement: st.Head) -> None:
         if self.parts["name"]:
-            self.report.error("a file holds one model; this is the second 'model'", statement.span)
+            self.error("a file holds one model; this is the second 'model'", statement)
             return
         self.parts["name"].append(statement)
         why = reserved(statement.name)
         if why:
-            self.report.error(
-                f"'{statement.name}' {why} and cannot name a model", statement.name_span
-            )
+            self.error(f"'{statement.name}' {why} and cannot name a model", statement.name_span)
         elif whose := symbols_of(statement.name):
             message = f"'{statement.name}' cannot name a model: symbols of {whose} begin so"
             help = f"choose another name, e.g. my_{statement.name}"
-            self.report.error(message, statement.name_span, help)
+            self.error(message, statement.name_span, help)
         elif statement.name in C_HEADERS:
-            self.report.error(
+            self.error(
                 f"'{statement.name}.h' is a header of C; a model's would hide it",
                 statement.name_span,
                 f"choose another name, e.g. {statement.name}_model",
@@ -46,40 +44,38 @@ class Definitions(Checks):
     def size(self, statement: st.Define) -> None:
         left = statement.left
         if left.index is not None or left.range is not None:
-            self.report.error("'size' takes a plain name", left.span)
+            self.error("'size' takes a plain name", left)
         value = self.indices.value(statement.value, Scope(PLACES["size"]))
-        value = self.shared.given.get(left.name, value)
+        value = self.given_sizes.get(left.name, value)
         if value is not None and value < 1:
-            self.report.error(
-                f"the size {left.name} is {value}; it must be at least 1", statement.value.span
-            )
+            self.error(f"the size {left.name} is {value}; it must be at least 1", statement.value)
             value = None
         if value is None:
-            self.shared.poison(left)
+            self.poison(left)
             return
         # Expressions may use a size as a number.
         facts = Facts(NONE, False, Fraction(value), bare=True)
         if self.names.declare(Entry(left.name, "size", facts, left.span)):
-            self.shared.sizes[left.name] = value
+            self.sizes[left.name] = value
         self.parts["sizes"].append(m.Size(left.name, value, statement.description, statement.span))
 
     def param(self, statement: st.Param) -> None:
         left = statement.left
-        before = len(self.report.errors)
-        scope, members = self.shared.left_scope(left, "param")
-        value, facts = self.expressions.check(statement.value, scope)
+        before = self.report.count
+        scope, members = self.left_scope(left, "param")
+        value, facts = self.checked(statement.value, scope)
         if facts.vector:
-            self.shared.no_vector(left, "parameter")
+            self.no_vector(left, "parameter")
         bounds = self._bounds(statement.interval, left.name, facts)
         own = replace(_declared(facts, statement.value), value=None)
         own = own if facts.known or facts.dimension is not None else UNKNOWN
         entry = Entry(left.name, "parameter", own, name_span(left), members)
         entry.periodic = left.range is not None and not scope.loops
         new = self.names.declare(entry) and facts.known and not entry.periodic
-        if new and len(self.report.errors) == before:
-            self.shared.sound.add(statement.span)
+        if new and self.report.count == before:
+            self.sound.add(statement.span)
         follows = facts.value is None and _mentions_parameter(value, self.names.table)
-        unit = self.shared.shown_unit(statement.value, facts)
+        unit = self.shown_unit(statement.value, facts)
         shown = unit, statement.description, statement.span
         self.parts["parameters"].append(
             m.Parameter(left.name, left.range, value, follows, bounds, *shown)
@@ -104,43 +100,43 @@ class Definitions(Checks):
         if infinite:
             end_name = "lower" if sign < 0 else "upper"
             message = f"no value is left: the {end_name} bound is {'' if infinite > 0 else '-'}inf"
-            self.report.error(message, at.span)
+            self.error(message, at)
             return None
         target = as_is(name, of.dimension)
-        value, facts = self.expressions.wanted(end, Scope(PLACES["bound"]), target)
+        value, facts = self.wanted(end, Scope(PLACES["bound"]), target)
         return value if facts.known else Name(_UNKNOWN, None, end.span)
 
     def define(self, statement: st.Define) -> None:
         keyword, left = statement.keyword, statement.left
         row = STATEMENTS[keyword]
-        scope, members = self.shared.left_scope(left, keyword)
+        scope, members = self.left_scope(left, keyword)
         if keyword in ("const", "conserve") and (left.range or left.index):
             help = "use 'let' for a family" if keyword == "const" else ""
-            self.report.error(f"'{keyword}' defines one name, not a family", left.span, help)
+            self.error(f"'{keyword}' defines one name, not a family", left, help)
         if keyword == "observe" and left.index is not None:
-            self.report.error(
-                "'observe' takes NAME or NAME[i = lo..hi]", left.span, "give it a name of its own"
+            self.error(
+                "'observe' takes NAME or NAME[i = lo..hi]", left, "give it a name of its own"
             )
-        before = len(self.report.errors)
+        before = self.report.count
         if keyword == "let":
             value, facts = self._let(statement, scope, members)
         else:
-            value, facts = self.expressions.check(statement.value, scope)
+            value, facts = self.checked(statement.value, scope)
             kind = "constant" if keyword == "const" else "output"
             if facts.vector and kind == "constant":
-                self.shared.no_vector(left, kind)
+                self.no_vector(left, kind)
             if keyword == "conserve" and facts.bare:
-                self.report.warn("a number is always conserved", statement.value.span)
+                self.warn("a number is always conserved", statement.value)
             shown = _declared(facts, statement.value) if kind == "constant" else facts
             entry = Entry(left.name, kind, shown, name_span(left), members)
             entry.used = kind == "output"
             self.names.declare(entry)
-        if keyword == "const" and facts.known and len(self.report.errors) == before:
-            self.shared.sound.add(statement.span)
-        self.shared.use_inputs(facts)
+        if keyword == "const" and facts.known and self.report.count == before:
+            self.sound.add(statement.span)
+        self.use_inputs(facts)
         if facts.turns:
             return
-        unit = self.shared.shown_unit(statement.value, facts)
+        unit = self.shown_unit(statement.value, facts)
         shown = unit, statement.description, statement.span
         definition = m.Definition(left.name, left.index, left.range, value, *shown)
         vector = facts.vector and row.fills in ("observed", "conserved")
@@ -149,7 +145,7 @@ class Definitions(Checks):
     def _let(self, statement: st.Define, scope: Scope, members: Members | None):
         left = statement.left
         if members is None:
-            value, facts = self.expressions.factor(statement.value, scope)
+            value, facts = self.factor(statement.value, scope)
             shown = replace(facts, bare=False)
             self.names.declare(Entry(left.name, "definition", shown, name_span(left)))
             return value, facts
@@ -163,15 +159,15 @@ class Definitions(Checks):
         if not members.intervals:  # The range or index has an error.
             entry.periodic = True
         self.indices.defining = (left.name, left.range) if scope.loops else None
-        value, facts = self.expressions.check(statement.value, scope)
+        value, facts = self.checked(statement.value, scope)
         self.indices.defining = None
         for lo, hi in members.intervals:
             if entry.members.touch(lo, hi):
-                self.report.error(
+                self.error(
                     f"{left.name}[{lo}] is defined already"
                     if lo == hi
                     else f"some of {left.name}[{lo}..{hi}] are defined already",
-                    left.span,
+                    left,
                 )
             entry.members.add(lo, hi)
         self._merge(entry, facts, statement)
@@ -185,10 +181,10 @@ class Definitions(Checks):
             entry.facts = facts
             return
         if None not in (before.dimension, facts.dimension) and before.dimension != facts.dimension:
-            self.report.error(
+            self.error(
                 f"unit mismatch: {entry.name} is {units.described(before.dimension)},"
                 f" this member is {units.described(facts.dimension)}",
-                statement.value.span,
+                statement.value,
             )
         dimension = facts.dimension if before.dimension is None else before.dimension
 

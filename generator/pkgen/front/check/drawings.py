@@ -78,7 +78,7 @@ class Drawings(Checks):
             target = self._lengths(f"a {word} is a length")
             return self._number(value, scope, f"a {word}", target)
         if what == shapes.TIME:
-            time = self.expressions.time_dimension
+            time = self.time_dimension
             return self._constant(value, scope, Target(time, f"'{word}' needs a time", bare=True))
         if what == shapes.COUNT:
             return self._constant(value, scope, Target(NONE, f"'{word}' needs a number"))
@@ -100,7 +100,7 @@ class Drawings(Checks):
 
     def view(self, statement: st.Draw) -> None:
         if self.parts["views"]:
-            self.report.error("a model has one 'view'; this is the second", statement.span)
+            self.error("a model has one 'view'; this is the second", statement)
             return
         if not self._fits(statement):
             return
@@ -110,7 +110,7 @@ class Drawings(Checks):
             named = subject.id if isinstance(subject, Name) and subject.index is None else ""
             if named not in shapes.PLANES:
                 message = f"there is no such plane: it is {' or '.join(shapes.PLANES)}"
-                self.report.error(message, subject.span, f"e.g. {shapes.SHAPES['plane'].form}")
+                self.error(message, subject, f"e.g. {shapes.SHAPES['plane'].form}")
                 return
             axes = shapes.PLANES[named]
         scope, target = Scope(PLACES["drawing"]), self._lengths("a width is a length")
@@ -123,113 +123,107 @@ class Drawings(Checks):
     def _fits(self, statement: st.Draw) -> bool:
         """Whether a drawing has the subject and clauses that its shape needs; reports errors."""
         name, shape = statement.shape, shapes.SHAPES[statement.shape]
-        before = len(self.report.errors)
+        before = self.report.count
         form = f"the form is: {shape.form}"
         if bool(statement.axis) != (shape.subject == shapes.AXIS):
             message = f"'{name}' takes {'AXIS = VALUE' if shape.subject == shapes.AXIS else 'no ='}"
-            self.report.error(message, statement.span, form)
+            self.error(message, statement, form)
         elif statement.axis and statement.axis not in AXES:
-            self.report.error(
-                f"there is no axis '{statement.axis}': it is x, y or z", statement.span, form
-            )
+            self.error(f"there is no axis '{statement.axis}': it is x, y or z", statement, form)
         if (statement.subject is None) and shape.subject and not shape.subject_optional:
-            self.report.error(f"'{name}' needs {_A[shape.subject]}", statement.shape_span, form)
+            self.error(f"'{name}' needs {_A[shape.subject]}", statement.shape_span, form)
         if statement.subject is not None and not shape.subject:
-            self.report.error(f"'{name}' takes its parts alone", statement.subject.span, form)
+            self.error(f"'{name}' takes its parts alone", statement.subject, form)
         seen: set[str] = set()
         for word, span, _ in statement.parts:
             if word not in shape.parts:
                 near = get_close_matches(word, shape.parts, 1, 0.6)
                 have = ", ".join(f"'{part}'" for part in shape.parts)
                 help = f"did you mean '{near[0]}'?" if near else f"it has {have}" if have else form
-                self.report.error(f"'{name}' has no part '{word}'", span, help)
+                self.error(f"'{name}' has no part '{word}'", span, help)
             elif word in seen:
-                self.report.error(f"'{word}' is given twice", span)
+                self.error(f"'{word}' is given twice", span)
             seen.add(word)
         missing = [p for p in shape.parts if p not in seen and p not in shape.optional]
-        if missing and len(self.report.errors) == before:
+        if missing and self.report.count == before:
             words = " and ".join(f"'{word}'" for word in missing)
-            self.report.error(f"'{name}' needs {words}", _end(statement.span), form)
+            self.error(f"'{name}' needs {words}", _end(statement.span), form)
         bodies = [(word, span) for word, span, _ in statement.parts if word in shapes.FORMS]
-        if name == "body" and len(bodies) != 1 and len(self.report.errors) == before:
-            self.report.error(
+        if name == "body" and len(bodies) != 1 and self.report.count == before:
+            self.error(
                 "a body is one of: " + ", ".join(shapes.FORMS),
                 bodies[1][1] if bodies else _end(statement.span),
                 form,
             )
         if statement.also is not None and name in ("ground", "plane", "space"):
-            self.report.error(f"'{name}' has no members", statement.also.span, form)
+            self.error(f"'{name}' has no members", statement.also, form)
         elif isinstance(statement.also, Expr) and name != "level":
-            self.report.error("behind the comma stands a range", statement.also.span, "i = 1..N")
+            self.error("behind the comma stands a range", statement.also, "i = 1..N")
         elif name == "level" and not isinstance(statement.also, Expr):
-            self.report.error("a level is over two coordinates", _end(statement.span), form)
-        return len(self.report.errors) == before
+            self.error("a level is over two coordinates", _end(statement.span), form)
+        return self.report.count == before
 
     # values of parts
 
     def _place(self, value: Expr, scope: Scope) -> tuple[Expr, ...]:
-        value = self.shared.origin(value)
-        before = len(self.report.errors)
+        value = self.origin(value)
+        before = self.report.count
         if self.length is None:
-            found, facts = self.expressions.check(value, scope)
+            found, facts = self.checked(value, scope)
         else:
             needs = f"a place is {described(self.length)} as the one in line {self.first} is"
-            found, facts = self.expressions.wanted_vector(value, scope, Target(self.length, needs))
-        if not facts.known or len(self.report.errors) > before:
+            found, facts = self.wanted_vector(value, scope, Target(self.length, needs))
+        if not facts.known or self.report.count > before:
             return ()
         if not facts.vector:
-            self.report.error(
-                "a place is a vector", value.span, "write [x, y, 0], or the name of one by 'let'"
-            )
+            self.error("a place is a vector", value, "write [x, y, 0], or the name of one by 'let'")
             return ()
         if self.length is None and facts.dimension is not None:
             self.length, self.first = facts.dimension, self.names.line_of(value.span)
-        self.shared.use_inputs(facts)
+        self.use_inputs(facts)
         return _components(found)
 
     def _lengths(self, needs: str = "it is a length") -> Target:
         """Returns the Target of a number that has the dimension of positions."""
         length = self.length
-        if length is None and self.expressions.time_dimension != NONE:
+        if length is None and self.time_dimension != NONE:
             length = LENGTH
         shown = "" if length in (None, NONE) else f" [{si_text(length)}]"
         return Target(length, f"{needs}{shown}", bare=True)
 
     def _number(self, value: Expr, scope: Scope, what: str, target: Target) -> tuple[Expr, ...]:
-        found, facts = self.expressions.wanted(self.shared.origin(value), scope, target)
-        self.shared.use_inputs(facts)
+        found, facts = self.wanted(self.origin(value), scope, target)
+        self.use_inputs(facts)
         if facts.known and facts.value is not None and facts.value < 0 and what != "a ground":
-            self.report.error(f"{what} is not negative", value.span)
+            self.error(f"{what} is not negative", value)
         return (found,) if facts.known else ()
 
     def _constant(self, value: Expr, scope: Scope, target: Target) -> tuple[Expr, ...]:
-        before = len(self.report.errors)
-        found, facts = self.expressions.wanted(value, scope, target)
-        if len(self.report.errors) > before:
+        before = self.report.count
+        found, facts = self.wanted(value, scope, target)
+        if self.report.count > before:
             return ()
         if facts.known and facts.value is None:
-            self.report.error("this is a number, not an expression", value.span)
+            self.error("this is a number, not an expression", value)
         elif facts.known and facts.value <= 0:
-            self.report.error("this is a number above 0", value.span)
+            self.error("this is a number above 0", value)
         return (found,) if facts.known else ()
 
     def _arrow(self, vector: Expr, scale: Expr, scope: Scope) -> tuple[Expr, ...]:
         """Returns the components of an arrow, multiplied by its scale."""
-        found, facts = self.expressions.check(vector, scope)
+        found, facts = self.checked(vector, scope)
         if facts.known and not facts.vector:
-            self.report.error(
-                "an arrow shows a vector", vector.span, "write [x, y, 0], or the name of one"
-            )
+            self.error("an arrow shows a vector", vector, "write [x, y, 0], or the name of one")
             return ()
         length = self.length if self.length is not None else self._lengths().dimension
         needed = None
         if None not in (length, facts.dimension):
             needed = over(length, facts.dimension)
         shown = "" if needed in (None, NONE) else f" [{si_text(needed)}]"
-        factor, of = self.expressions.wanted(
+        factor, of = self.wanted(
             scale, scope, Target(needed, f"'scale' needs a number{shown}", True)
         )
-        self.shared.use_inputs(facts)
+        self.use_inputs(facts)
         if not (facts.known and of.known):
             return ()
         return tuple(Multiply((factor, part), (1, 1), vector.span) for part in _components(found))
@@ -238,7 +232,7 @@ class Drawings(Checks):
         items = value.items if isinstance(value, Vector) else (value,)
         if len(items) != shapes.FORMS[form]:
             wanted = {2: "[radius, height]", 3: "[a, b, c]"}[shapes.FORMS[form]]
-            self.report.error(f"a {form} has the sizes {wanted}", value.span)
+            self.error(f"a {form} has the sizes {wanted}", value)
             return ()
         target = self._lengths("a size is a length")
         found = [self._number(item, scope, "a size", target) for item in items]
@@ -248,18 +242,17 @@ class Drawings(Checks):
         """Returns the 9 elements of a rotation matrix, column by column."""
         if value is None:
             return ()
-        _, facts = self.expressions.factor(value, scope)
+        _, facts = self.factor(value, scope)
         if not facts.known:
             return ()
         if not facts.turns:
-            self.report.error(
-                f"{self.expressions.mismatch.text(value)} is no rotation: a body is drawn as one"
-                " turns it",
-                value.span,
+            self.error(
+                f"{self.text(value)} is no rotation: a body is drawn as one turns it",
+                value,
                 "e.g. draw body rot([0, 0, 1], phi) at P box [a, b, c]; or leave it out",
             )
             return ()
-        self.shared.use_inputs(facts)
+        self.use_inputs(facts)
         columns = [applied(facts.turns, _unit(axis, value.span), value.span) for axis in range(3)]
         return tuple(component(column, axis) for column in columns for axis in range(len(AXES)))
 
@@ -270,25 +263,25 @@ class Drawings(Checks):
             entry = self.names.table.get(expr.id) if isinstance(expr, Name) else None
             if entry is None or entry.kind != "coordinate" or expr.index is not None:
                 message = "a level is drawn over coordinates"
-                self.report.error(message, expr.span, "e.g. draw level V in x, y")
+                self.error(message, expr, "e.g. draw level V in x, y")
             else:
                 entry.used = True
                 found.append(expr.id)
         return tuple(found) if len(found) == 2 else ()
 
     def _level(self, value: Expr, scope: Scope, axes: tuple[str, ...]) -> tuple[Expr, ...]:
-        found, facts = self.expressions.check(value, scope)
+        found, facts = self.checked(value, scope)
         if not facts.known or not axes:
             return ()
         if facts.vector:
-            self.report.error("a level is of a number", value.span, "take a component, or norm(a)")
+            self.error("a level is of a number", value, "take a component, or norm(a)")
             return ()
         for name in axes:
             if name not in facts.coordinates:
-                message = f"{self.expressions.mismatch.text(value)} does not depend on {name}"
+                message = f"{self.text(value)} does not depend on {name}"
                 help = "its contours would be straight lines: draw what changes with both"
-                self.report.error(message, value.span, help)
-        self.shared.use_inputs(facts)
+                self.error(message, value, help)
+        self.use_inputs(facts)
         return (found,)
 
 

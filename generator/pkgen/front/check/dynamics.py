@@ -27,31 +27,31 @@ class Dynamics(Checks):
         keyword = statement.keyword
         row = STATEMENTS[keyword]
         power = row.needs == "power"
-        dimension = self.expressions.power_dimension if power else self.expressions.energy_dimension
+        dimension = self.power_dimension if power else self.energy_dimension
         needs = f"{keyword} needs {'a power [W]' if power else 'an energy [J]'}"
         if dimension == NONE:
             needs = f"{keyword} needs a number"
-        value, facts = self.expressions.wanted(
+        value, facts = self.wanted(
             statement.value, Scope(PLACES["energy"]), Target(dimension, needs)
         )
         if facts.rough:
-            families = "; of many members give --unroll" if self.shared.sizes else ""
-            self.report.warn(
+            families = "; of many members give --unroll" if self.sizes else ""
+            self.warn(
                 f"{keyword} contains {facts.rough} of the motion, which has no derivative where"
                 " it bends or jumps",
-                statement.value.span,
+                statement.value,
                 f"the force jumps there, or the rates: steps of `pkgen run` end at it{families}",
             )
         if facts.state_rates:
             message = f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'"
             help = "rates follow from the energies: write what stands after 'rate' in its place"
-            self.report.error(message, self._rate_of_a_state(statement.value), help)
+            self.error(message, self._rate_of_a_state(statement.value), help)
         if keyword == "fast" and facts.rates:
             message = "fast names a part of the potential, and has a rate in it"
-            self.report.error(message, statement.value.span, "leave the terms with rates out of it")
+            self.error(message, statement.value, "leave the terms with rates out of it")
         if not power:
-            self.shared.energies.append(facts)
-        self.shared.use_inputs(facts)
+            self.energies.append(facts)
+        self.use_inputs(facts)
         self.parts[row.fills].append(value)
 
     def _rate_of_a_state(self, value: Expr) -> Span:
@@ -74,19 +74,19 @@ class Dynamics(Checks):
             entry.used = True
             self.parts["forces"] += self.rotations.force(statement)
             return
-        found = self.shared.wanted_of(left, statement.value, "a force", kinds, "force")
+        found = self.wanted_of(left, statement.value, "a force", kinds, "force")
         if found is None:
             return
         entry, scope = found
-        dimension = units.over(self.expressions.energy_dimension, entry.facts.dimension)
+        dimension = units.over(self.energy_dimension, entry.facts.dimension)
         needs = {
             units.ENERGY: "a torque [N*m]",
             units.FORCE: "a force [N]",
             NONE: "a number",
         }.get(dimension, f"[{si_text(dimension)}]")
         target = Target(dimension, f"the force along {left.name} needs {needs}")
-        value, facts = self.expressions.wanted(statement.value, scope, target)
-        self.shared.use_inputs(facts)
+        value, facts = self.wanted(statement.value, scope, target)
+        self.use_inputs(facts)
         self.parts["forces"].append(
             m.Force(left.name, left.index, left.range, value, statement.span)
         )
@@ -102,55 +102,53 @@ class Dynamics(Checks):
         Returns None after an error. `around` is the scope of a value that depends on the loop
         variable of a swarm."""
         left = item.left
-        entry = self.shared.named(left, "a start", self.shared.moving)
+        entry = self.named(left, "a start", self.moving)
         around = around or Scope(PLACES["start"])
         if item.function or (entry is not None and entry.kind == "rotation"):
             return self.rotations.start(item, entry, around)
-        scope = self.shared.member_scope(left, entry, around)
+        scope = self.member_scope(left, entry, around)
         if entry is None or scope is None:
-            self.expressions.check(item.value, scope or around)
+            self.checked(item.value, scope or around)
             return None
         if item.order and entry.kind == "state":
-            self.report.error(
+            self.error(
                 f"'{left.name}' is a state: its rate is not started, 'rate {left.name}' gives it",
-                item.span,
+                item,
                 f"start {left.name} = …",
             )
             return None
         if item.order > 1:
-            self.report.error(
-                f"a start gives {left.name} and {left.name}', not its acceleration", item.span
-            )
+            self.error(f"a start gives {left.name} and {left.name}', not its acceleration", item)
             return None
         dimension = entry.facts.dimension
         if item.order and dimension is not None:
-            dimension = units.over(dimension, self.expressions.time_dimension)
+            dimension = units.over(dimension, self.time_dimension)
         target = as_is(left.name + "'" * item.order, dimension)
-        value, _ = self.expressions.wanted(item.value, scope, target)
+        value, _ = self.wanted(item.value, scope, target)
         return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
 
     def event(self, statement: st.Event) -> None:
-        value, facts = self.expressions.check(statement.value, Scope(PLACES["event"]))
+        value, facts = self.checked(statement.value, Scope(PLACES["event"]))
         at = statement.value.span
         if facts.vector:
             message = f"the event '{statement.name}' is a vector; it must be a number"
-            self.report.error(message, at, "take a component (.x, .y, .z), dot(a, b) or norm(a)")
+            self.error(message, at, "take a component (.x, .y, .z), dot(a, b) or norm(a)")
         elif facts.known and not facts.moves:
-            self.report.error(
+            self.error(
                 f"the event '{statement.name}' never happens: nothing in it moves",
                 at,
                 "it is where an expression of the motion crosses zero, e.g. y - h falling",
             )
         elif (step := _step_of(statement.value)) is not None:
-            self.report.error(
+            self.error(
                 f"the event '{statement.name}' does not cross zero: a step is 0 on one whole side",
-                step.span,
+                step,
                 "write what is in the step, which crosses zero where it jumps; or step(...) - 1/2",
             )
-        self.shared.use_inputs(facts)
+        self.use_inputs(facts)
         self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
         how = _DIRECTIONS[statement.direction], statement.stop
-        unit = self.shared.shown_unit(statement.value, facts)
+        unit = self.shown_unit(statement.value, facts)
         shown = unit, statement.description, statement.span
         self.parts["events"].append(m.Event(statement.name, value, *how, *shown, statement.limit))
 

@@ -24,9 +24,9 @@ class Expects(Checks):
 
     def check(self, clause: st.Expect) -> tuple[m.Expect, ...]:
         """Returns one Expect, for vectors one for each component; () after an error."""
-        before = len(self.report.errors)
+        before = self.report.count
         scope = Scope(PLACES["expect"])
-        (a, of_a), (b, of_b) = (self.expressions.check(e, scope) for e in (clause.a, clause.b))
+        (a, of_a), (b, of_b) = (self.checked(e, scope) for e in (clause.a, clause.b))
         known = of_a.known and of_b.known
         if known and not self._comparable(clause, bool(of_a.vector), bool(of_b.vector)):
             return ()
@@ -35,9 +35,9 @@ class Expects(Checks):
             dimension = self._dimension(clause, of_a, of_b)
         tolerance = self._within(clause, dimension)
         at, event = self._when(clause.at)
-        if known and len(self.report.errors) == before:
+        if known and self.report.count == before:
             self._meaning(clause, of_a.moves or of_b.moves, (a, b))
-        if len(self.report.errors) > before or not known:
+        if self.report.count > before or not known:
             return ()
         found = m.Expect(a, clause.relation, b, tolerance, at, event, clause.span)
         if not of_a.vector:
@@ -50,14 +50,14 @@ class Expects(Checks):
     def _comparable(self, clause: st.Expect, a: bool, b: bool) -> bool:
         expr = clause.a if a else clause.b
         if a != b:
-            self.report.error(
-                f"{self.expressions.mismatch.text(expr)} is a vector; the other side is a number",
-                expr.span,
+            self.error(
+                f"{self.text(expr)} is a vector; the other side is a number",
+                expr,
                 "take a component (.x, .y, .z) or norm(v)",
             )
         elif a and clause.relation != "=":
-            message = f"{self.expressions.mismatch.text(expr)} is a vector: none is above another"
-            self.report.error(message, expr.span, "take a component (.x, .y, .z) or norm(v)")
+            message = f"{self.text(expr)} is a vector: none is above another"
+            self.error(message, expr, "take a component (.x, .y, .z) or norm(v)")
         return a == b and (not a or clause.relation == "=")
 
     def _dimension(self, clause: st.Expect, a: Facts, b: Facts) -> Dimension:
@@ -66,29 +66,27 @@ class Expects(Checks):
             if bare.bare and bare.dimension in (None, NONE) and other.dimension is not None:
                 return other.dimension
         sides = (clause.a, clause.b)
-        shared = self.expressions.mismatch.common(sides, [a, b], "'expect'", numbers=True)
+        shared = self.common(sides, [a, b], "'expect'", numbers=True)
         return NONE if shared is None else shared
 
     def _within(self, clause: st.Expect, dimension: Dimension | None) -> Expr | None:
         if clause.within is None:
             if clause.relation == "=":
-                self.report.error(
+                self.error(
                     "'=' without 'within': numbers of a run are never exactly equal",
-                    clause.span,
+                    clause,
                     "say how far it may be off: expect A = B within 1e-6",
                 )
             return None
         if clause.relation != "=":
             message = f"'within' goes with '=': '{clause.relation}' is met or not"
-            self.report.error(message, clause.within.span)
+            self.error(message, clause.within)
             return None
         if dimension is None:
             return None
         value, facts = self.settings.setting("within", clause.within, dimension)
         if facts.value is not None and facts.value < 0:
-            self.report.error(
-                "'within' is how far off it may be: it cannot be negative", clause.within.span
-            )
+            self.error("'within' is how far off it may be: it cannot be negative", clause.within)
         return value
 
     def _when(self, at: Expr | None) -> tuple[Expr | None, str]:
@@ -105,22 +103,20 @@ class Expects(Checks):
         of_run = [x for side in sides for x in within(side) if _of_run(x)]
         if not of_run and not moves:
             message = "nothing in it moves: it holds or fails without a run"
-            self.report.error(message, clause.span, "e.g. expect x = 1 within 1e-6 at 2")
+            self.error(message, clause, "e.g. expect x = 1 within 1e-6 at 2")
         elif of_run and moves:
             self._both(of_run[0])
         elif of_run and clause.at is not None:
-            self.report.error(
-                f"{of_run[0].function}(…) is of the whole run: it has no 'at'", clause.at.span
-            )
+            self.error(f"{of_run[0].function}(…) is of the whole run: it has no 'at'", clause.at)
 
     def _both(self, call: Call) -> None:
         message = f"{call.function}(…) is of the whole run: it is not compared with what moves"
-        self.report.error(message, call.span, "beside it stand numbers and parameters")
+        self.error(message, call, "beside it stand numbers and parameters")
 
     def without_until(self, expects: list[m.Expect]) -> None:
         if expects:
             message = "an expectation needs to know how long the scene runs"
-            self.report.error(message, expects[0].span, "add to the scene: until 10")
+            self.error(message, expects[0], "add to the scene: until 10")
 
 
 def calls(item: m.Expect, function: str) -> list[Call]:

@@ -39,18 +39,14 @@ class Target:
 class Expressions(Operators, Calls, Quantities):
     """Checks expressions. The method for a class of `tree.Expr` has its name in lower case."""
 
-    def __init__(self, *given, lagrangian: bool) -> None:
-        super().__init__(*given)
-        self.lagrangian = lagrangian
-
     # entry points
 
     def check(self, expr: Expr, scope: Scope) -> Checked:
         new, facts = self.factor(expr, scope)
         if not facts.turns:
             return new, facts
-        message = f"{self.mismatch.text(expr)} is a rotation, which turns a vector"
-        self.report.error(message, expr.span, f"e.g. {EXAMPLE}")
+        message = f"{self.text(expr)} is a rotation, which turns a vector"
+        self.error(message, expr, f"e.g. {EXAMPLE}")
         return expr, UNKNOWN
 
     def factor(self, expr: Expr, scope: Scope) -> Checked:
@@ -60,7 +56,7 @@ class Expressions(Operators, Calls, Quantities):
             return getattr(self, type(expr).__name__.lower())(expr, scope)
         except Wrong as wrong:
             if wrong.message:
-                self.report.error(wrong.message, wrong.span or expr.span, wrong.help)
+                self.error(wrong.message, wrong.at or expr, wrong.help)
             return expr, UNKNOWN
 
     def wanted_vector(self, expr: Expr, scope: Scope, target: Target) -> Checked:
@@ -71,12 +67,12 @@ class Expressions(Operators, Calls, Quantities):
             return Vector(tuple(e for e, _ in parts), expr.span), facts
         new, facts = self.check(expr, scope)
         if facts.vector is False and facts.known:
-            message = f"{self.mismatch.text(expr)} is a number, {target.needs}"
-            self.report.error(message, expr.span, "write the vector [x, y, z]")
+            message = f"{self.text(expr)} is a number, {target.needs}"
+            self.error(message, expr, "write the vector [x, y, z]")
         elif None not in (facts.dimension, target.dimension) and facts.dimension != (
             target.dimension
         ):
-            self.mismatch.against(expr, facts, target.dimension, target.needs, target.bare)
+            self.against(expr, facts, target.dimension, target.needs, target.bare)
         return new, facts
 
     def wanted(self, expr: Expr, scope: Scope, target: Target) -> Checked:
@@ -99,13 +95,13 @@ class Expressions(Operators, Calls, Quantities):
 
     def _against(self, expr: Expr, facts: Facts, target: Target, numbers: bool) -> None:
         if facts.vector:
-            message = f"{self.mismatch.text(expr)} is a vector, {target.needs}"
+            message = f"{self.text(expr)} is a vector, {target.needs}"
             help = "take a component (.x, .y, .z), dot(a, b) or norm(a)"
-            self.report.error(message, expr.span, help)
+            self.error(message, expr, help)
         elif target.dimension is None or facts.dimension in (None, target.dimension):
             return
         elif not (target.bare and facts.bare and facts.dimension == NONE):
-            self.mismatch.against(expr, facts, target.dimension, target.needs, numbers)
+            self.against(expr, facts, target.dimension, target.needs, numbers)
 
     # leaves
 
@@ -203,7 +199,7 @@ class Expressions(Operators, Calls, Quantities):
     def _once(self, name: str, message: str, span: Span, help: str = "") -> None:
         if name not in self.names.reported:
             self.names.reported.add(name)
-            self.report.error(message, span, help)
+            self.error(message, span, help)
 
     def _forbidden(self, expr: Name, entry: Entry, place: Place) -> Wrong:
         if entry.kind == "output":
@@ -215,7 +211,7 @@ class Expressions(Operators, Calls, Quantities):
         elif entry.kind == "multiplier":
             help = "it follows from the motion, and can be used in outputs and events"
         elif entry.kind == "body":
-            name = self.mismatch.text(expr)
+            name = self.text(expr)
             help = f"its places are {name}.com, {name}.origin, {name}.point([x, y, z])"
         elif entry.kind == "constraint":
             help = f"its multiplier is lambda_{expr.id}, in outputs and events"

@@ -48,13 +48,13 @@ class Given(Checks):
 
     def _swarm_fits(self, swarm: Range, lo: int, hi: int) -> bool:
         if lo > hi:
-            self.report.error(
-                f"an empty swarm: {lo}..{hi}", swarm.span, "the lower end comes first: k = 1..1000"
+            self.error(
+                f"an empty swarm: {lo}..{hi}", swarm, "the lower end comes first: k = 1..1000"
             )
         elif hi - lo + 1 > limits.SWARM:
             message = f"a swarm of {hi - lo + 1:,} members; the limit is {limits.SWARM:,}"
             help = "their starts are all in memory: run it in several parts"
-            self.report.error(message, swarm.span, help)
+            self.error(message, swarm, help)
         return 0 < hi - lo + 1 <= limits.SWARM
 
     def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
@@ -64,10 +64,10 @@ class Given(Checks):
             return False
         wrong = [e for e in expressions if e is not None and self.members.variable in names(e)]
         for expr in wrong:
-            self.report.error(
+            self.error(
                 f"'{self.members.variable}' counts the members of the swarm: only starts differ"
                 " from one to the next",
-                expr.span,
+                expr,
                 help or "parameters that do are columns of a file: --ensemble FILE.csv",
             )
         return bool(wrong)
@@ -85,7 +85,7 @@ class Given(Checks):
                 self.wrong_start = True
                 continue
             self.starts += checked
-            taken = self.shared.members_of(left)
+            taken = self.members_of(left)
             if taken is None:
                 continue
             what = f"omega({left.name})" if item.function else left.name + "'" * item.order
@@ -110,25 +110,25 @@ class Given(Checks):
         entry = self.assigned(left, kinds, f"'hold' is for {nouns}", missing)
         if entry is None or entry.kind == "poisoned":
             return None
-        scope = self.shared.member_scope(left, entry, Scope(PLACES["held"]))
+        scope = self.member_scope(left, entry, Scope(PLACES["held"]))
         if scope is None:
             return None
-        taken = self.shared.members_of(left)
+        taken = self.members_of(left)
         if taken is not None:
             if self._touches(self.held, left.name, taken):
-                self.report.error(f"'{left.name}' is held already", left.span)
+                self.error(f"'{left.name}' is held already", left)
             elif self._touches(self.started, left.name, taken):
                 self._held_and_started(name_span(left), left.name)
             self.held.setdefault(left.name, Members()).add(*taken)
         new = None
         if value is not None:
             target = as_is(left.name, entry.facts.dimension)
-            new, _ = self.expressions.wanted(value, scope, target)
+            new, _ = self.wanted(value, scope, target)
         return m.Hold(left.name, left.index, left.range, new, left.span)
 
     def _held_and_started(self, span: Span, name: str) -> None:
         message = f"'{name}' is held and started: what is held has no start of its own"
-        self.report.error(message, span, f"say where it is held: hold {name} = …")
+        self.error(message, span, f"say where it is held: hold {name} = …")
 
     def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
         """Reports a value that a scene sets twice. A value of one member is allowed after a value
@@ -136,7 +136,7 @@ class Given(Checks):
         given, (lo, hi) = self.given.setdefault(name, set()), members
         if members in given or (lo < hi and any(lo <= a and b <= hi for a, b in given)):
             shown = f"a member of '{name}'" if lo < hi else f"'{name}'"
-            self.report.error(f"{shown} is {what} already", span, "leave one of them out")
+            self.error(f"{shown} is {what} already", span, "leave one of them out")
         given.add(members)
 
     @staticmethod
@@ -157,12 +157,12 @@ class Given(Checks):
         if entry is None or entry.kind == "poisoned":
             return None
         place = PLACES["setting" if entry.kind == "parameter" else "driving"]
-        scope = self.shared.member_scope(left, entry, Scope(place))
+        scope = self.member_scope(left, entry, Scope(place))
         if scope is None:
             return None
         target = as_is(left.name, entry.facts.dimension)
-        new, facts = self.expressions.wanted(value, scope, target)
-        taken = self.shared.members_of(left)
+        new, facts = self.wanted(value, scope, target)
+        taken = self.members_of(left)
         if taken is not None:
             self._once(left.name, "set", taken, left.span)
         return m.Assignment(left.name, left.index, left.range, new, facts.time, left.span)
@@ -180,7 +180,7 @@ class Given(Checks):
             help = f"{KIND_TEXT[entry.kind]} is started or held" if moves else ""
             if entry.kind == "parameter":
                 help = f"a parameter is set: set {left.name} = …"
-            self.report.error(
+            self.error(
                 f"{message}; '{left.name}' is {KIND_TEXT[entry.kind]}", name_span(left), help
             )
             return None
@@ -192,14 +192,14 @@ class Given(Checks):
         if self.around is not None and not self.wrong_start:
             variable = self.members.variable
             if not any(variable in names(item.value) for item in self.starts):
-                self.report.error(
+                self.error(
                     f"no start uses '{variable}': all members of the swarm would be the same",
-                    self.members.span,
+                    self.members,
                     f"e.g. start {self._some()} = {variable}/10",
                 )
         if self.holds and self._holds_all():
             message = f"every {self._what_moves()} is held: nothing is left to move"
-            self.report.error(message, self.holds[-1].span, "leave out one 'hold'")
+            self.error(message, self.holds[-1], "leave out one 'hold'")
 
     def _some(self) -> str:
         return next(iter(sorted(self.names.coordinates) or sorted(self.names.states)), "x")
@@ -212,7 +212,7 @@ class Given(Checks):
         if self.names.rotations:  # `hold` does not accept rotations.
             return False
         for coordinate in (*self.parts["coordinates"], *self.parts["states"]):
-            whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)
+            whole = (0, 0) if coordinate.range is None else self.range_of(coordinate.name)
             held = self.held.get(coordinate.name)
             if held is None or not held.hold(*whole):
                 return False

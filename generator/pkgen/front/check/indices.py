@@ -15,16 +15,16 @@ from math import prod
 
 from ... import limits
 from ...indices import NotAnInteger, assignments, indexed, integer
-from ...source import Source, Span
+from ...source import Span
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum, names, within
 from ..words import CONSTANTS
-from .names import MOVING, Entry, Names, Report
+from .names import MOVING, Entry, Reporting
 from .scope import PLACES, Interval, Loop, Scope
 
 
-class Indices:
-    def __init__(self, source: Source, report: Report, names: Names, sizes: dict[str, int]) -> None:
-        self.source, self.report, self.names, self.sizes = source, report, names, sizes
+class Indices(Reporting):
+    def __init__(self, *given) -> None:
+        super().__init__(*given)
         self.waiting: list[tuple[Name, Entry, Scope]] = []
         self.defining: tuple[str, Range] | None = None  # The `let` family being defined.
 
@@ -39,7 +39,7 @@ class Indices:
             message = error.message
             if scope.place is PLACES["size"]:
                 message = message.replace("an index", "a size")
-            self.report.error(message, error.span, help)
+            self.error(message, error, help)
             return False
         return True
 
@@ -102,19 +102,19 @@ class Indices:
                 points=scope.points * length,
             )
             if scope.points > limits.FAMILY:
-                self.report.error(f"more than {limits.FAMILY:,} terms in nested sums", item.span)
+                self.error(f"more than {limits.FAMILY:,} terms in nested sums", item)
                 return None
         return scope
 
     def _loop(self, item: Range, scope: Scope) -> Loop | None:
         variable = Span(item.span.start, item.span.start + 1)
         if item.variable in scope.variables:
-            self.report.error(f"'{item.variable}' is a loop variable already", variable)
+            self.error(f"'{item.variable}' is a loop variable already", variable)
             return None
         entry = self.names.table.get(item.variable)
         if (entry is not None and entry.kind != "poisoned") or item.variable in CONSTANTS:
             message = f"the loop variable '{item.variable}' has another meaning in this model"
-            self.report.error(message, variable, "choose another letter")
+            self.error(message, variable, "choose another letter")
             return None
         if not (self.valid(item.lo, scope) & self.valid(item.hi, scope)):
             return None
@@ -122,9 +122,7 @@ class Indices:
         loop = Loop(item, (bound(item.lo, known)[0], bound(item.hi, known)[1]))
         length = loop.interval[1] - loop.interval[0] + 1
         if length > limits.FAMILY:
-            self.report.error(
-                f"a range of {length:,} values; the limit is {limits.FAMILY:,}", item.span
-            )
+            self.error(f"a range of {length:,} values; the limit is {limits.FAMILY:,}", item)
             return None
         return loop
 
@@ -134,10 +132,10 @@ class Indices:
             return None
         first, last = integer(lo, self.sizes), integer(hi, self.sizes)
         if first > last:
-            self.report.error(f"an empty family: {first}..{last}", span)
+            self.error(f"an empty family: {first}..{last}", span)
             return None
         if last - first + 1 > limits.FAMILY:
-            self.report.error(
+            self.error(
                 f"a family of {last - first + 1:,} members; the limit is {limits.FAMILY:,}", span
             )
             return None
@@ -154,7 +152,7 @@ class Indices:
             return entry.members is None
         if entry.members is None:
             help = f"a unit stands after a space: {expr.id} […]; a product is written with *"
-            self.report.error(f"'{expr.id}' is not a family: it takes no index", expr.span, help)
+            self.error(f"'{expr.id}' is not a family: it takes no index", expr, help)
             return False
         if not self.valid(expr.index, scope):
             return False
@@ -178,7 +176,7 @@ class Indices:
         else:
             text = indexed(expr.id, first), indexed(expr.id, "i")
             help = f"e.g. {text[0]}, or {text[1]} in a sum over i"
-        self.report.error(f"'{expr.id}' is a family: it needs an index", expr.span, help)
+        self.error(f"'{expr.id}' is a family: it needs an index", expr, help)
 
     @staticmethod
     def is_family_left(scope: Scope) -> bool:
@@ -227,9 +225,7 @@ class Indices:
         else:
             help = "shorten the range" if at else ""
         verb = "is not defined yet" if recursive else "is outside the family"
-        self.report.error(
-            f"{member} {verb}: there is {there or 'none'}{at_text(at)}", expr.span, help
-        )
+        self.error(f"{member} {verb}: there is {there or 'none'}{at_text(at)}", expr, help)
 
     def exponent(self, expr: Expr, scope: Scope) -> None:
         """Reports an exponent that contains loop variables and exceeds the limit."""
@@ -242,9 +238,7 @@ class Indices:
             for values in points(self.sizes, scope.loops):
                 if abs(integer(expr, values)) > limits.EXPONENT:
                     at = {x.range.variable: values[x.range.variable] for x in scope.loops}
-                    self.report.error(
-                        f"an exponent beyond {limits.EXPONENT}{at_text(at)}", expr.span
-                    )
+                    self.error(f"an exponent beyond {limits.EXPONENT}{at_text(at)}", expr)
                     return
 
 

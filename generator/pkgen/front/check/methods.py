@@ -6,30 +6,26 @@ from pathlib import Path
 
 from ...methods import METHODS
 from ...own.made import of_text
-from ...source import ModelError, Source
+from ...source import ModelError
 from .. import statements as st
 from ..read import ALLOW, UnreadableModel, inside, read, refusal, unquoted
 from ..words import reserved
-from .shared import Checks, Shared
+from .shared import Checks
 
 LONGEST = 40
 _FORM = "e.g. method mine tableau mine.tab"
 
 
 class Methods(Checks):
-    def __init__(self, shared: Shared, source: Source) -> None:
-        super().__init__(shared)
-        self.source = source
-
     def declare(self, statement: st.Method) -> None:
         """Checks a `method` statement outside of scenes: it adds a method, but selects none."""
         for value, word in ((statement.step, "step"), (statement.rtol, "rtol")):
             if value is not None:
                 message = f"'{word}' is of a scene that the method is used in"
-                self.report.error(message, value.span, f"in it: method {statement.name} {word} …")
+                self.error(message, value, f"in it: method {statement.name} {word} …")
         if statement.file is None:
             message = f"'method {statement.name}' outside of a scene does not say what it is"
-            self.report.error(message, statement.span, _FORM)
+            self.error(message, statement, _FORM)
         else:
             self.bring(statement)
 
@@ -43,28 +39,28 @@ class Methods(Checks):
         elif not name.isascii() or len(name) > LONGEST:
             why, help = f"is not a plain name of {LONGEST} letters at most", "shorten it"
         if why:
-            self.report.error(f"'{name}' {why}", statement.name_span, help)
+            self.error(f"'{name}' {why}", statement.name_span, help)
             return
         folder = Path(self.source.path).parent
         path = folder / statement.file
         if wrong := refusal(statement.file, path, folder):
-            self.report.error(wrong, statement.file_span, ALLOW)
+            self.error(wrong, statement.file_span, ALLOW)
             return
         try:
             own = of_text(name, read(path, "a tableau file"))
         except UnreadableModel as wrong:
             (found,) = wrong.diagnostics
-            self.report.error(f"{path}: {found.message}", statement.file_span, found.help)
+            self.error(f"{path}: {found.message}", statement.file_span, found.help)
             return
         except ModelError as wrong:
             if inside(path, folder):
                 raise
             message, help = unquoted(path, wrong)
-            self.report.error(message, statement.file_span, help)
+            self.error(message, statement.file_span, help)
             return
         same = [other for other in self.parts["methods"] if other.name == name]
         if not same:
             self.parts["methods"].append(own)
         elif same != [own]:
             message = f"there is another method '{name}' already"
-            self.report.error(message, statement.name_span, "give one of them another name")
+            self.error(message, statement.name_span, "give one of them another name")

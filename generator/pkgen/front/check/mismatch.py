@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from ...source import Source
 from ...tree import Add, Expr, Name, Quantity, within
 from .. import units
 from ..units import NONE, Dimension, described, si_text
-from .names import Entry, Facts, Names, Report
+from .names import Entry, Facts, Reporting
 
 _LONGEST = 40
 _NUMBERS = ("parameter", "constant")
@@ -16,10 +15,7 @@ _FACTORS = (*_NUMBERS, "coordinate", "state", "definition")
 _HEIGHTS = ("y", "z", "h", "x")
 
 
-class Mismatch:
-    def __init__(self, source: Source, report: Report, names: Names) -> None:
-        self.source, self.report, self.names = source, report, names
-
+class Mismatch(Reporting):
     def text(self, expr: Expr) -> str:
         """Returns the expression as written, shortened if it is long."""
         text = " ".join(self.source.text[expr.span.start : expr.span.end].split())
@@ -32,7 +28,7 @@ class Mismatch:
         means that the value cannot depend on the motion, so that hints suggest no coordinates or
         rates."""
         message = f"unit mismatch: {self.text(expr)} is {described(facts.dimension)}, {needs}"
-        self.report.error(message, expr.span, self._hint(expr, facts, needed, needs, numbers))
+        self.error(message, expr, self._hint(expr, facts, needed, needs, numbers))
 
     def common(
         self,
@@ -53,27 +49,27 @@ class Mismatch:
         reference = next(p for p, f in zip(parts, facts, strict=True) if f.dimension == shared)
         for part, fact in zip(parts, facts, strict=True):
             if fact.dimension not in (None, shared):
-                self.report.error(
+                self.error(
                     f"unit mismatch in {where}: {self.text(part)} is {described(fact.dimension)},"
                     f" {self.text(reference)} is {described(shared)}",
-                    part.span,
+                    part,
                     self._hint(part, fact, shared, "", numbers, within=True),
                 )
         return shared
 
-    def argument(self, function: str, expr: Expr, facts: Facts) -> None:
-        self.report.error(
+    def not_pure(self, function: str, expr: Expr, facts: Facts) -> None:
+        self.error(
             f"unit mismatch: {function} needs a pure number,"
             f" {self.text(expr)} is {described(facts.dimension)}",
-            expr.span,
+            expr,
             self._hint(expr, facts, NONE, "", False),
         )
 
-    def unit(self, expr: Quantity, facts: Facts, declared: Dimension) -> None:
-        self.report.error(
+    def other_unit(self, expr: Quantity, facts: Facts, declared: Dimension) -> None:
+        self.error(
             f"unit mismatch: {self.text(expr.of)} is {described(facts.dimension)},"
             f" [{expr.unit}] says {described(declared)}",
-            expr.span,
+            expr,
             self._hint(expr.of, facts, declared, "", False),
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from fractions import Fraction
@@ -13,7 +13,7 @@ from ... import limits
 from ...functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ...indices import indexed
 from ...record import record
-from ...source import Diagnostic, Span
+from ...source import Diagnostic, Source, Span
 from ...tree import Expr
 from .. import foreign
 from ..units import Dimension
@@ -178,45 +178,56 @@ KIND_TEXT = {
 MOVING = ("coordinate", "state", "rotation")
 
 
+# A position, or a part of the text that has one in its attribute `span`.
+Place = object
+
+
 class Wrong(Exception):
-    """An error in the current expression, or in its part at `span`. An empty message means that the
+    """An error in the current expression, or in its part `at`. An empty message means that the
     error has been reported. The expression's facts become UNKNOWN."""
 
-    def __init__(self, message: str = "", help: str = "", span: Span | None = None) -> None:
-        self.message, self.help, self.span = message, help, span
+    def __init__(self, message: str = "", help: str = "", at: Place | None = None) -> None:
+        self.message, self.help, self.at = message, help, at
 
 
 class Report:
-    """Collects errors and warnings."""
+    """Collects errors and warnings, each at a position or at a part of the text that has one."""
 
     def __init__(self) -> None:
         self.errors: list[Diagnostic] = []
         self.warnings: list[Diagnostic] = []
 
-    def error(self, message: str, span: Span, help: str = "") -> None:
-        self.errors.append(Diagnostic(message, span, help))
+    def error(self, message: str, at: Place, help: str = "") -> None:
+        self.errors.append(Diagnostic(message, getattr(at, "span", at), help))
+
+    @property
+    def count(self) -> int:
+        return len(self.errors)
 
     @property
     def full(self) -> bool:
         """Whether there are more errors than will be shown. No hint is then computed for a further
         error."""
-        return len(self.errors) > limits.DIAGNOSTICS
+        return self.count > limits.DIAGNOSTICS
 
-    def warn(self, message: str, span: Span, help: str = "") -> None:
-        self.warnings.append(Diagnostic(message, span, help, "warning"))
+    def warn(self, message: str, at: Place, help: str = "") -> None:
+        self.warnings.append(Diagnostic(message, getattr(at, "span", at), help, "warning"))
 
 
 class Names:
     """The table of a model's names, filled in the order of the file."""
 
-    def __init__(self, report: Report, line_of, later: dict[str, Span], poisoned: Iterable[str]):
-        self.report = report
+    def __init__(self, report: Report, line_of, declared: Collection[tuple[str, Span, str]] = ()):
+        """`declared` has all names that the file declares, with position and keyword."""
+        self.report, self.error = report, report.error
         self.line_of = line_of  # A function: source position -> line number.
-        self.later = later  # All names that the file declares -> source positions.
+        self.later = {name: span for name, span, _ in declared}
+        self.coordinates, self.states, self.rotations = (
+            frozenset(name for name, _, word in declared if word == keyword)
+            for keyword in ("coord", "state", "rotation")
+        )
         self.table: dict[str, Entry] = {}
         self.reported: set[str] = set()
-        for name in poisoned:
-            self.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
 
     def declare(self, entry: Entry) -> bool:
         """Adds a name to the table; reports a name that is taken, reserved or misleading. Returns
@@ -225,23 +236,19 @@ class Names:
         why = reserved(name)
         before = self.table.get(name)
         if why:
-            self.report.error(f"'{name}' {why} and cannot be a name", span, "choose another name")
+            self.error(f"'{name}' {why} and cannot be a name", span, "choose another name")
         elif before is not None and before.kind != "poisoned":
             at = f"{KIND_TEXT[before.kind]} in line {self.line_of(before.span)}"
-            self.report.error(f"'{name}' is declared already: {at}", span, "choose another name")
+            self.error(f"'{name}' is declared already: {at}", span, "choose another name")
             return False
         elif name.startswith("p_") and name[2:] in self.moving:
             what = "coordinate" if name[2:] in self.coordinates else "rotation"
             of = f"the momentum of the {what} '{name[2:]}'"
             message = f"'{name}' is {of}; it needs no declaration"
-            self.report.error(message, span, "choose another name")
+            self.error(message, span, "choose another name")
         self.table[name] = entry
         return not why
 
-    # Names of these kinds in the whole file, known before the statements are checked.
-    coordinates: frozenset[str] = NOTHING
-    states: frozenset[str] = NOTHING
-    rotations: frozenset[str] = NOTHING
     loose: frozenset[str] = NOTHING  # Bodies not connected to the ground.
 
     @property
@@ -274,13 +281,13 @@ class Names:
                 message = f"'{name}' is used in its own definition"
             else:
                 message = f"'{name}' is used before its definition in line {line}"
-            self.report.error(message, span, "a name is defined above its first use")
+            self.error(message, span, "a name is defined above its first use")
         else:
             what = "function" if called else "name"
             message = f"unknown {what} '{name}'"
             if called and name in self.table:
                 message = f"'{name}' is {KIND_TEXT[self.table[name].kind]}, not a function"
-            self.report.error(message, span, help or self._hint(name, called, missing, built_in))
+            self.error(message, span, help or self._hint(name, called, missing, built_in))
 
     def _hint(self, name: str, called: bool, missing: str, built_in: bool) -> str:
         if self.report.full:
@@ -331,3 +338,11 @@ class Names:
             if name[:i] in self.table and name[i:] in self.table:
                 return f"{name[:i]}*{name[i:]}"
         return ""
+
+
+class Reporting:
+    """Base class of what checks expressions and reports errors in them."""
+
+    def __init__(self, source: Source, report: Report, names: Names, sizes: dict[str, int]) -> None:
+        self.source, self.report, self.names, self.sizes = source, report, names, sizes
+        self.error, self.warn = report.error, report.warn

@@ -19,12 +19,12 @@ from .vectors import component, turned, turns_of
 class Operators(Checking):
     def prime(self, expr: Prime, scope: Scope) -> Checked:
         of, facts = self.check(expr.of, scope)
-        text = self.mismatch.text(expr)
+        text = self.text(expr)
         if not scope.place.derivatives:
             help = f"it may use {scope.place.may_use}"
             raise Wrong(f"{scope.place.what} cannot use a derivative", help)
         if facts.bare and facts.known:
-            raise Wrong(f"{text}: {self.mismatch.text(expr.of)} is a number and has no rate")
+            raise Wrong(f"{text}: {self.text(expr.of)} is a number and has no rate")
         if facts.accelerations:
             raise Wrong(f"{text} is the rate of an acceleration: outputs use accelerations")
         solved = scope.place.accelerations
@@ -60,18 +60,18 @@ class Operators(Checking):
         if facts.turns:
             return self._of_rotation(expr, facts)
         if facts.vector is False:
-            raise Wrong(f"{self.mismatch.text(expr.of)} is a number: it has no components")
+            raise Wrong(f"{self.text(expr.of)} is a number: it has no components")
         if expr.axis >= len(AXES) and facts.known:
-            raise Wrong(f"{self.mismatch.text(expr.of)} is a vector: it has .x, .y and .z")
+            raise Wrong(f"{self.text(expr.of)} is a vector: it has .x, .y and .z")
         return component(of, expr.axis), replace(facts, vector=False, value=None)
 
     def _of_rotation(self, expr: Component, facts: Facts) -> Checked:
         """Checks R.w, R.x, R.y, R.z, the components of a declared rotation's quaternion."""
         turn, *more = facts.turns
         if more or not turn.name:
-            message = f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector"
+            message = f"{self.text(expr.of)} is a rotation, which turns a vector"
             help = "of a declared one R there is the quaternion R.w, R.x, R.y, R.z"
-            raise Wrong(message, help, expr.of.span)
+            raise Wrong(message, help, expr.of)
         new = Name(f"{turn.name}.{COMPONENTS[expr.axis]}", turn.index, expr.span)
         return new, replace(facts, vector=False, turns=(), united=True)
 
@@ -85,7 +85,7 @@ class Operators(Checking):
     def add(self, expr: Add, scope: Scope) -> Checked:
         terms = self.terms(expr)
         parts = [self.check(term, scope) for term in terms]
-        dimension = self.mismatch.common(terms, [f for _, f in parts])
+        dimension = self.common(terms, [f for _, f in parts])
         return self.summed(expr, parts, dimension)
 
     def summed(self, expr: Add, parts: list[Checked], dimension: Dimension | None) -> Checked:
@@ -101,8 +101,8 @@ class Operators(Checking):
             return first
         odd = next(t for t, f in zip(expr.terms, facts, strict=True) if f.vector is (not first))
         this, others = ("a number", "a vector") if first else ("a vector", "a number")
-        message = f"{self.mismatch.text(odd)} is {this} and cannot be added to {others}"
-        self.report.error(message, odd.span)
+        message = f"{self.text(odd)} is {this} and cannot be added to {others}"
+        self.error(message, odd)
         return None
 
     def multiply(self, expr: Multiply, scope: Scope) -> Checked:
@@ -123,7 +123,7 @@ class Operators(Checking):
         result = joined(dimension, self._product_rank(expr, facts), facts)
         for factor, part, exponent in zip(expr.factors, facts, expr.exponents, strict=True):
             if exponent < 0 and part.value == 0:
-                raise Wrong("division by zero", span=factor.span)
+                raise Wrong("division by zero", at=factor)
         result.value = self.constant(expr, facts, values.multiplied, expr.exponents)
         return product, result
 
@@ -131,12 +131,12 @@ class Operators(Checking):
         vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
         under = next((expr.factors[i] for i in vectors if expr.exponents[i] < 0), None)
         if under is not None:
-            raise Wrong(f"division by the vector {self.mismatch.text(under)}", span=under.span)
+            raise Wrong(f"division by the vector {self.text(under)}", at=under)
         if len(vectors) > 1:
-            a, b = (self.mismatch.text(expr.factors[i]) for i in vectors[:2])
+            a, b = (self.text(expr.factors[i]) for i in vectors[:2])
             message = f"{a} and {b} are vectors; '*' cannot multiply them"
             help = f"write dot({a}, {b}) or cross({a}, {b})"
-            raise Wrong(message, help, expr.factors[vectors[1]].span)
+            raise Wrong(message, help, expr.factors[vectors[1]])
         if any(f.vector is None for f in facts):
             raise Wrong
         return bool(vectors)
@@ -144,25 +144,25 @@ class Operators(Checking):
     def power(self, expr: Power, scope: Scope) -> Checked:
         base, facts = self.check(expr.base, scope)
         exponent, up = self.check(expr.exponent, scope)
-        of, to = self.mismatch.text(expr.base), self.mismatch.text(expr.exponent)
+        of, to = self.text(expr.base), self.text(expr.exponent)
         if facts.vector:
             help = f"write dot({of}, {of})"
-            raise Wrong(f"{of} is a vector and has no power", help, expr.base.span)
+            raise Wrong(f"{of} is a vector and has no power", help, expr.base)
         if up.vector or up.dimension not in (None, NONE):
             what = "a vector" if up.vector else units.described(up.dimension)
             message = f"an exponent is a pure number, {to} is {what}"
-            raise Wrong(message, span=expr.exponent.span)
+            raise Wrong(message, at=expr.exponent)
         result = joined(facts.dimension, False, [facts, up])
         if up.value is not None and abs(up.value) > limits.EXPONENT:
-            raise Wrong(f"an exponent beyond {limits.EXPONENT}", span=expr.exponent.span)
+            raise Wrong(f"an exponent beyond {limits.EXPONENT}", at=expr.exponent)
         if facts.dimension not in (None, NONE):
             if isinstance(up.value, Fraction):
                 result.dimension = units.power(facts.dimension, up.value)
             elif up.known:
-                self.report.error(
+                self.error(
                     f"unit mismatch: {of} is {units.described(facts.dimension)};"
                     f" with the exponent {to} it must be a pure number",
-                    expr.base.span,
+                    expr.base,
                     f"divide by a constant of the same unit: (x/x0)^{to}",
                 )
                 result.dimension = None

@@ -76,12 +76,12 @@ def quantity(
     setting = _parsed(source, [Token("UNTIL", "until", start_pos=0, end_pos=0)], [])
     dimension = NONE if dimensionless else parse_unit(unit).dimension if unit else NONE
     report = Report()
-    names = Names(report, lambda span: 1, {}, ())
+    names = Names(report, lambda span: 1)
     names.missing = "a value may use numbers, pi and sizes"
     for size, value in values.items():
         facts = Facts(NONE, False, Fraction(value), bare=True)
         names.table[size] = Entry(size, "size", facts, Span(0, 0))
-    expressions = Expressions(source, report, names, dict(values), dimensionless, lagrangian=False)
+    expressions = Expressions(source, report, names, dict(values), dimensionless=dimensionless)
     target = as_is(name, dimension)
     expr, _ = expressions.wanted(setting.value, Scope(PLACES["option"]), target)
     if report.errors:

@@ -35,7 +35,7 @@ def check_bounds(
             except KeyError:
                 break  # The default depends on a parameter with an error.
             except NoValue as error:
-                report.error(f"the default of {shown}: {error}", item.default.span)
+                report.error(f"the default of {shown}: {error}", item.default)
                 value = Fraction(1)
                 bounds = None
             values[item.name if index is None else (item.name, index)] = value
@@ -43,7 +43,7 @@ def check_bounds(
                 report.error(
                     f"the default of {shown} is outside its bounds:"
                     f" {number(value, item.unit)} is not in {interval(item.bounds, bounds)}",
-                    item.default.span,
+                    item.default,
                     f"a bound without a unit is in [{item.unit}]" if item.unit else "",
                 )
                 bounds = None  # One error for each family is enough.
@@ -74,7 +74,7 @@ def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: R
         except KeyError:
             return None
         except NoValue as error:
-            report.error(f"a bound of {item.name}: {error}", end.span)
+            report.error(f"a bound of {item.name}: {error}", end)
             return None
     lo, hi = ends
     if lo is None or hi is None:

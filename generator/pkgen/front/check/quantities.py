@@ -57,8 +57,8 @@ class Quantities(Checking):
             for j in range(min(count, len(terms) - 1), len(terms)):
                 one = Quantity(terms[j], expr.unit, expr.unit_span, terms[j].span)
                 parts[j] = self._measured(one, *parts[j], unit)
-            return self.summed(of, parts, self.mismatch.common(terms, [f for _, f in parts]))
-        whole = self.summed(of, parts, self.mismatch.common(terms, [f for _, f in parts]))
+            return self.summed(of, parts, self.common(terms, [f for _, f in parts]))
+        whole = self.summed(of, parts, self.common(terms, [f for _, f in parts]))
         return self._measured(expr, *whole, unit)
 
     def _is_plain(self, expr: Expr) -> bool:
@@ -81,9 +81,9 @@ class Quantities(Checking):
         if _is_pure(facts, unit):
             value = facts.value
             if unit.pi and "pi" in names(expr.of):
-                text = self.mismatch.text(expr.of)
+                text = self.text(expr.of)
                 said = f"{text} [{expr.unit}] has pi in degrees"
-                self.report.warn(said, expr.unit_span, f"write {text} [rad], or degrees without pi")
+                self.warn(said, expr.unit_span, f"write {text} [rad], or degrees without pi")
             if not unit.is_si:
                 factor = unit.factor if not unit.pi else float(unit.factor) * math.pi**unit.pi
                 value = self.constant(
@@ -95,8 +95,8 @@ class Quantities(Checking):
             return self._factor(expr, of, facts, unit)
         if not unit.is_si:
             si = units.si_text(unit.dimension, unit.angle) or "1"
-            self.report.warn(
-                f"{self.mismatch.text(expr.of)} has a unit already; [{expr.unit}] is only checked",
+            self.warn(
+                f"{self.text(expr.of)} has a unit already; [{expr.unit}] is only checked",
                 expr.unit_span,
                 f"values are in SI: [{si}]",
             )
@@ -110,10 +110,10 @@ class Quantities(Checking):
         while count and self._is_plain(factors[count - 1]):
             count -= 1
         if not 0 < count < len(factors):
-            self.mismatch.unit(expr, facts, unit.dimension)
+            self.other_unit(expr, facts, unit.dimension)
             return of, replace(facts, dimension=None)
         if product.exponents[count] < 0:
-            number = self.mismatch.text(factors[count])
+            number = self.text(factors[count])
             raise Wrong(
                 f"[{expr.unit}] after a division: is it the unit of {number}, or of the whole?",
                 f"use brackets: …/({number} [{expr.unit}])",

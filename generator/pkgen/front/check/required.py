@@ -5,15 +5,16 @@ from __future__ import annotations
 from ...source import Span
 from .. import statements as st
 from ..joints import joint_names
-from .shared import Shared
+from .shared import Checks, Shared
 
 
-class Required:
+class Required(Checks):
     """Checks that no statement is missing. `broken` has the keywords of statements that did not
     parse; "" stands for an unknown keyword."""
 
     def __init__(self, file: st.File, shared: Shared, broken: set[str]) -> None:
-        self.file, self.shared, self.report, self.broken = file, shared, shared.report, broken
+        super().__init__(shared)
+        self.file, self.broken = file, broken
 
     def check(self) -> None:
         self._sizes()
@@ -22,21 +23,21 @@ class Required:
     def _required(self) -> None:
         if not self.file.statements:
             if not self.file.diagnostics:  # Errors mean that no statement could be parsed.
-                self.report.error(
+                self.error(
                     "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
                 )
             return
         first = next(iter(self.file.statements), None)
         broken = self.broken
-        parts = self.shared.parts
+        parts = self.parts
         at = parts["name"][0].span if parts["name"] else self._first_line()
         if not parts["name"] and "model" not in broken:
-            self.report.error("the model has no name", at, "the first statement is 'model NAME'")
+            self.error("the model has no name", at, "the first statement is 'model NAME'")
         elif parts["name"] and first is not parts["name"][0]:
-            self.report.error("'model' must be the first statement", at)
+            self.error("'model' must be the first statement", at)
         if "" in broken:  # A line without a known keyword may be the missing statement.
             return
-        names = self.shared.names
+        names = self.names
         if not names.moving | names.states and not broken & {
             "coord",
             "state",
@@ -44,7 +45,7 @@ class Required:
             "body",
             "joint",
         }:
-            self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
+            self.error("the model has no coordinates", at, "e.g. coord x [m]")
         has_energy = parts["kinetic"] or parts["lagrangian"]
         if names.states and not names.moving and not broken & {"coord", "rotation"}:
             self._states_alone()
@@ -52,9 +53,7 @@ class Required:
         if has_energy:
             return
         if not broken & {"kinetic", "lagrangian", "body", "joint"} and not self._bodies():
-            self.report.error(
-                "the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'"
-            )
+            self.error("the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'")
 
     def _bodies(self) -> bool:
         """Whether the model has bodies. Bodies without errors define kinetic energies."""
@@ -64,7 +63,7 @@ class Required:
         """Reports energies in a model that has states but no coordinates."""
         for statement in self.file.statements:
             if isinstance(statement, st.Single):
-                self.report.error(
+                self.error(
                     f"'{statement.keyword}' without any coordinate: states have no inertia",
                     Span(statement.span.start, statement.span.start + len(statement.keyword)),
                     "declare a coordinate: coord q [m]; or leave the energies out",
@@ -76,38 +75,38 @@ class Required:
 
     def _sizes(self) -> None:
         known = [s.left.name for s in self.file.statements if s.keyword == "size"]
-        for name in self.shared.given:
+        for name in self.given_sizes:
             if name not in known and not self.file.diagnostics:
                 message = f"--size {name}: the model has no size '{name}'"
                 help = f"its sizes are: {', '.join(known)}" if known else "it has no sizes"
-                self.report.error(message, self._first_line(), help)
+                self.error(message, self._first_line(), help)
 
     def inertia(self) -> None:
         """Reports coordinates whose rate occurs in no energy. The mass matrix itself is checked
         later, in middle/derive."""
-        energies = self.shared.energies
-        has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
+        energies = self.energies
+        has_kinetic = self.parts["kinetic"] or self.parts["lagrangian"]
         if not has_kinetic or not all(f.known for f in energies):
             return
         with_rate = frozenset().union(*(f.rates for f in energies))
-        for rotation in self.shared.parts["rotations"]:
+        for rotation in self.parts["rotations"]:
             if rotation.name not in with_rate:
                 rate = f"omega({rotation.name}{'[i]' if rotation.range else ''})"
-                self.report.error(
+                self.error(
                     f"the rotation '{rotation.name}' has no inertia: no energy contains its rates",
-                    rotation.span,
+                    rotation,
                     f"add a kinetic term, e.g. kinetic I/2*dot({rate}, {rate})",
                 )
         joints = (s for s in self.file.statements if isinstance(s, st.Joint))
         of_joints = {name for joint in joints for name, _ in joint_names(joint)}
-        for coordinate in self.shared.parts["coordinates"]:
+        for coordinate in self.parts["coordinates"]:
             if coordinate.name not in with_rate:
                 help = f"add a kinetic term, or make it a parameter: param {coordinate.name} = …"
                 if coordinate.name in of_joints:
                     help = "what hangs on a joint needs a mass; what does not move hangs by 'fixed'"
-                self.report.error(
+                self.error(
                     f"the coordinate '{coordinate.name}' has no inertia: no energy contains"
                     f" {coordinate.name}'",
-                    coordinate.span,
+                    coordinate,
                     help,
                 )

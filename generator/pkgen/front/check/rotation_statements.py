@@ -30,13 +30,13 @@ class Rotations(Checks):
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         """Checks `rotation NAME`; reports a unit. The argument `unit` is not used."""
         if item.unit is not None:
-            self.report.error("a rotation has no unit", item.unit.span, f"rotation {item.name}")
+            self.error("a rotation has no unit", item.unit, f"rotation {item.name}")
         own, turns = frozenset((item.name,)), (attitude(item.name, None, item.span),)
         facts = Facts(NONE, True, united=True, coordinates=own, turns=turns)
-        found = self.shared.declared(item, "rotation", facts)
+        found = self.declared(item, "rotation", facts)
         if found is None:
             return
-        time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
+        time, energy = self.time_dimension, self.energy_dimension
         per_time, action = units.over(NONE, time), units.times(energy, time)
         momenta = tuple(f"p_{item.name}.{axis}" for axis in AXES)
         names = *(f(item.name) for f in (quaternion_names, rate_names, turn_names)), momenta
@@ -47,15 +47,13 @@ class Rotations(Checks):
     def force(self, statement: st.Define) -> Iterable[m.Force]:
         """Checks a torque, a vector of components in the body frame; returns three forces."""
         left = statement.left
-        found = self.shared.wanted_of(left, statement.value, "a force", ("rotation",), "force")
+        found = self.wanted_of(left, statement.value, "a force", ("rotation",), "force")
         if found is None:
             return ()
-        needs = "a torque [N*m]" if self.expressions.energy_dimension != NONE else "numbers"
-        target = Target(
-            self.expressions.energy_dimension, f"the torque on {left.name} is a vector of {needs}"
-        )
-        value, facts = self.expressions.wanted_vector(statement.value, found[1], target)
-        self.shared.use_inputs(facts)
+        needs = "a torque [N*m]" if self.energy_dimension != NONE else "numbers"
+        target = Target(self.energy_dimension, f"the torque on {left.name} is a vector of {needs}")
+        value, facts = self.wanted_vector(statement.value, found[1], target)
+        self.use_inputs(facts)
         if not facts.vector:
             return ()
         return tuple(
@@ -69,21 +67,21 @@ class Rotations(Checks):
         """Returns four starts of the quaternion for `start R = rot(...)`, three starts of the rates
         for `start omega(R) = [...]`; None after an error."""
         left = item.left
-        before = len(self.report.errors)
+        before = self.report.count
         if item.function not in ("", "omega"):
-            self.report.error(
-                f"a start gives {left.name} or omega({left.name}), not {item.function}", item.span
+            self.error(
+                f"a start gives {left.name} or omega({left.name}), not {item.function}", item
             )
         elif entry is not None and entry.kind != "rotation":
             message = f"omega is of a rotation; '{left.name}' is none"
-            self.report.error(message, item.span, f"its rate is {left.name}'")
+            self.error(message, item, f"its rate is {left.name}'")
         elif item.order:
             help = f"start omega({left.name}) = [x, y, z]"
-            self.report.error(f"the rates of a rotation are omega({left.name})", item.span, help)
-        scope = self.shared.member_scope(left, entry, around) or around
+            self.error(f"the rates of a rotation are omega({left.name})", item, help)
+        scope = self.member_scope(left, entry, around) or around
         of_rates = item.function or item.order  # Above, `start R'` is reported as an error.
         values = self._rates(item, scope) if of_rates else self._attitude(item, scope)
-        if len(self.report.errors) > before or entry is None or not values:
+        if self.report.count > before or entry is None or not values:
             return None
         order, names = (1, turn_names) if item.function else (0, quaternion_names)
         return tuple(
@@ -92,9 +90,9 @@ class Rotations(Checks):
         )
 
     def _rates(self, item: st.StartItem, around: Scope):
-        dimension = units.over(NONE, self.expressions.time_dimension)
+        dimension = units.over(NONE, self.time_dimension)
         target = Target(dimension, f"omega({item.left.name}) is a vector of rates", bare=True)
-        value, facts = self.expressions.wanted_vector(item.value, around, target)
+        value, facts = self.wanted_vector(item.value, around, target)
         return [component(value, k) for k in range(len(AXES))] if facts.vector else None
 
     def _attitude(self, item: st.StartItem, around: Scope):
@@ -105,19 +103,19 @@ class Rotations(Checks):
     ) -> tuple[tuple[Expr, ...] | None, Facts]:
         """Returns the quaternion of a product of rot(...), or None after an error; and the facts of
         the product."""
-        _, facts = self.expressions.factor(value, around)
+        _, facts = self.factor(value, around)
         if not facts.turns:
             if facts.known:
-                message = f"{self.expressions.mismatch.text(value)} is no rotation"
-                self.report.error(message, value.span, f"e.g. {example} = rot([1, 0, 0], 0.3)")
+                message = f"{self.text(value)} is no rotation"
+                self.error(message, value, f"e.g. {example} = rot([1, 0, 0], 0.3)")
             return None, facts
         if len(facts.turns) > TURNS:
-            self.report.error(f"{what} of more than {TURNS} turns", value.span)
+            self.error(f"{what} of more than {TURNS} turns", value)
             return None, facts
         if any(turn.quaternion is not None for turn in facts.turns):
             return None, facts  # A declared rotation is an error, reported elsewhere.
         if any(turn.angle is None for turn in facts.turns):
-            self.report.error(f"{what} is a product of rot(AXIS, ANGLE)", value.span)
+            self.error(f"{what} is a product of rot(AXIS, ANGLE)", value)
             return None, facts
         return quaternion_of(facts.turns, value.span), facts
 

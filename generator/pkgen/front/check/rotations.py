@@ -90,9 +90,9 @@ class RotationCalls(Checking):
             raise Wrong
         if not facts.turns:
             raise Wrong(
-                f"{expr.function} takes a rotation, {self.mismatch.text(argument)} is none",
+                f"{expr.function} takes a rotation, {self.text(argument)} is none",
                 "declare one: rotation R; or make one of an axis and an angle: rot(n, a)",
-                expr.arguments[0].span,
+                expr.arguments[0],
             )
         if expr.function == "inverse":
             return expr, replace(facts, turns=_inverse(facts.turns))
@@ -110,17 +110,17 @@ class RotationCalls(Checking):
         if of_axis.turns or of_axis.vector is False:
             what = "rotation" if of_axis.turns else "number"
             raise Wrong(
-                f"the axis of a rotation is a vector, {self.mismatch.text(axis)} is a {what}",
+                f"the axis of a rotation is a vector, {self.text(axis)} is a {what}",
                 f"e.g. {EXAMPLE}",
-                expr.arguments[0].span,
+                expr.arguments[0],
             )
         if of_angle.turns or of_angle.vector:
             what = "rotation" if of_angle.turns else "vector"
-            text = self.mismatch.text(angle)
+            text = self.text(angle)
             message = f"the angle of a rotation is a number, {text} is a {what}"
-            raise Wrong(message, span=expr.arguments[1].span)
+            raise Wrong(message, at=expr.arguments[1])
         if of_angle.dimension not in (None, NONE):
-            self.mismatch.argument("rot", expr.arguments[1], of_angle)
+            self.not_pure("rot", expr.arguments[1], of_angle)
         if not (of_axis.known and of_angle.known):
             raise Wrong
         turn = Turn(axis, angle)

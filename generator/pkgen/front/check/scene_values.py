@@ -29,7 +29,7 @@ SHORTEST = 10 * sys.float_info.epsilon
 
 class _Numbers:
     def __init__(self, model: Model, scene: Scene, report: Report) -> None:
-        self.model, self.scene, self.report = model, scene, report
+        self.model, self.scene, self.report, self.error = model, scene, report, report.error
         self.values = Values(model, {})
 
     def check(self) -> None:
@@ -47,11 +47,11 @@ class _Numbers:
             at = self._of(lambda item=item: values.not_negative("at", item.at))
             if at is not None and until is not None and at > until:
                 message = f"t = {number(at)} is not reached: the scene runs until {number(until)}"
-                self.report.error(message, item.at.span, "expect it earlier, or run longer")
+                self.error(message, item.at, "expect it earlier, or run longer")
             elif scene.swarm and at and until and not has_row(at, every, until):
-                self.report.error(
+                self.error(
                     f"members of a swarm have no row at t = {number(at)}",
-                    item.at.span,
+                    item.at,
                     "expect it at a recorded time",
                 )
 
@@ -62,10 +62,10 @@ class _Numbers:
             return found
         if found > until:
             message = f"'{name}' is {number(found)}: the scene runs no longer than {number(until)}"
-            self.report.error(message, expr.span)
+            self.error(message, expr)
         elif found < SHORTEST * until:
             least = number(SHORTEST * until)
-            self.report.error(f"'{name}' is below the round-off of the time, {least}", expr.span)
+            self.error(f"'{name}' is below the round-off of the time, {least}", expr)
         return found
 
     def _rows(self, record: Record, every: float | None, until: float | None) -> None:
@@ -78,15 +78,15 @@ class _Numbers:
             members = hi - lo + 1
         said = too_much(until / every + 1 if every else 1, len(record.columns) + 1, members)
         if said and swarm is not None:
-            self.report.error(said, swarm.span, "take fewer members")
+            self.error(said, swarm, "take fewer members")
         elif said:
-            self.report.error(said, record.every.span, "take a longer interval")
+            self.error(said, record.every, "take a longer interval")
 
     def _of(self, value: Callable[[], float | None]) -> float | None:
         try:
             return value()
         except WrongValue as wrong:
-            self.report.error(str(wrong), wrong.span, wrong.help)
+            self.error(str(wrong), wrong, wrong.help)
             return None
 
     def _assignments(self) -> None:
@@ -119,6 +119,6 @@ class _Numbers:
                 continue
             said = message.format(indexed(parameter.name, index))
             value, bounds = number(value, parameter.unit), interval(parameter.bounds, ends)
-            self.report.error(f"{said}: {value} is not in {bounds}", span)
+            self.error(f"{said}: {value} is not in {bounds}", span)
             return True
         return False

@@ -40,10 +40,10 @@ class Scenes(Checks):
 
     def check(self, scene: st.Scene) -> None:
         if any(s.name == scene.name for s in self.parts["scenes"]):
-            self.report.error(f"there is a scene '{scene.name}' already", scene.name_span)
+            self.error(f"there is a scene '{scene.name}' already", scene.name_span)
         if not scene.clauses:
             message = f"the scene '{scene.name}' is empty"
-            self.report.error(message, scene.name_span, "say what it runs, e.g. until 10")
+            self.error(message, scene.name_span, "say what it runs, e.g. until 10")
         swarms = [c for c in scene.clauses if isinstance(c, st.Swarm)]
         for clause in swarms[1:]:
             self.second("swarm", clause.span)
@@ -53,7 +53,7 @@ class Scenes(Checks):
         self.parts["scenes"].append(one.made(scene))
 
     def second(self, keyword: str, span: Span) -> None:
-        self.report.error(f"a scene has one '{keyword}'; this is the second", span)
+        self.error(f"a scene has one '{keyword}'; this is the second", span)
 
 
 class _Scene(Given):
@@ -98,7 +98,7 @@ class _Scene(Given):
 
     def _one_of_both(self, span: Span) -> None:
         if {"accuracy", "method"} <= self.seen:
-            self.report.error(
+            self.error(
                 "'accuracy' and 'method' in one scene: with an accuracy pkgen chooses the method",
                 span,
                 "leave one of them out",
@@ -113,7 +113,7 @@ class _Scene(Given):
         columns: dict[str, m.Definition] = {}
         for column in (column for item in clause.items for column in self._columns(item)):
             if column.name in columns:
-                self.report.error(f"'{column.name}' is recorded already", column.span)
+                self.error(f"'{column.name}' is recorded already", column)
             columns[column.name] = column
         event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
         self.said["record"] = m.Record(
@@ -126,19 +126,19 @@ class _Scene(Given):
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
         """Returns the columns of a recorded name: one for a number, three for a vector, four for a
         rotation."""
-        before = len(self.report.errors)
-        value, facts = self.expressions.factor(item, Scope(PLACES["record"]))
-        if len(self.report.errors) > before:
+        before = self.report.count
+        value, facts = self.factor(item, Scope(PLACES["record"]))
+        if self.report.count > before:
             return ()
         if facts.turns and facts.turns[0].name and isinstance(item, Name):
-            at = None if item.index is None else integer(item.index, self.shared.sizes)
+            at = None if item.index is None else integer(item.index, self.sizes)
             return (
                 m.Definition(
                     indexed(x, at), None, None, Name(x, item.index, item.span), "", "", item.span
                 )
                 for x in quaternion_names(item.id)
             )
-        value, facts = self.expressions.check(item, Scope(PLACES["record"]))
+        value, facts = self.checked(item, Scope(PLACES["record"]))
         inner, order, axis = item, 0, None
         while isinstance(inner, Prime):
             inner, order = inner.of, order + 1
@@ -149,19 +149,19 @@ class _Scene(Given):
             inner = replace(of, id=f"omega({of.id})")
         if not isinstance(inner, Name):
             message = "a record takes names, not expressions"
-            self.report.error(message, item.span, "give it a name: observe NAME = …")
+            self.error(message, item, "give it a name: observe NAME = …")
             return ()
         if not facts.known:
             return ()
         if inner.id == "t":
-            self.report.error("'t' is the first column of every record", item.span)
+            self.error("'t' is the first column of every record", item)
             return ()
         try:
-            index = None if inner.index is None else integer(inner.index, self.shared.sizes)
+            index = None if inner.index is None else integer(inner.index, self.sizes)
         except NotAnInteger:  # The error is reported already.
             return ()
         name = inner.id if axis is None else component_name(inner.id, axis)
-        name, unit = indexed(name, index), self.shared.shown_unit(value, facts)
+        name, unit = indexed(name, index), self.shown_unit(value, facts)
         column = m.Definition(name, None, None, value, unit, "", item.span)
         columns = by_component(column) if facts.vector else (column,)
         return (replace(c, name=c.name + "'" * order) for c in columns)

@@ -24,32 +24,32 @@ class Settings(Checks):
         self, name: str, value: Expr, dimension: units.Dimension, place: str = "setting"
     ) -> Checked:
         target = as_is(f"'{name}'", dimension)
-        return self.expressions.wanted(value, Scope(PLACES[place]), target)
+        return self.wanted(value, Scope(PLACES[place]), target)
 
     def time(self, name: str, value: Expr | None) -> Expr | None:
         """Checks a time; it may have a unit of time even in a model without units."""
         if value is None:
             return None
-        if self.expressions.time_dimension == NONE:
-            new, facts = self.expressions.check(value, Scope(PLACES["setting"]))
+        if self.time_dimension == NONE:
+            new, facts = self.checked(value, Scope(PLACES["setting"]))
             if facts.dimension == units.TIME:
                 return new
-        return self.setting(name, value, self.expressions.time_dimension)[0]
+        return self.setting(name, value, self.time_dimension)[0]
 
     def accuracy(self, value: Expr) -> Expr:
         new, facts = self.setting("accuracy", value, NONE, "accuracy")
         if facts.value is None:
             return new
         if not facts.value > 0:
-            self.report.error("'accuracy' must be positive", value.span, "e.g. accuracy 1e-9")
+            self.error("'accuracy' must be positive", value, "e.g. accuracy 1e-9")
         elif facts.value < FINEST:
             message = f"an accuracy of {float(facts.value):.3g} is below round-off"
             help = f"doubles allow {FINEST:.1e} at best; 1e-12 is much already"
-            self.report.error(message, value.span, help)
+            self.error(message, value, help)
         elif facts.value > 1:
-            self.report.error(
+            self.error(
                 "an accuracy above 1 promises nothing: it is relative to the quantity's size",
-                value.span,
+                value,
                 "e.g. accuracy 1e-6",
             )
         return new
@@ -62,16 +62,14 @@ class Settings(Checks):
         if method is None:
             near = get_close_matches(name, methods, 1, 0.6)
             help = f"did you mean '{near[0]}'?" if near else "'pkgen methods' lists them"
-            self.report.error(f"there is no method '{name}'", clause.name_span, help)
+            self.error(f"there is no method '{name}'", clause.name_span, help)
             return
         if method.fixed and clause.step is None:
             message = f"{name} has a fixed step: say how long it is"
-            self.report.error(message, clause.span, f"e.g. method {name} step 0.01")
+            self.error(message, clause, f"e.g. method {name} step 0.01")
         if clause.rtol is not None and "adaptive" not in method.traits:
             why = "has a fixed step" if method.fixed else "is exact"
-            self.report.error(
-                f"{name} {why}: 'rtol' is for adaptive methods", clause.rtol.span, "leave it out"
-            )
+            self.error(f"{name} {why}: 'rtol' is for adaptive methods", clause.rtol, "leave it out")
 
     def event(self, at: Expr, clause: str) -> str:
         """Returns the name of an event; "" after an error."""
@@ -82,14 +80,14 @@ class Settings(Checks):
             near = get_close_matches(at.id, sorted(events), 1, 0.6)
             help = f"the events are: {', '.join(sorted(events))}" if events else ""
             help = help or f"declare it: event {at.id}: EXPRESSION rising"
-            self.report.error(
-                f"unknown event '{at.id}'", at.span, f"did you mean '{near[0]}'?" if near else help
+            self.error(
+                f"unknown event '{at.id}'", at, f"did you mean '{near[0]}'?" if near else help
             )
             return ""
         kind = ""
         if isinstance(at, Name):
             kind = f"; '{at.id}' is {KIND_TEXT[self.names.table[at.id].kind]}"
-        self.report.error(f"'{clause}' takes an event{kind}", at.span, _HELP.get(clause, ""))
+        self.error(f"'{clause}' takes an event{kind}", at, _HELP.get(clause, ""))
         return ""
 
 

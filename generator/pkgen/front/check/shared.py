@@ -15,7 +15,7 @@ from .. import units
 from ..table import STATEMENTS
 from ..units import NONE, Dimension, si_text
 from .expr import Expressions, Target
-from .names import KIND_TEXT, MOVING, UNKNOWN, Entry, Facts, Members, Names, Report
+from .names import KIND_TEXT, MOVING, UNKNOWN, Entry, Facts, Members
 from .scope import PLACES, Scope
 
 ORIGIN = "O"
@@ -34,29 +34,34 @@ class Variable:
     new: bool
 
 
-class Checks:
-    """Base class of the classes that check statements."""
-
-    def __init__(self, shared: Shared) -> None:
-        self.shared, self.parts = shared, shared.parts
-        self.report, self.names = shared.report, shared.names
-        self.expressions, self.indices = shared.expressions, shared.indices
-
-
 class Shared:
-    """State shared by all checks of one model; they add their results to `parts`."""
+    """State shared by all checks of one model; they add their results to `parts`. It has the
+    attributes of `expressions` too, such as `names`, `indices` and `error`."""
 
-    def __init__(
-        self, expressions: Expressions, report: Report, names: Names, given: dict[str, int]
-    ) -> None:
-        self.expressions, self.report, self.names = expressions, report, names
-        self.indices, self.sizes = expressions.indices, expressions.sizes
-        self.given = given  # Sizes set on the command line.
+    def __init__(self, expressions: Expressions, given: dict[str, int]) -> None:
+        vars(self).update(vars(expressions))
+        self.expressions = expressions
+        self.checked, self.factor = expressions.check, expressions.factor
+        self.wanted, self.wanted_vector = expressions.wanted, expressions.wanted_vector
+        self.text, self.common, self.parsed = (
+            expressions.text,
+            expressions.common,
+            expressions.parsed,
+        )
+        self.given_sizes = given  # Sizes set on the command line.
         self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
         self.energies: list[Facts] = []  # The facts of each energy statement.
         self.inputs: dict[str, int] = {}  # name of an input -> order of its highest derivative
         # Source positions of parameters and constants without an error.
         self.sound: set[Span] = set()
+
+
+class Checks:
+    """Base class of the classes that check statements."""
+
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        vars(self).update(vars(shared))
 
     @property
     def moving(self) -> tuple[str, ...]:
@@ -103,14 +108,14 @@ class Shared:
         """Reports a declaration that has an index in place of a range: `param m[kg] = 1`, `param
         m[1] = 1`."""
         name, index = left.name, left.index
-        if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
+        if isinstance(index, Name) and self.parsed(index.id) is not None:
             message = f"'{name}[{index.id}]': a bracket that touches a name is an index"
             help = f"a unit stands after the value: param {name} = 1 [{index.id}]"
-            self.report.error(message, left.span, help)
+            self.error(message, left, help)
         else:
-            self.report.error(
+            self.error(
                 "a family of parameters is declared with its range",
-                left.span,
+                left,
                 f"e.g. param {name}[i = 1..N] = …",
             )
 
@@ -126,7 +131,7 @@ class Shared:
         if found is None:
             return None
         unit = unit or units.ONE
-        per_time = units.over(unit.dimension, self.expressions.time_dimension)
+        per_time = units.over(unit.dimension, self.time_dimension)
         return Variable(
             found[0], unit.dimension, unit.shown, si_text(per_time, unit.angle), found[1]
         )
@@ -165,7 +170,7 @@ class Shared:
         scope = self.member_scope(left, entry, Scope(PLACES[place]))
         if entry is not None and scope is not None and entry.facts.dimension is not None:
             return entry, scope
-        self.expressions.check(value, scope or Scope(PLACES[place]))
+        self.checked(value, scope or Scope(PLACES[place]))
         return None
 
     def named(
@@ -182,12 +187,12 @@ class Shared:
             elif left.name not in self.names.reported:
                 self.names.reported.add(left.name)
                 message = f"unknown {noun} '{left.name}'"
-                self.report.error(message, name_span(left), _nearest(left.name, list(near), noun))
+                self.error(message, name_span(left), _nearest(left.name, list(near), noun))
             return None
         if entry.kind == "poisoned":
             return None
         if entry.kind not in kinds:
-            self.report.error(
+            self.error(
                 f"'{left.name}' is {KIND_TEXT[entry.kind]}: {what} is for"
                 f" {' and '.join(f'{kind}s' for kind in kinds)}",
                 name_span(left),
@@ -208,9 +213,9 @@ class Shared:
         named = Name(left.name, index, left.span)
         if entry.members is not None and entry.kind in MOVING:
             entry = replace(entry, members=Members(self.range_of(left.name)), kind="member")
-        before = len(self.report.errors)
+        before = self.report.count
         self.indices.member(named, entry, replace(scope, name="="))
-        return scope if len(self.report.errors) == before else None
+        return scope if self.report.count == before else None
 
     def range_of(self, name: str) -> tuple[int, int]:
         parts = (self.parts[f"{kind}s"] for kind in MOVING)
@@ -220,13 +225,13 @@ class Shared:
     def no_vector(self, left: st.Left, kind: str) -> None:
         message = f"the {kind} '{left.name}' is a vector; it must be a number"
         help = "'let' defines vectors; otherwise take a component (.x, .y, .z)"
-        self.report.error(message, left.span, help)
+        self.error(message, left, help)
 
     def shown_unit(self, written: Expr, facts: Facts) -> str:
         """Returns the unit for display: as written if the value has its dimension, else in SI."""
         dimension = facts.dimension or NONE
         if isinstance(written, Quantity):
-            unit = self.expressions.parsed(written.unit)
+            unit = self.parsed(written.unit)
             if unit is not None and unit.dimension == dimension:
                 return unit.shown
         return si_text(dimension)

@@ -18,7 +18,7 @@ class States(Checks):
         self.wrong: set[str] = set()  # Names of states whose rate has an error.
 
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        found = self.shared.variable(item, unit, "state", states=frozenset((item.name,)))
+        found = self.variable(item, unit, "state", states=frozenset((item.name,)))
         if found is None:
             return
         if not found.new:
@@ -30,22 +30,22 @@ class States(Checks):
 
     def rate(self, statement: st.Define) -> None:
         left = statement.left
-        found = self.shared.wanted_of(left, statement.value, "a rate", ("state",), "rate")
+        found = self.wanted_of(left, statement.value, "a rate", ("state",), "rate")
         if found is None:
             self.wrong.add(left.name)
             return
         entry, scope = found
         self._once(statement)
-        dimension = units.over(entry.facts.dimension, self.expressions.time_dimension)
+        dimension = units.over(entry.facts.dimension, self.time_dimension)
         needs = "a number" if dimension == NONE else f"[{si_text(dimension)}]"
         target = Target(dimension, f"the rate of {left.name} needs {needs}")
-        value, facts = self.expressions.wanted(statement.value, scope, target)
-        self.shared.use_inputs(facts)
+        value, facts = self.wanted(statement.value, scope, target)
+        self.use_inputs(facts)
         self.parts["rates"].append(m.Rate(left.name, left.index, left.range, value, statement.span))
 
     def _once(self, statement: st.Define) -> None:
         left = statement.left
-        members = self.shared.members_of(left)
+        members = self.members_of(left)
         if members is None:
             return
         lo, hi = members
@@ -54,9 +54,7 @@ class States(Checks):
             what = f"'{left.name}'"
             if left.range is not None or left.index is not None:
                 what = f"'{left.name}[{lo}]'" if lo == hi else f"some of '{left.name}[{lo}..{hi}]'"
-            self.report.error(
-                f"{what} has its rate already", left.span, "a state has one rate: add them up"
-            )
+            self.error(f"{what} has its rate already", left, "a state has one rate: add them up")
         given.add(lo, hi)
 
     def finish(self) -> None:
@@ -65,7 +63,7 @@ class States(Checks):
             if state.name in self.wrong:
                 continue
             given = self.given.get(state.name, Members())
-            lo, hi = (0, 0) if state.range is None else self.shared.range_of(state.name)
+            lo, hi = (0, 0) if state.range is None else self.range_of(state.name)
             if given.hold(lo, hi):
                 continue
             missing, say = state.name, f"rate {state.name} = …"
@@ -74,4 +72,4 @@ class States(Checks):
                 missing = f"{state.name}[{first}]"
                 whole = f"rate {state.name}[i = {lo}..{hi}] = …"
                 say = f"rate {missing} = …" if given.intervals else whole
-            self.report.error(f"the state '{missing}' has no rate", state.span, f"add '{say}'")
+            self.error(f"the state '{missing}' has no rate", state, f"add '{say}'")
