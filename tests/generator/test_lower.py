@@ -19,11 +19,11 @@ from pkgen.back.c.expressions import (
     code,
     constant,
     inverted,
+    literal,
     multiplied,
     negated,
     variable,
 )
-from pkgen.back.c.literals import literal
 from pkgen.back.c.lower import lower
 from pkgen.back.c.names import LOCAL_RESERVED, Names, local_wish
 from pkgen.back.c.program import operations_text

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ..equations import Attitude, Linear, Matrix, Row
+from ..equations import Attitude, Equations, Linear, Matrix, Row
 from ..graph.collect import THOROUGH, fewest, forms, settled, shortened
 from ..graph.count import operations
 from ..graph.differentiate import Columns, Forward, gradient, reachable
-from ..graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
+from ..graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ..graph.pushed import pushed
 from ..graph.residues import Residues
 from ..graph.solve import Solution, looped, solve
@@ -176,6 +176,20 @@ def shortest(
         mass=mass,
         force=force,
     ), solution
+
+
+def rate_of(g: Graph, e: Equations, symbol: Symbol) -> Node | None:
+    """Returns the time derivative of t, a coordinate, a state or an input. Returns None for an
+    input if the equations do not contain its derivative."""
+    if symbol.kind is Kind.TIME:
+        return ONE
+    if symbol.kind is Kind.COORDINATE:
+        return g.symbol(Symbol(Kind.RATE, symbol.index))
+    if symbol.kind is Kind.STATE:
+        return e.state_rates[symbol.index]
+    names = [q.name for q in e.inputs[symbol.index : symbol.index + 2]]
+    known = len(names) == 2 and names[1] == f"{names[0]}'"
+    return g.symbol(Symbol(Kind.INPUT, symbol.index + 1)) if known else None
 
 
 def with_states(g: Graph, momenta: Row) -> bool:

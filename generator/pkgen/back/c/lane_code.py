@@ -6,12 +6,12 @@ ensembles, each state has its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from ..targets import CHECK, TRIG
+from ...record import record
+from ..targets import CHECK, LOAD, LOCAL, TRIG
 from .kernel_code import KernelCode, grouped, unused
-from .lanes import LANE_ARGUMENTS, LanePart, is_uniform, lane_parts, used_fields
-from .program import Program
+from .program import Kernel, Program, Statement
 from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
 
 SIDE_BY_SIDE = (
@@ -19,6 +19,9 @@ SIDE_BY_SIDE = (
     "of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. "
     "Sines and cosines have a loop of their own, and checks of parameters come after both: before "
     "them they would make gcc 12 keep what it loaded, in a way that it has no vector code for."
+)
+LANE_ARGUMENTS = (
+    "const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a"
 )
 EACH_LANE = "size_t l = 0; l < W; l++"
 
@@ -237,3 +240,61 @@ class LaneCode:
 def _places(array: str, count: int) -> str:
     """Returns the C initializer of lane l's copy of an array: {q[0 * W + l], q[1 * W + l], ...}."""
     return "{" + ", ".join(f"{array}[{i} * W + l]" for i in range(count)) + "}"
+
+
+@record
+class LanePart:
+    """The statements of one loop over lanes; the arguments of the function are divided into those
+    that the statements use, and `unused` ones."""
+
+    statements: tuple[Statement, ...]
+    uses: tuple[str, ...]
+    unused: tuple[str, ...]
+
+    @staticmethod
+    def of(statements: Iterable[Statement]) -> LanePart:
+        """Returns the part with these statements, without loads of values that no other statement
+        of the part reads."""
+        body = list(statements)
+        words = _read(s for s in body if s.kind != LOAD)
+        body = [s for s in body if s.kind != LOAD or s.target in words]
+        words = _read(body)
+        arguments = ("p", "t", "q", "v", "u")
+        return LanePart(
+            tuple(body),
+            tuple(a for a in arguments if a in words),
+            tuple(a for a in arguments if a not in words),
+        )
+
+
+def is_uniform(statement: Statement) -> bool:
+    """Returns whether the statement is a check of parameters alone."""
+    return statement.kind == CHECK and _read([statement]) <= {"p"}
+
+
+def lane_parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
+    """Returns the first loop over lanes (sines and cosines), the second loop, and the names of the
+    variables that the first loop computes for the second. Two short loop bodies let a processor
+    overlap several iterations."""
+    made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
+    leading = [s for s in kernel.statements if s.kind == TRIG and not made & _read([s])]
+    loads = [s for s in kernel.statements if s.kind == LOAD]
+    rest = [s for s in kernel.statements if s not in leading]
+    pairs = tuple(name for s in leading for name in s.defines)
+    return LanePart.of([*loads, *leading] if leading else []), LanePart.of(rest), pairs
+
+
+def _read(statements: Iterable[Statement]) -> set[str]:
+    return {name for s in statements for value in s.values for name in value.names}
+
+
+def used_fields(program: Program, part: LanePart) -> list[tuple[str, int]]:
+    """Returns the members of struct NAME_params that a part reads: C text, and the index of the
+    number in the struct."""
+    places = {name: k for k, name in enumerate(program.parameter_names)}
+    places |= {x.c_name: len(places) + k for k, x in enumerate(program.constants)}
+    n, end = len(program.equations.coordinates), len(program.parameter_names)
+    end += len(program.constants) + (n * n + n if program.factored else 0)
+    places |= {f"side_[{k}]": end + k for k in range(len(program.equations.switches))}
+    used = {read for s in part.statements for read in s.reads}
+    return [(name, k) for name, k in places.items() if f"p->{name}" in used]

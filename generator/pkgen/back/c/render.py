@@ -27,8 +27,7 @@ from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .helpers import helpers
 from .kernel_code import KernelCode
-from .lane_code import LaneCode
-from .lanes import LANE_ARGUMENTS
+from .lane_code import LANE_ARGUMENTS, LaneCode
 from .loop_code import LoopCode
 from .program import Kernel, LoopProgram, Program, operations_text
 

@@ -11,14 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ...equations import Equations, Structure
+from ...functions.row import COORDINATES
 from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import WORK, Normal
 from ...graph.residues import Varying
+from ..points.squares import Positive, definite_by_squares
 from .affine import CONSTANT, VARYING, affine, of_rates
 from .coupling import blocks_of, influences, mass_band, mass_blocks, ties
-from .mass import definite, singular
 from .proofs import claims_of
 
 RATES = BIT[Kind.RATE]
@@ -80,8 +81,9 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         and all(x.held for x in equations.switches),
         cyclic=_cyclic(equations, seen, jumping),
         affine=constant and autonomous and affine(equations, seen.normal),
-        definite=definite(equations),
-        singular=singular(equations),
+        definite=_definite(equations),
+        # where M may be singular; see points/singularities.py
+        singular=tuple(x.quantity.name for x in equations.singularities if x.use == COORDINATES),
         mass_blocks=coupled,
         mass_band=mass_band(equations),
         influences=influence,
@@ -160,3 +162,12 @@ def _smooth(equations: Equations) -> bool:
     outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]
     return smooth(g, reachable(g, outputs, VARIABLE))
+
+
+def _definite(e: Equations) -> bool:
+    """Returns whether M is proved positive definite at all states, for all parameters within their
+    bounds: by its pivots (D in M = L D L^T), or by writing T as a sum of squares."""
+    if definite_by_squares(e.graph, e.parameters, e.written, len(e.coordinates)):
+        return True
+    positive = Positive(e.graph.copy(), e.parameters)
+    return e.pivots is not None and all(positive(pivot) for pivot, _ in e.pivots)

@@ -37,7 +37,7 @@ from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
-from .lagrange import Derived, derived, located, singularities
+from .lagrange import Derived, derived, located
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -114,7 +114,6 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     primes = x.primes[:]
     outputs = _outputs(x, found, rates)
     check_rates(model, x.graph, primes, naming(named))
-    ends = singularities(x.graph, found, named, x.attitudes) if wanted("singularity") else ()
     equations = Equations(
         model=model,
         graph=x.graph,
@@ -122,7 +121,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         **outputs,
         left_out=left_out,
         event_names=Quantity.each(model.events),
-        singularities=ends,
+        singularities=(),
         events=_events(x, found, rates),
         start_q=start_q,
         start_v=start_v,
@@ -130,9 +129,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         particles=bodies,
         attitudes=x.attitudes,
         fast=_fast(x, energies.fast, found),
-        **found.fields(),
+        **found.fields,
     )
-    return located(equations)
+    return located(equations, wanted)
 
 
 # -- the statements ------------------------------------------------------------------------------

@@ -85,7 +85,7 @@ def as_rates(
     rates = there(e.state_rates)
     solved = with_states(g, e.momenta)
     acceleration = None if e.acceleration is None else (*there(e.acceleration), *rates)
-    motion = _solved(g, acceleration) if solved else _beside(g, e, rates, there)
+    motion = _beside(g, _solved(e) if solved else e, rates, there)
     wanted = Wanted(kernels)
     jacobians = NO_JACOBIANS
     if wanted("jacobian"):
@@ -109,7 +109,7 @@ def as_rates(
         **jacobians,
         acceleration=acceleration,
         pivots=None if e.pivots is None else (*map(there, e.pivots), *[(ONE, ONE)] * count),
-        inertia=_with_unit(_matrix(e.mass, there), count) if solved or own else None,
+        inertia=_with_unit(map(there, e.mass), count) if solved or own else None,
         linear=linear_of(g, motion) if wanted.linear(n + count) else None,
         singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
         switches=tuple(_switch(x, there, count) for x in e.switches),
@@ -140,16 +140,11 @@ def _switch(x: Switch, there, count: int) -> Switch:
     return replace(x, node=node, slope_t=slope_t, slope=tuple(slope))
 
 
-def _matrix(matrix: Matrix, there) -> Matrix:
-    return tuple(there(row) for row in matrix)
-
-
-def _solved(g: Graph, acceleration: Row) -> Motion:
-    n = len(acceleration)
-    none = (ZERO,) * n
-    return Motion(
-        symbols(g, Kind.RATE, n), none, acceleration, acceleration, _unit(n), acceleration
-    )
+def _solved(e: Equations) -> Equations:
+    """Returns the solved form, v' = a, as Lagrange's equations with p = v and M = 1."""
+    n, a = len(e.coordinates), e.acceleration
+    v, none = symbols(e.graph, Kind.RATE, n), (ZERO,) * n
+    return replace(e, momenta=v, gradient=none, applied=a, pdot=a, mass=_unit(n), force=a)
 
 
 def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
@@ -162,15 +157,15 @@ def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
         (*there(e.gradient), *none),
         (*there(e.applied), *rates),
         (*there(e.pdot), *rates),
-        _with_unit(_matrix(e.mass, there), count),
+        _with_unit(map(there, e.mass), count),
         (*there(e.force), *rates),
     )
 
 
-def _with_unit(mass: Matrix, count: int) -> Matrix:
+def _with_unit(rows: Iterable[Row], count: int) -> Matrix:
     """Returns M extended by a unit matrix of size `count`."""
-    n, none = len(mass), (ZERO,) * count
-    return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
+    mass = [(*row, *(ZERO,) * count) for row in rows]
+    return (*mass, *((ZERO,) * len(mass) + row for row in _unit(count)))
 
 
 def _unconstrained(

@@ -13,7 +13,7 @@ from ..derive.impulses import NoRate
 from ..motion import COORDINATES
 from ..report import ReportLine
 from .reduction import Needs, State, cost
-from .routh import NotReduced, Reduced, routh
+from .routh import NotReduced, routh
 
 # How many operations an integrator takes for one number of the state, in addition to the evaluation
 # of the equations. The number is per evaluation, and is about 7 for rk4 and 16 for gauss.
@@ -52,8 +52,7 @@ def cyclic(state: State, needs: Needs) -> State:
     if not chosen:
         return state
     try:
-        reduced = routh(e, chosen, angles)
-        after = _recorded(state, needs, reduced, chosen, angles)
+        after = _recorded(state, needs, chosen, angles)
     except (NotReduced, NoRate) as why:
         return _not(state, e, chosen, str(why))
     lost = [
@@ -80,19 +79,12 @@ def _not(state: State, e: Equations, which: list[int], why: str) -> State:
     return replace(state, report=replace(state.report, lines=lines))
 
 
-def _recorded(
-    state: State, needs: Needs, reduced: Reduced, chosen: list[int], angles: list[int]
-) -> State:
-    """Returns a State with the reduced equations, and with a report line for each removed
-    coordinate. The rates of removed coordinates become outputs if they are recorded."""
-    e, found = state.equations, reduced.equations
-    extra = len(e.observed)
-    keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]
-    found = replace(
-        found,
-        observed_names=tuple(found.observed_names[i] for i in keep),
-        observed=tuple(found.observed[i] for i in keep),
-    )
+def _recorded(state: State, needs: Needs, chosen: list[int], angles: list[int]) -> State:
+    """Returns a State without the coordinates `chosen` (routh.py), and with a report line for each
+    of them. Their rates become outputs if they are recorded."""
+    e = state.equations
+    recorded = [i for i in chosen if e.rates[i].name in needs.columns]
+    found, starts = routh(e, chosen, angles, recorded)
     lines = [
         ReportLine(
             "cyclic",
@@ -106,7 +98,7 @@ def _recorded(
     return state.after(
         found,
         *lines,
-        starts={**state.report.starts, **reduced.starts},
+        starts={**state.report.starts, **starts},
         unused=state.report.unused | unused,
     )
 

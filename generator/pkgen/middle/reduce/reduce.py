@@ -13,15 +13,14 @@ from dataclasses import replace
 
 from ...equations import Equations, Structure
 from ...graph.differentiate import symbols_in
-from ...graph.graph import BIT, ZERO, Kind
+from ...graph.graph import BIT, Kind
 from ...indices import parted
 from ...model import Model
 from ...record import record
 from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
-from ..drop_coordinates import smaller
+from ..drop_coordinates import without
 from ..motion import STATE
-from ..quantities import symbols
 from ..report import Report, ReportLine
 from .apart import Subsystem, parts_of
 from .cyclic import cyclic
@@ -169,20 +168,12 @@ def unconnected(state: State, needs: Needs) -> State:
         if not waiting:
             waiting = list(_bodies(e, kept) - kept)
             kept |= set(waiting)
-    g, n = e.graph, len(e.coordinates)
-    gone = [i for i in range(n + len(e.states)) if i not in kept]
+    gone = [i for i in range(_moving(e)) if i not in kept]
     if not gone or not kept:
         return state
-    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
-    x = symbols(g, Kind.STATE, len(e.states))
-    swap = {q[i]: e.start_q[i] for i in gone if i < n} | {v[i]: ZERO for i in gone if i < n}
-    swap |= {x[i - n]: e.state_start[i - n] for i in gone if i >= n}
     names = [(*e.moving, *(q.name for q in e.states))[i] for i in gone]
-    left = [i for i in sorted(kept) if i < n]
-    states = [i - n for i in sorted(kept) if i >= n]
-    parts = (e.kinetic, e.potential)
     return state.after(
-        smaller(e, left, swap, e.lagrangian, parts, kept_states=states),
+        without(e, gone),
         ReportLine("unconnected", ", ".join(names), "nothing recorded depends on it"),
         unused=state.report.unused | frozenset(names),
     )
