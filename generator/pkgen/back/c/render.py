@@ -303,8 +303,7 @@ def _context(program: Program) -> dict[str, Any]:
         "input_rates": tables.input_rates(equations.inputs),
         "functions": _functions(program),
         "forms": list(program.lanes),
-        "lane_arguments": f"const struct {equations.model.name}_params *p, {LANE_ARGUMENTS}",
-        "member_arguments": f"const pk_real *P, {LANE_ARGUMENTS}",
+        "lane_arguments": LANE_ARGUMENTS,
     }
 
 
