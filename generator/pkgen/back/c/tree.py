@@ -1,7 +1,7 @@
 """A small syntax tree of C, statements and functions, and their text, folded and indented.
 
-A statement is its text. Blocks are nodes: kernels, loops and checks are built of both; the rest of
-a file is in Jinja2 templates.
+A statement is its text, which may be indented further. Blocks are nodes: kernels, loops and checks
+are built of both; the rest of a file is in Jinja2 templates.
 """
 
 from __future__ import annotations
@@ -94,7 +94,8 @@ def _lines(node: Node, indent: int) -> list[str]:
     margin = " " * indent
     match node:
         case str():
-            return [fold(node, indent) if node else ""]
+            text = node.lstrip()
+            return [fold(text, indent + len(node) - len(text)) if text else ""]
         case If(condition, body):
             return _headed(f"if ({condition})", body, indent)
         case Loop(head, body):

@@ -12,8 +12,9 @@ form, with p = v, M = 1 and f = a.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
+from graphlib import TopologicalSorter
 
 from ...equations import Constraints, Equations, Matrix, Quantity, Row, Structure, Switch
 from ...graph.differentiate import symbols_in
@@ -26,33 +27,17 @@ from ..quantities import rate_of_state, symbols
 STATES = BIT[Kind.STATE]
 
 
-class Circular(Exception):
-    """States form a cycle: the time derivative of each state contains that of the next state in the
-    cycle."""
-
-    def __init__(self, cycle: Sequence[int]):
-        super().__init__(cycle)
-        self.cycle = tuple(cycle)
-
-
 def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
     """Returns the expressions of the time derivatives of states by their symbols. The expressions
-    do not contain such symbols. Raises Circular if that is impossible."""
+    do not contain such symbols. Raises CycleError if that is impossible."""
     count = len(rates)
+    used = {
+        k: [s.index - count for s in symbols_in(g, [rate], STATES) if s.index >= count]
+        for k, rate in enumerate(rates)
+    }
     found: dict[Node, Node] = {}
-    for first in range(count):
-        path = [first]
-        while path:
-            k = path[-1]
-            used = (s.index - count for s in symbols_in(g, [rates[k]], STATES))
-            waiting = [i for i in used if i >= 0 and rate_of_state(g, i, count) not in found]
-            if not waiting:
-                (found[rate_of_state(g, k, count)],) = substituted(g, [rates[k]], found)
-                path.pop()
-            elif waiting[0] in path:
-                raise Circular(path[path.index(waiting[0]) :])
-            else:
-                path.append(waiting[0])
+    for k in TopologicalSorter(used).static_order():
+        (found[rate_of_state(g, k, count)],) = substituted(g, [rates[k]], found)
     return found
 
 

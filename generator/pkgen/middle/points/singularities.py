@@ -72,8 +72,8 @@ def singularities_of(
         suspects = [(state, NEARLY) for state in _least_definite(g, parameters, pivots)]
         suspects += [(state, 0.0) for state in _anywhere(g, parameters, sum(rows, ()))]
         ratios_at = _ratios(g, rows)
-        seen = map(ratios_at, _at_random(g, parameters, sum(rows, ()), USUAL))
-        usual = [max(0.0, *some) for some in zip(*seen, strict=True)]
+        anyhow = _at_random(defaults(g, parameters), _moving(g, sum(rows, ()))[0], USUAL)
+        usual = [max(0.0, *some) for some in zip(*map(ratios_at, anyhow), strict=True)]
         for state, limit in suspects:
             for node, ratio, most in zip(unsure, ratios_at(state), usual, strict=True):
                 if not ratio > limit * most:
@@ -182,6 +182,13 @@ def _drawn(draw: random.Random, symbol: Symbol) -> float:
     return draw.uniform(-3, 3) * (0.3 if symbol.kind == Kind.RATE else 1)
 
 
+def _at_random(
+    fixed: dict[Symbol, float], moving: list[Symbol], count: int
+) -> list[dict[Symbol, float]]:
+    draw = random.Random(2385)
+    return [fixed | {symbol: _drawn(draw, symbol) for symbol in moving} for _ in range(count)]
+
+
 def defaults(
     g: Graph,
     parameters: tuple[ParameterSlot, ...],
@@ -214,18 +221,9 @@ def _anywhere(
             return draw.uniform(lo, hi)
         return min(max(value * WIDE ** draw.uniform(-1, 1), lo), hi)
 
-    if used:
-        for _ in range(max(SAMPLES, min(SCATTER, EFFORT // len(reachable(g, nodes))))):
-            fixed = defaults(g, parameters, change)
-            yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
-
-
-def _at_random(
-    g: Graph, parameters: tuple[ParameterSlot, ...], nodes: Iterable[Node], count: int
-) -> Iterator[dict[Symbol, float]]:
-    draw, fixed = random.Random(2385), defaults(g, parameters)
-    moving, _ = _moving(g, nodes)
+    count = max(SAMPLES, min(SCATTER, EFFORT // len(reachable(g, nodes)))) if used else 0
     for _ in range(count):
+        fixed = defaults(g, parameters, change)
         yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
 
 
@@ -267,8 +265,7 @@ def _least_at(
     moving: list[Symbol],
     left: int,
 ) -> dict[Symbol, float]:
-    draw = random.Random(2385)
-    states = [fixed | {s: _drawn(draw, s) for s in moving} for _ in range(SAMPLES)]
+    states = _at_random(fixed, moving, SAMPLES)
     least, best = min((ratio(state), k) for k, state in enumerate(states))
     state, width = states[best], 1.0
     for k in range((left - SAMPLES) // 2):  # a coordinate search with decreasing steps
