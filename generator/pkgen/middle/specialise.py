@@ -41,7 +41,7 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
         return model, []
     used = with_definitions(model, list(fixed.values()))
     kept = tuple(p for p in model.parameters if p.name not in fixed)
-    lines = [ReportLine("fold", ", ".join(fixed), "fixed by the scene, so a number in the C")]
+    lines = [ReportLine(", ".join(fixed), "fixed by the scene, so a number in the C")]
     return replace(used, parameters=kept), lines
 
 
@@ -54,14 +54,14 @@ def held(
     lines = []
     if scene.holds and model.conserved:
         claimed = ", ".join(item.name for item in model.conserved)
-        lines.append(ReportLine("hold", claimed, "claimed of the free motion, not of this one"))
+        lines.append(ReportLine(claimed, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
     # A constant event would be an error. Events on held coordinates may become constant: limits of
     # held coordinates, and events that nothing requests, are left out.
     if scene.holds:
         held = {_member(item, model) for item in scene.holds}
         gone = {e.name for e in model.events if e.limit and held & _members(e.value, model)}
-        lines += [ReportLine("hold", name, "a limit of what is held") for name in sorted(gone)]
+        lines += [ReportLine(name, "a limit of what is held") for name in sorted(gone)]
         asked = asked_events | {e.name for e in model.events if e.stop and e.name not in gone}
         kept = tuple(e for e in model.events if e.name in asked)
         model = replace(model, events=kept)
@@ -70,7 +70,7 @@ def held(
         _refuse_momentum(model, scene, item.name, index)
         model = _without(model, item, index, value)
         name = indexed(item.name, index)
-        lines.append(ReportLine("hold", name, "its motion is given, so it has no equation"))
+        lines.append(ReportLine(name, "its motion is given, so it has no equation"))
     if scene.holds and not model.coordinates:
         _refuse_energy(model, scene)
     return model, lines

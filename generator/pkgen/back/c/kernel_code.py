@@ -7,10 +7,10 @@ from itertools import groupby
 
 from ..kernel_spec import KernelSpec
 from ..kernels import KERNELS
-from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, STORE, TRIG
+from ..targets import CHECK, LOAD, LOCAL, TRIG
 from .chunk import ARGUMENTS
 from .program import Block, Kernel, Statement, operations_text
-from .tree import Assign, Declare, Function, If, Loop, Node, Text
+from .tree import Function, If, Node, Text
 
 TYPES = {
     "t": "pk_real t",
@@ -31,27 +31,15 @@ def statements(
     for a single state then returns. The checks `uniform` contain parameters alone; within a loop
     over lanes they are omitted, since code after the loop makes them."""
     for s in found:
-        if s.kind in (LOAD, LOCAL):
-            yield f"const pk_real {s.target} = {s.text};"
-        elif s.kind in (STORE, ADD):
-            yield Assign(s.target, s.text, "=" if s.kind == STORE else "+=")
-        elif s.kind == TRIG:
-            yield Declare("pk_real", ", ".join(s.defines))
+        if s.kind == TRIG:
+            yield f"pk_real {', '.join(s.defines)};"
             yield sincos(s, lane, flag)
-        elif s.kind == FILL:
-            yield Loop(f"size_t k = 0; k < {s.text}; k++", [f"{s.target}[k] = 0;"])
-        elif s.kind == MIRROR:
-            n, of = s.text, s.target
-            copy = f"{of}[i * {n} + j] = {of}[j * {n} + i];"
-            yield Loop(f"size_t i = 1; i < {n}; i++", [Loop("size_t j = 0; j < i; j++", [copy])])
         elif s.kind == CHECK and lane:
             noted = f"bad |= (pk_bits)!({s.text});"
             yield If("pass != PK_IN_LANE", [noted]) if s.text in uniform else noted
             yield If("pass >= PK_ONCE && bad", [f"return {s.target};"])
-        elif s.kind == CHECK:
-            yield If(f"!({s.text})", [f"return {s.target};"])
         else:
-            yield f"return {s.text};"
+            yield str(s)
 
 
 def sincos(s: Statement, lane: str, flag: str) -> Node:

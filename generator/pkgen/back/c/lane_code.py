@@ -12,7 +12,7 @@ from ...record import record
 from ..targets import CHECK, LOAD, LOCAL, TRIG
 from .kernel_code import KernelCode, grouped, unused
 from .program import Kernel, Program, Statement
-from .tree import Assign, Declare, Function, If, Loop, Node, Text
+from .tree import Assign, Declare, Function, If, Loop, Node
 
 SIDE_BY_SIDE = (
     "W <= 64 states side by side in loops without branches, which a compiler makes vector code "
@@ -165,7 +165,7 @@ return failed;"""
     def _one_by_one(self, form: str, body: str, says: str = "") -> Function:
         signature = f"{self.model}_{form}_apart(size_t W, const pk_bits *bad"
         signature = f"static unsigned long long {signature}, {self.arguments[form]})"
-        return Function(signature, body.split("\n"), says)
+        return Function(signature, [body], says)
 
     # -- functions that compute all lanes together -----------------------------------------------
 
@@ -195,7 +195,7 @@ return failed;"""
             lane = [*self._own_state(self.angles, form), f"pk_real sc_[{count}];"]
             lane.append(f"bad[l] = {call};")
             lane += [f"sc[{i} * W + l] = sc_[{i}];" for i in range(count)]
-            yield from (Text("    PK_LANE_LOOP"), Loop(EACH_LANE, lane))
+            yield from ("PK_LANE_LOOP", Loop(EACH_LANE, lane))
         lane = self._own_state(self.algebra, form)
         if self.pairs:
             lane.append(Declare("const pk_real", f"sc_[{count}]", _places("sc", count)))
@@ -205,7 +205,7 @@ return failed;"""
         lane.append(Assign("bad[l]", call, "|=" if self.pairs else "="))
         lane.append("any |= bad[l];")
         lane += [f"a[{i} * W + l] = a_[{i}];" for i in range(n)]
-        yield from (Text("    PK_LANE_LOOP"), Loop(EACH_LANE, lane))
+        yield from ("PK_LANE_LOOP", Loop(EACH_LANE, lane))
         if form == "lanes" and self.uniform:
             all_apart = f"return {self.model}_lanes_apart(W, NULL, p, t, q, v, u, a);"
             yield If(f"!({' && '.join(self.uniform)})", [all_apart])

@@ -19,16 +19,16 @@ from .expressions import Code, base
 
 LANES = ("lanes", "members")  # Many states with common or own parameters.
 
-_SHOWN = {
-    LOCAL: "{target} = {text}",
-    TRIG: "{target} = sincos {text}",
-    LOAD: "{target} = {text}",
-    STORE: "{target} := {text}",
-    ADD: "{target} += {text}",
-    FILL: "{target}[0..{text} - 1] := 0",
-    MIRROR: "{target}[j, i] := {target}[i, j], i < j < {text}",
-    CHECK: "unless {text}: return {target}",
-    RETURN: "return {text}",
+_FORMS = {
+    **dict.fromkeys((LOCAL, LOAD), "const pk_real {target} = {text};"),
+    TRIG: "{target} = sincos {text};",  # in C a call: kernel_code.py
+    STORE: "{target} = {text};",
+    ADD: "{target} += {text};",
+    FILL: "for (size_t k = 0; k < {text}; k++)\n    {target}[k] = 0;",
+    MIRROR: "for (size_t i = 1; i < {text}; i++)\n    for (size_t j = 0; j < i; j++)\n"
+    "        {target}[i * {text} + j] = {target}[j * {text} + i];",
+    CHECK: "if (!({text}))\n    return {target};",
+    RETURN: "return {text};",
 }
 
 
@@ -66,7 +66,7 @@ class Statement(NamedTuple):
         return tuple(name for name in made if name != "NULL")
 
     def __str__(self) -> str:
-        return _SHOWN[self.kind].format(target=self.target, text=self.text)
+        return _FORMS[self.kind].format(target=self.target, text=self.text)
 
 
 @record

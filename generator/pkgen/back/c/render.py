@@ -258,7 +258,6 @@ def frame(
 
 def _context(program: Program) -> dict[str, Any]:
     equations = program.equations
-    redundant = equations.constraints and equations.constraints.redundant
     present = {kernel.name for kernel in program.kernels}
     parameters, names = tables.parameters(program), tables.tables(program)
     return {
@@ -269,16 +268,11 @@ def _context(program: Program) -> dict[str, Any]:
         "sizes": [],
         "n": len(equations.coordinates),
         "n_first_order": equations.n_first_order,
-        "n_unread": equations.n_unread,
         "states": [q.name for q in equations.rates[equations.own :]],
         # Whether p = dL/dv and the energy is v.p - L, so that the self-test can check this.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
-        "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
-        "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,
-        "n_redundant": len(redundant.names) if redundant else 0,
-        "n_redundant_holonomic": redundant.holonomic if redundant else 0,
-        "n_particles": len(equations.particles.masses) if equations.particles else 0,
+        "entries": tables.system_entries(program),
         "events": tables.events(program),
         "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],

@@ -1,6 +1,6 @@
 """A small syntax tree of C, statements and functions, and their text, folded and indented.
 
-A statement is its text, which may be indented further. Blocks are nodes: kernels, loops and checks
+A statement is its text, of one line or several. Blocks are nodes: kernels, loops and checks
 are built of both; the rest of a file is in Jinja2 templates.
 """
 
@@ -94,8 +94,8 @@ def _lines(node: Node, indent: int) -> list[str]:
     margin = " " * indent
     match node:
         case str():
-            text = node.lstrip()
-            return [fold(text, indent + len(node) - len(text)) if text else ""]
+            lines = ((line, line.lstrip()) for line in node.split("\n"))
+            return [text and fold(text, indent + len(line) - len(text)) for line, text in lines]
         case If(condition, body):
             return _headed(f"if ({condition})", body, indent)
         case Loop(head, body):

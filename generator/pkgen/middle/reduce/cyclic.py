@@ -38,14 +38,14 @@ def cyclic(state: State, needs: Needs) -> State:
     for i in found:
         name = e.coordinates[i].name
         if name in used:
-            lines.append(ReportLine("cyclic", f"{name} kept", f"it is in {used[name]}"))
+            lines.append(ReportLine(f"{name} kept", f"it is in {used[name]}"))
         elif name in needs.columns and state.structure.affine:
-            lines.append(ReportLine("cyclic", f"{name} kept", "a linear system has an exact flow"))
+            lines.append(ReportLine(f"{name} kept", "a linear system has an exact flow"))
         else:
             chosen.append(i)
             angles += [i] if name in needs.columns else []
     if len(chosen) == len(e.coordinates) and not e.states:
-        lines.append(ReportLine("cyclic", f"{e.coordinates[chosen[0]].name} kept", "one must move"))
+        lines.append(ReportLine(f"{e.coordinates[chosen[0]].name} kept", "one must move"))
         angles = [i for i in angles if i != chosen[0]]
         chosen = chosen[1:]
     state = replace(state, report=replace(state.report, lines=(*state.report.lines, *lines)))
@@ -75,7 +75,7 @@ def _states(e: Equations) -> int:
 
 def _not(state: State, e: Equations, which: list[int], why: str) -> State:
     names = ", ".join(e.coordinates[i].name for i in which)
-    lines = (*state.report.lines, ReportLine("cyclic", f"{names} kept", why))
+    lines = (*state.report.lines, ReportLine(f"{names} kept", why))
     return replace(state, report=replace(state.report, lines=lines))
 
 
@@ -87,7 +87,6 @@ def _recorded(state: State, needs: Needs, chosen: list[int], angles: list[int]) 
     found, starts = routh(e, chosen, angles, recorded)
     lines = [
         ReportLine(
-            "cyclic",
             e.coordinates[i].name,
             f"{e.momenta_names[i].name} is constant, of the start"
             + ("; the angle is a state" if i in angles else ""),

@@ -70,7 +70,7 @@ def reduce(
     if parts:
         names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
         why = "neither moves the other: integrated apart"
-        lines = (*lines, ReportLine(APART, " | ".join(names), why))
+        lines = (*lines, ReportLine(" | ".join(names), why))
         kernels = of_the_whole(kernels)
     lines = (*lines, *_of_itself(state.equations, state.structure))
     reduced = derived_again(state.equations, kernels)
@@ -88,10 +88,10 @@ def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, 
     """Returns report lines about properties of the equations that save work at run time."""
     lines = []
     if structure.mass_constant and equations.coordinates:
-        lines.append(ReportLine("constant mass", "M is constant", "factored once, when prepared"))
+        lines.append(ReportLine("M is constant", "factored once, when prepared"))
     if structure.affine:
         why = "stepped by its exact exponential, unless another method is asked for"
-        lines.append(ReportLine("exact", "linear with constant coefficients", why))
+        lines.append(ReportLine("linear with constant coefficients", why))
     return tuple(lines)
 
 
@@ -110,7 +110,7 @@ def outputs(state: State, needs: Needs) -> State:
         names = getattr(e, named)
         gone = [q.name for q in names if q.name not in wanted]
         if gone:
-            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
+            lines.append(ReportLine(f"{what} {', '.join(gone)}", why))
             for row in (named, field):
                 pairs = zip(names, getattr(e, row), strict=True)
                 left[row] = tuple(x for q, x in pairs if q.name in wanted)
@@ -141,7 +141,7 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
         items = getattr(model, field)
         gone = [item.name for item in items if item.name not in wanted]
         if gone:
-            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
+            lines.append(ReportLine(f"{what} {', '.join(gone)}", why))
             model = replace(model, **{field: tuple(x for x in items if x.name in wanted)})
     return model, tuple(lines)
 
@@ -174,7 +174,7 @@ def unconnected(state: State, needs: Needs) -> State:
     names = [(*e.moving, *(q.name for q in e.states))[i] for i in gone]
     return state.after(
         without(e, gone),
-        ReportLine("unconnected", ", ".join(names), "nothing recorded depends on it"),
+        ReportLine(", ".join(names), "nothing recorded depends on it"),
         unused=state.report.unused | frozenset(names),
     )
 
