@@ -43,7 +43,12 @@ def potential_text(build) -> tuple[str, list[str]]:
     )
     kernel = program.kernel("potential")
     assert kernel is not None
-    texts = [str(s) for b in kernel.blocks for s in b.statements if s.kind != "load"]
+    texts = [
+        str(s).removeprefix("const pk_real ").removesuffix(";")
+        for b in kernel.blocks
+        for s in b.statements
+        if s.kind != "load"
+    ]
     hoisted = [s.text for b in program.prepare.blocks for s in b.statements if s.kind == STORE]
     return "; ".join(texts), hoisted
 

@@ -83,10 +83,9 @@ def _rows(program: Program) -> Iterator[ParameterCode]:
         zip(slots, program.defaults, program.bounds, strict=True)
     ):
         field, needs = f"p->{program.parameter_names[k]}", bounds.statements
-        assigned = [*statements(default.statements), f"{field} = {default.text};"]
         check = checked(field, k, bounds, slot.lo_open, slot.hi_open)
         yield ParameterCode(
-            _scoped(default.statements, assigned),
+            _scoped(default[1:], [*statements(default)]),
             slot.follows,
             _scoped(needs, check),
             _scoped(needs, ends(k, bounds)),

@@ -112,14 +112,6 @@ class Kernel:
 
 
 @record
-class Assignment:
-    """The default of one parameter, computed from earlier parameters."""
-
-    statements: tuple[Statement, ...]  # Declarations that `text` needs.
-    text: str
-
-
-@record
 class Interval:
     """The bounds of one parameter, as C text. A bound that is None is infinite."""
 
@@ -148,7 +140,7 @@ class Program:
     structure: Structure
     fields: tuple[Field, ...]
     parameter_names: tuple[str, ...]  # C text of each scalar parameter: "m1", "k[2]"
-    defaults: tuple[Assignment, ...]
+    defaults: tuple[tuple[Statement, ...], ...]  # the assignment of each parameter's default
     bounds: tuple[Interval, ...]
     prepare: Kernel  # the function that computes the constants
     constants: tuple[Constant, ...]  # The hoisted constants.
@@ -179,7 +171,7 @@ class Program:
     def __str__(self) -> str:
         lines = [f"program {self.equations.model.name}"]
         defaults = zip(self.parameter_names, self.defaults, strict=True)
-        lines += [f"default {name} = {default.text}" for name, default in defaults]
+        lines += [f"default {name} = {default[-1].text}" for name, default in defaults]
         lines += [str(kernel) for kernel in (self.prepare, self.start, *self.kernels)]
         return "\n".join(lines)
 
