@@ -6,21 +6,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...equations import Equations, Indices, Structure
-from ...record import record
 from ..analyze.analyze import analyze
 from ..analyze.coupling import partition
 from ..derive.lagrange import derived_again
 from ..drop_coordinates import without
-
-
-@record
-class Subsystem:
-    """A block as a separate system. `coordinates` are the indices of its coordinates and states in
-    the whole system, where states are numbered after all coordinates."""
-
-    equations: Equations
-    structure: Structure
-    coordinates: tuple[int, ...]
+from .reduction import Subsystem
 
 
 def parts_of(

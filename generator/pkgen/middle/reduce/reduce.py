@@ -16,13 +16,12 @@ from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, Kind
 from ...indices import parted
 from ...model import Model
-from ...record import record
 from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
 from ..drop_coordinates import without
 from ..motion import STATE
-from ..report import Report, ReportLine
-from .apart import Subsystem, parts_of
+from ..report import ReportLine
+from .apart import parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost
 
@@ -30,14 +29,6 @@ from .reduction import Needs, State, cost
 APART = "apart"
 # The kernels of the whole system that are needed even if its parts are integrated separately.
 OF_WHOLE = frozenset({"energy", "canonical", "observe", "conserve", "kinetic", "potential"})
-
-
-@record
-class Reduced:
-    equations: Equations
-    structure: Structure
-    report: Report
-    parts: tuple[Subsystem, ...]  # () if the whole system is integrated as one
 
 
 def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
@@ -54,12 +45,12 @@ def of_a_part(kernels: frozenset[str] | None) -> frozenset[str] | None:
 
 def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
-) -> Reduced:
+) -> State:
     """Applies all reductions, and returns the reduced equations with their facts and the report.
     `kernels` are the requested kernels (None: all that exist)."""
     # The field `fast` is used only by the method respa, without reductions.
     equations = replace(equations, fast=None)
-    state = State(equations, structure, Report())
+    state = State(equations, structure)
     for name, reduction in REDUCTIONS.items():
         if name not in needs.off:
             state = reduction(state, needs)
@@ -81,7 +72,7 @@ def reduce(
         coordinates=(_moving(equations), _moving(reduced)),
         operations=(cost(g, equations), sum(cost(g, e) for e in moved)),
     )
-    return Reduced(reduced, analyze(reduced), report, parts)
+    return State(reduced, analyze(reduced), report, parts)
 
 
 def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, ...]:
