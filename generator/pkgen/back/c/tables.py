@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...equations import Quantity
+from ...indices import parted
 from ...middle.loops.loops import LoopEquations
 from .describe import families, field_says
-from .names import family_of
 from .program import Program
 
 
@@ -158,7 +158,7 @@ def parameters(program: Program) -> list[dict[str, Any]]:
             | {
                 "index": index,
                 "c_name": c_name,
-                "field": family_of(c_name),
+                "field": parted(c_name)[0],
                 "position": slot.position,
                 "follows": int(slot.follows),
                 "lo_open": int(slot.lo_open or bounds.lo is None),

@@ -61,7 +61,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     of_v = of_rates(equations) if constant and not separable else 0
     return Structure(
         mass_constant=constant,
-        mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
+        mass_diagonal=mass_band(equations) == 0,
         quadratic=not seen.occurs(triangle, RATES),
         separable=separable,
         linear_drag=of_v == CONSTANT,

@@ -15,7 +15,7 @@ from ...graph.graph import ZERO, Graph, Node
 from ...graph.solve import Solution
 from ...record import record
 from ..attitudes import lock
-from ..dependence import without_coordinates
+from ..dependence import rewritten, without_coordinates
 from ..motion import (
     NO_JACOBIANS,
     Energies,
@@ -69,7 +69,8 @@ def derived(
 
     Raises SingularMass, CannotConstrain, and exceptions of `check`.
     """
-    raw = _independent(g, motion_of(g, energies, forces, rate_of, attitudes))
+    raw = motion_of(g, energies, forces, rate_of, attitudes)
+    raw = rewritten(raw, lambda nodes: without_coordinates(g, nodes, len(forces)))
     check(raw)
     bound = bool(states) or rows is not None
     motion, solution = shortest(g, energies.lagrangian, raw, wanted, bound)
@@ -100,18 +101,6 @@ def derived(
         "constraints": constraints,
     }
     return Derived(motion, solution, shown, energy, constraints, fields)
-
-
-def _independent(g: Graph, motion: Motion) -> Motion:
-    """Returns the motion after removing coordinates from entries of M and f whose values do not
-    depend on them."""
-    n = len(motion.force)
-    nodes = [*sum(motion.mass, ()), *motion.force]
-    made = without_coordinates(g, nodes, n)
-    if made == nodes:
-        return motion
-    mass = tuple(tuple(made[i * n : i * n + n]) for i in range(n))
-    return replace(motion, mass=mass, force=tuple(made[n * n :]))
 
 
 def _singularities(e: Equations) -> tuple[Singularity, ...]:

@@ -25,7 +25,7 @@ from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Op, Symbol
 from ...graph.ranges import Ranges
 from ...graph.solve import Pivots
 from ...graph.wording import wording
-from .cuts import half_cosine, jumping_angles
+from .cuts import half_cosine, is_call, jumping_angles
 from .squares import bounds_of, definite_by_squares, summands
 
 # The number of random states at which the pivots of M are evaluated.
@@ -97,13 +97,9 @@ def singularities_of(
     )
 
 
-def _is_call(g: Graph, node: Node, *functions: str) -> bool:
-    return g.op[node] is Op.CALL and g.data[node] in functions
-
-
 def squared(g: Graph, node: Node) -> tuple[Node, ...]:
     """Returns the argument of a square root as a tuple; () for any other node."""
-    return g.args[node] if _is_call(g, node, "sqrt") else ()
+    return g.args[node] if is_call(g, node, "sqrt") else ()
 
 
 def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tuple[Node, str]]:
@@ -127,10 +123,10 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
 def about(g: Graph, singularity: Node) -> Node:
     """Returns the expression whose text names a singularity: the angle for the cosine of half an
     angle, the base for a power."""
-    if _is_call(g, singularity, "cos"):  # the cosine of half an angle atan2(y, x)
+    if is_call(g, singularity, "cos"):  # the cosine of half an angle atan2(y, x)
         _, angle = g.split(g.args[singularity][0])
-        singularity = angle if _is_call(g, angle, "atan2") else singularity
-    return g.args[g.args[singularity][0]][0] if _is_call(g, singularity, "pow") else singularity
+        singularity = angle if is_call(g, angle, "atan2") else singularity
+    return g.args[g.args[singularity][0]][0] if is_call(g, singularity, "pow") else singularity
 
 
 def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
@@ -142,7 +138,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
             continue
         op, first = g.op[base], (g.args[base] or (base,))[0]
         inside = op is Op.POWER or (op is Op.CALL and FUNCTIONS[g.data[base]].like_argument)
-        if inside and not (_is_call(g, base, "sqrt") and ranges(first).not_negative):
+        if inside and not (is_call(g, base, "sqrt") and ranges(first).not_negative):
             yield from zeros(g, ranges, first)
         elif op is Op.ADD:
             common, rest = _common(g, base)
@@ -150,7 +146,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
                 yield from zeros(g, ranges, factor)
             if not ranges(rest).never_zero:
                 yield rest, True
-        elif _is_call(g, base, "pow") and not _is_call(g, first, "abs"):
+        elif is_call(g, base, "pow") and not is_call(g, first, "abs"):
             yield where_positive(g, first, g.args[base][1]), False
         else:
             yield base, False
