@@ -35,7 +35,8 @@ class LaneCode:
         self.n = len(program.equations.coordinates)
         self.n_inputs = len(program.equations.inputs)
         self.angles, self.algebra, self.pairs = lane_parts(code.kernel)
-        self.uniform = [s.text for s in self.algebra.statements if is_uniform(s)]
+        checks = (s for s in self.algebra.statements if s.kind == CHECK)
+        self.uniform = [s.text for s in checks if _read([s]) <= {"p"}]  # checks of parameters alone
         # Whether the kernel is one function without loops, which a loop over lanes can inline.
         self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
         self.sc = ", sc" if self.pairs else ""
@@ -263,11 +264,6 @@ class LanePart:
             tuple(a for a in arguments if a in words),
             tuple(a for a in arguments if a not in words),
         )
-
-
-def is_uniform(statement: Statement) -> bool:
-    """Returns whether the statement is a check of parameters alone."""
-    return statement.kind == CHECK and _read([statement]) <= {"p"}
 
 
 def lane_parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
