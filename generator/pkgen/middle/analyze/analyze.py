@@ -19,7 +19,7 @@ from ...graph.normal import WORK, Normal
 from ...graph.residues import Varying
 from ..points.squares import Positive, definite_by_squares
 from .affine import CONSTANT, VARYING, affine, of_rates
-from .coupling import blocks_of, influences, mass_band, mass_blocks, ties
+from .coupling import atoms, blocks_of, influences, mass_band, mass_blocks, ties
 from .proofs import claims_of
 
 RATES = BIT[Kind.RATE]
@@ -101,14 +101,6 @@ class _Seen:
         self.normal = Normal(g, work=2 * WORK)
         self.varying = Varying(g)
 
-    def atoms(self, node: Node) -> list[Node]:
-        """Returns the atoms (variables) of the node's normal form. If the node has no normal form,
-        returns the node itself."""
-        polynomial = self.normal(node)
-        if polynomial is None:
-            return [node]
-        return sorted({base for monomial in polynomial for base, _ in monomial})
-
     def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
         """Returns whether any of the nodes depends on a symbol of the kinds in `mask` whose index
         is at least `first`. If the result is False, this is proved; if True, the nodes may still
@@ -116,10 +108,10 @@ class _Seen:
         g = self.graph
         nodes = [node for node in nodes if g.depends[node] & mask]
         if first:
-            atoms = [atom for node in nodes for atom in self.atoms(node)]
-            return any(symbol.index >= first for symbol in symbols_in(g, atoms, mask))
+            found = [atom for node in nodes for atom in atoms(self.normal, node)]
+            return any(symbol.index >= first for symbol in symbols_in(g, found, mask))
         return any(self.varying(node, mask) for node in nodes) or any(
-            g.depends[atom] & mask for node in nodes for atom in self.atoms(node)
+            g.depends[atom] & mask for node in nodes for atom in atoms(self.normal, node)
         )
 
 
@@ -151,8 +143,8 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     # is not enough: the whole sum has to be proved zero.
     acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
-        atoms = seen.atoms(equations.lagrangian)
-        acting |= {s.index for s in symbols_in(g, atoms, BIT[Kind.COORDINATE])} & open_
+        found = atoms(seen.normal, equations.lagrangian)
+        acting |= {s.index for s in symbols_in(g, found, BIT[Kind.COORDINATE])} & open_
     return tuple(i in free and i not in acting for i in range(n))
 
 

@@ -19,6 +19,7 @@ Reference: P. J. Olver, Applications of Lie Groups to Differential Equations, 2n
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import reduce
 
 from ...equations import Equations, Indices, Invariant, Matrix, Symmetries
 from ...graph.exact import Exact
@@ -125,12 +126,12 @@ def _columns(
     def column(u: Unknown) -> Polynomial:
         """Returns the time derivative of the unknown's term, by the product rule."""
         letters, total = TERMS[u.kind], {}
-        sign = {(): 1 if "p" in letters else -1}
         for k, letter in enumerate(letters):
-            term = exact.multiplied(sign, factor(letter, u)[1])
-            for other in letters[:k] + letters[k + 1 :]:
-                term = exact.multiplied(term, factor(other, u)[0])
+            others = (factor(other, u)[0] for other in letters[:k] + letters[k + 1 :])
+            parts = [x for x in (factor(letter, u)[1], *others) if x != {(): 1}]
+            term = reduce(exact.multiplied, sorted(parts, key=len) or [{(): 1}])
             total = exact.added(total, term)
+        total = total if "p" in letters else {m: -c for m, c in total.items()}
         return total if letters[-1] in "pe" else exact.multiplied(total, one)
 
     try:
