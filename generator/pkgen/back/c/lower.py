@@ -239,7 +239,7 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
     scalars: list[str] = []
     for index, slot in enumerate(equations.parameters):
         if slot.position == 0:
-            fields.append(Field(names.take(slot.family), slot.family, slot.length, index))
+            fields.append(Field(names.take(slot.family), slot.length, index))
         place = f"[{slot.position}]" if slot.length else ""
         scalars.append(fields[-1].c_name + place)
     return tuple(fields), tuple(scalars)

@@ -129,7 +129,6 @@ class Field:
     """A member of struct NAME_params: a parameter, or an array of `length` family members."""
 
     c_name: str
-    name: str
     length: int  # 0 for a single parameter.
     first: int  # Index of the parameter or of the first member.
 
