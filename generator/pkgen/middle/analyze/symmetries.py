@@ -101,7 +101,6 @@ def _columns(
     multiplied by the same factor. Returns None if the coefficients are too large."""
     g = along.graph
     n = len(equations.coordinates)
-
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
     nodes += [along.energy_rate(), ONE]
     # Without a common denominator, fewer terms cancel; it is used unless it takes too much work.

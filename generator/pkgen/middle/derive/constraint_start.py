@@ -79,27 +79,27 @@ def at_the_start(
     start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
     rates = sorted(start.unit.keys() | {r for x in c.residual for r in gradient(g, x, RATE)})
     rows = np.array([_row(g, node, start, rates) for node in c.residual])
-    slopes = np.abs(rows).sum(axis=1)
+    with np.errstate(all="ignore"):  # entries that are not finite stay so
+        scaled = _equilibrated(rows)
+    finite = np.isfinite(scaled).all()
     broken = [
         _broken(c, k, *found)
-        for k, slope in enumerate(slopes)
+        for k, slope in enumerate(np.abs(rows).sum(axis=1).tolist())
         if (found := _residual(g, c, k, slope, start)) is not None
     ]
     if broken:
         near = nearest_start(g, c, lagrangian, start.values, attitudes, name)
         if near:
             broken[0] = replace(broken[0], help=f"the nearest start that holds: {near}")
-        elif np.isfinite(rows).all():
-            broken += _contradiction(c, _equilibrated(rows))
+        elif finite:
+            broken += _contradiction(c, scaled)
         return c, broken
     for k, row in enumerate(rows):
         if not row.any():
             message = f"the {c.statement(k)} has no force at the start: its row is 0 there"
             help = "start elsewhere, or write it another way"
             return c, [Diagnostic(message, c.spans[k], help)]
-    if not np.isfinite(rows).all():
-        return c, []
-    own = _independent(_equilibrated(rows), c.holonomic)
+    own = _independent(scaled, c.holonomic) if finite else range(len(rows))
     if len(own) == len(rows):
         return c, []
     redundant = c.picked([k for k in range(len(rows)) if k not in own])
@@ -189,8 +189,9 @@ def _contradiction(c: Rows, rows: np.ndarray) -> list[Diagnostic]:
         if np.linalg.norm(row - x @ rows[:k]) <= DEPENDENT * np.linalg.norm(row):
             large = np.flatnonzero(np.abs(x) > DEPENDENT * np.abs(x).max(initial=0))
             names = " and ".join(c.statement(i).partition(" ")[2] for i in large) or "nothing"
-            message = f"the {c.statement(k)} contradicts {names}: they leave the same rates no"
-            return [Diagnostic(f"{message} freedom", c.spans[k], "leave one out")]
+            message = f"the {c.statement(k)} contradicts {names}"
+            message += ": they leave the same rates no freedom"
+            return [Diagnostic(message, c.spans[k], "leave one out")]
     return []
 
 
