@@ -8,7 +8,7 @@ the C code (back/kernels.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from ...equations import Equations, Structure
@@ -89,36 +89,19 @@ def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, 
 # -- outputs -------------------------------------------------------------------------------------
 
 
-_OUTPUTS = {"observed": "not recorded, so not computed", "conserved": "proved, so not watched"}
-
-
 def outputs(state: State, needs: Needs) -> State:
     """Removes the outputs that are not recorded, and the events that are not requested. A
     `conserve` statement that is not recorded is removed too, since it was proved before."""
-    e, lines, left = state.equations, [], {}
-    for field, what, wanted, why in _unread(e.model, needs, needs.columns):
-        named = f"{field.removesuffix('s')}_names"
-        names = getattr(e, named)
-        gone = [q.name for q in names if q.name not in wanted]
-        if gone:
-            lines.append(ReportLine(f"{what} {', '.join(gone)}", why))
-            for row in (named, field):
-                pairs = zip(names, getattr(e, row), strict=True)
-                left[row] = tuple(x for q, x in pairs if q.name in wanted)
-    if not lines:
-        return state
-    asked = {q.name for q in left.get("event_names", e.event_names)}
-    events = tuple(event for event in e.model.events if event.name in asked)
-    return state.after(replace(e, model=replace(e.model, events=events), **left), *lines)
-
-
-def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tuple]:
-    """Yields a tuple for each kind of output, and for events: the field of the equations, the name
-    of the kind in messages, the requested names, and the reason why others are dropped."""
-    for field, why in _OUTPUTS.items():
-        yield field, field, columns, why
-    asked = needs.events | {event.name for event in model.events if event.stop}
-    yield "events", "event", asked, "nothing is asked of it, and it stops nothing"
+    e, lines, left, model = state.equations, [], {}, state.equations.model
+    names = {"observed": e.observed_names, "conserved": e.conserved_names, "events": e.event_names}
+    for field, wanted, line in _unread(model, needs, needs.columns, names):
+        lines.append(line)
+        for row in (f"{field.removesuffix('s')}_names", field):
+            pairs = zip(names[field], getattr(e, row), strict=True)
+            left[row] = tuple(x for q, x in pairs if q.name in wanted)
+        if field == "events":
+            model = replace(model, events=tuple(x for x in model.events if x.name in wanted))
+    return state.after(replace(e, model=model, **left), *lines) if lines else state
 
 
 def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLine, ...]]:
@@ -127,14 +110,27 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
         return model, ()
     # A recorded column NAME[i] is member i of an output NAME, or an output with the name "NAME[i]".
     columns = {parted(name)[0] for name in needs.columns} | needs.columns
-    lines = []
-    for field, what, wanted, why in _unread(model, needs, columns):
-        items = getattr(model, field)
-        gone = [item.name for item in items if item.name not in wanted]
-        if gone:
-            lines.append(ReportLine(f"{what} {', '.join(gone)}", why))
-            model = replace(model, **{field: tuple(x for x in items if x.name in wanted)})
+    lines, items = [], vars(model)
+    for field, wanted, line in _unread(model, needs, columns, items):
+        lines.append(line)
+        model = replace(model, **{field: tuple(x for x in items[field] if x.name in wanted)})
     return model, tuple(lines)
+
+
+def _unread(
+    model: Model, needs: Needs, columns: frozenset[str], items: Mapping[str, tuple]
+) -> Iterator[tuple[str, frozenset[str], ReportLine]]:
+    """Yields a tuple for each kind of output, and for events, of which some items are dropped: the
+    name of its field, the names of the others, a report line."""
+    asked = needs.events | {event.name for event in model.events if event.stop}
+    for field, what, wanted, why in (
+        ("observed", "observed", columns, "not recorded, so not computed"),
+        ("conserved", "conserved", columns, "proved, so not watched"),
+        ("events", "event", asked, "nothing is asked of it, and it stops nothing"),
+    ):
+        gone = [item.name for item in items[field] if item.name not in wanted]
+        if gone:
+            yield field, wanted, ReportLine(f"{what} {', '.join(gone)}", why)
 
 
 # -- coordinates without influence ---------------------------------------------------------------
