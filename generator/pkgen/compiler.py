@@ -36,7 +36,7 @@ from .middle.loops.indexed_ir import Unrolled
 from .middle.loops.loops import LoopEquations
 from .middle.quantities import families, too_deep
 from .middle.reduce import reduce
-from .middle.reduce.reduction import ENOUGH, Needs
+from .middle.reduce.reduction import ENOUGH, Needs, State
 from .middle.report import Report, ReportLine
 from .model import Model
 from .plan import CompilePlan, Use
@@ -161,7 +161,7 @@ def stages(
     structure = analyze.analyze(equations, symmetric, with_claims=True)
     yield structure
     check_claims(equations.model, structure.claims)
-    left = reduce.Reduced(equations, structure, Report(), ())
+    left = State(equations, structure)
     if needs is not None:
         with _no_collection():
             left = reduce.reduce(equations, structure, needs, called)

@@ -15,6 +15,7 @@ Families (q[1..N]) are unrolled: each member is a separate quantity, in declarat
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from .graph.graph import Graph, Node
 from .graph.solve import Pivots
@@ -148,46 +149,39 @@ class Rows:
     redundant: Rows | None = None  # rows that at the start depend on these rows
 
     def picked(self, which: Sequence[int]) -> Rows:
+        """Returns these rows alone."""
         holonomic = sum(k < self.holonomic for k in which)
-        return Rows(
-            tuple(self.names[k] for k in which),
-            holonomic,
-            tuple(self.positions[k] for k in which[:holonomic]),
-            tuple(self.residual[k] for k in which),
-            tuple(self.spans[k] for k in which),
+        return replace(
+            self,
+            names=tuple(self.names[k] for k in which),
+            holonomic=holonomic,
+            positions=tuple(self.positions[k] for k in which[:holonomic]),
+            residual=tuple(self.residual[k] for k in which),
+            spans=tuple(self.spans[k] for k in which),
         )
 
+    def statement(self, k: int) -> str:
+        """Returns the kind and the name of the statement of row k: constraint 'rod'."""
+        kind = "constraint" if k < self.holonomic else "rolling"
+        return f"{kind} '{self.names[k].name.removeprefix('lambda_')}'"
 
-@record
-class Constraints:
-    """Rows J v + j0 = 0; the first `holonomic` rows are time derivatives of phi = 0. The fields
-    applied, pdot and force of Equations include the constraint force J^T lambda; the `free_` fields
-    exclude it. `redundant` rows depend on these rows and have no force; a run ends where they
-    become independent."""
 
-    names: tuple[Quantity, ...]  # names of the multipliers
-    holonomic: int
-    positions: Row  # phi
+@record(kw_only=True)
+class Constraints(Rows):
+    """Rows J v + j0 = 0 with their multipliers. The fields applied, pdot and force of Equations
+    include the constraint force J^T lambda; the `free_` fields exclude it. `redundant` rows depend
+    on these rows and have no force; a run ends where they become independent."""
+
     rows: Matrix  # J
-    residual: Row  # J v + j0
     multipliers: Row
     pivots: Pivots  # pivots of S = J M^-1 J^T, each with the diagonal entry of S
     free_applied: Row
     free_pdot: Row
     free_force: Row
-    spans: tuple[Span, ...]
     workless: bool  # j0 = 0, and nothing depends on t or inputs: the constraints do no work
-    redundant: Rows | None = None
     redundant_rows: Matrix = ()  # J of the redundant rows
     least: Row = ()  # multipliers of least norm: for these rows, then for redundant rows
     shared: frozenset[int] = frozenset()  # indices in `least` of rows without a unique multiplier
-
-    @property
-    def stated(self) -> Rows:
-        """Returns the Rows from which constrain() made these constraints."""
-        return Rows(
-            self.names, self.holonomic, self.positions, self.residual, self.spans, self.redundant
-        )
 
 
 @record

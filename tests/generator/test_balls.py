@@ -12,7 +12,7 @@ from pkgen.graph.balls import Ball, Balls
 from pkgen.graph.differentiate import reachable
 from pkgen.graph.graph import Graph, Kind, Symbol
 from pkgen.middle.derive.derive import derive
-from pkgen.middle.points.solved import accelerations
+from pkgen.middle.points.samples import accelerations
 
 X, Y = Symbol(Kind.COORDINATE, 0), Symbol(Kind.COORDINATE, 1)
 COARSE, FINE = Balls(24), Balls(300)

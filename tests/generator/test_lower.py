@@ -19,11 +19,11 @@ from pkgen.back.c.expressions import (
     code,
     constant,
     inverted,
+    literal,
     multiplied,
     negated,
     variable,
 )
-from pkgen.back.c.literals import literal
 from pkgen.back.c.lower import lower
 from pkgen.back.c.names import LOCAL_RESERVED, Names, local_wish
 from pkgen.back.c.program import operations_text
@@ -43,7 +43,12 @@ def potential_text(build) -> tuple[str, list[str]]:
     )
     kernel = program.kernel("potential")
     assert kernel is not None
-    texts = [str(s) for b in kernel.blocks for s in b.statements if s.kind != "load"]
+    texts = [
+        str(s).removeprefix("const pk_real ").removesuffix(";")
+        for b in kernel.blocks
+        for s in b.statements
+        if s.kind != "load"
+    ]
     hoisted = [s.text for b in program.prepare.blocks for s in b.statements if s.kind == STORE]
     return "; ".join(texts), hoisted
 

@@ -12,7 +12,7 @@ from conftest import case
 from pkgen.compiler import check_model, stages
 from pkgen.graph.graph import ONE, Graph, Kind, Symbol
 from pkgen.graph.residues import Residues
-from pkgen.middle.analyze.combination import combination
+from pkgen.middle.analyze.along import combination
 from pkgen.source import ModelError, Source
 
 

@@ -18,14 +18,13 @@ _FEW_ROWS = 6  # In a symmetric matrix with more rows a loop copies entries acro
 @record
 class KernelSpec:
     """The specification of a kernel, a generated C function. `values` returns {output: its nodes},
-    or one node if the kernel returns a pk_real. `says` is the comment in C, `result` the return
-    type in C."""
+    or one node if the kernel returns a pk_real. A model for which no output has nodes lacks the
+    kernel. `says` is the comment in C, `result` the return type in C."""
 
     name: str
     says: str
-    values: Callable[[Equations], Mapping[str, Row | Matrix]]
+    values: Callable[[Equations], Mapping[str, Row | Matrix | None] | None]
     result: str = "void"
-    exists: Callable[[Equations], bool] = lambda _: True
     checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # made before the first store
     kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # Nodes that become local variables.
     given: tuple[str, ...] = ()  # Vector arguments after t, q, v and u.
@@ -34,6 +33,9 @@ class KernelSpec:
     copies: bool = (
         False  # whether equal entries, such as mixed second derivatives, are computed once
     )
+
+    def exists(self, e: Equations) -> bool:
+        return any((self.values(e) or {}).values())
 
     def outputs(self, e: Equations) -> tuple[Output, ...]:
         if self.result == "pk_real":
@@ -49,7 +51,10 @@ class KernelSpec:
             return []  # A loop solves M a = f instead.
         found = list(self.checks(e))
         for name, x in values.items():
-            found += matrix_stores(name, x, self.symmetric) if _is_matrix(x) else stores(name, x)
+            if _is_matrix(x):
+                found += matrix_stores(name, x, self.symmetric)
+            else:
+                found += [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(x)]
         return _copied(found) if self.copies else found
 
     def hints(self, equations: Equations) -> Iterator[Hint]:
@@ -67,10 +72,6 @@ class KernelSpec:
 def _named(stem: str, row: Row) -> Iterator[Hint]:
     for i, node in enumerate(row):
         yield node, f"{stem}_{i}"
-
-
-def stores(name: str, row: Row) -> list[Target]:
-    return [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(row)]
 
 
 def pivot_checks(graph: Graph, failure: str, pivots: Pivots) -> Iterator[Target]:
@@ -105,11 +106,6 @@ def _copied(targets: list[Target]) -> list[Target]:
     ]
 
 
-def optional(name: str, says: str, output: str, row: Callable[[Equations], Row]) -> KernelSpec:
-    """Returns a kernel with one output; the kernel exists if the output is not empty."""
-    return KernelSpec(name, says, lambda e: {output: row(e)}, exists=lambda e: bool(row(e)))
-
-
 def _is_matrix(x: Row | Matrix) -> bool:
     return bool(x) and isinstance(x[0], tuple)
 
@@ -133,10 +129,3 @@ def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Ta
     if symmetric and not small:
         targets.append(Target(MIRROR, name, (), str(columns)))
     return targets
-
-
-def row_checks(equations: Equations) -> list[Target]:
-    """Returns checks that the constraint rows are linearly independent."""
-    if equations.constraints is None:
-        return []
-    return list(pivot_checks(equations.graph, "CONSTRAINT", equations.constraints.pivots))

@@ -5,16 +5,24 @@ A new kernel needs a row here, a member in runtime/include/pk/system.h, and a ca
 
 from __future__ import annotations
 
-from ..equations import Equations, Particles, Row
+from collections.abc import Callable, Mapping
+
+from ..equations import Equations, Hamiltonian, Row
 from ..graph.graph import ZERO
 from ..middle.motion import LINEAR_OF_FEW
-from .kernel_spec import KernelSpec, optional, pivot_checks, row_checks
-from .kernels_bound import ALWAYS, BOUND
-from .kernels_canonical import CANONICAL, CANONICAL_SPECS
+from .kernel_spec import KernelSpec, pivot_checks
 from .targets import Target
 
 # Kernels of a model that is generated to be embedded, without the runtime's tables.
 PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
+# Kernels of the canonical form, in q and p: `pkgen MODEL.lag --canonical`.
+CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
+# Kernels with which the runtime keeps constraints: generated even if a user selects other kernels.
+_OF_CONSTRAINTS = frozenset(
+    ("constraint", "constraint_jacobian", "residual_scale", "inertia", "redundant", "multipliers")
+)
+# Kernels with which the runtime finds the rates after an impulse.
+_OF_IMPULSES = frozenset(("corner", "energy", "unconstrained", "inertia"))
 
 
 def needed_kernels(
@@ -22,54 +30,50 @@ def needed_kernels(
 ) -> frozenset[str]:
     """Returns the kernels of `wanted` (None: all) that the model has, and the kernels that they
     call; unless `plain`, also the kernels that the runtime itself calls."""
-    names = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
-    if plain:
-        names &= wanted or names
-    elif wanted is not None:
-        names &= (
-            wanted
-            | CANONICAL
-            | (ALWAYS if equations.constraints else frozenset())
-            | ({"linear"} if LINEAR_OF_FEW in wanted else set())
-        )
-    for name, needed in (("switching", equations.switches), ("marking", equations.marks)):
-        names |= {name} if needed and not plain else set()
-    if equations.impulsive and not plain:
-        corner = ("corner", "energy", "unconstrained", "inertia")
-        names |= {name for name in corner if KERNELS[name].exists(equations)}
-    if "acceleration" in names and equations.acceleration is None:
-        names |= {"mass", "force"}
-    return frozenset(names)
-
-
-def _has_energy(equations: Equations) -> bool:
-    """Returns whether the model has an energy; a model with only first-order states has none."""
-    return equations.own > 0 or bool(equations.attitudes)
+    known = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
+    asked = known if wanted is None else known & wanted
+    if wanted is not None and not plain:
+        asked |= known & CANONICAL
+        asked |= known & _OF_CONSTRAINTS if equations.constraints else set()
+        asked |= known & {"linear"} if LINEAR_OF_FEW in wanted else set()
+    if not plain:
+        asked |= known & {"switching", "marking"}
+        asked |= known & _OF_IMPULSES if equations.impulsive else set()
+    if "acceleration" in asked and equations.acceleration is None:
+        asked |= {"mass", "force"}
+    return frozenset(asked)
 
 
 def _scalar(name: str, says: str) -> KernelSpec:
-    """Returns a kernel for a scalar: its value is the field of Equations with the kernel's name."""
+    """Returns a kernel for a scalar: its value is the field of Equations with the kernel's name. A
+    model with only first-order states has none."""
+
+    def values(e: Equations) -> Mapping[str, Row]:
+        exists = getattr(e, name) is not None and (e.own > 0 or e.attitudes)
+        return {name: (getattr(e, name),)} if exists else {}
+
+    return KernelSpec(name, says, values, "pk_real")
+
+
+def _canonical(
+    name: str, says: str, values: Callable[[Hamiltonian], Mapping[str, Row]]
+) -> KernelSpec:
+    """Returns a kernel that depends on q and p; it returns a failure code if M is singular."""
     return KernelSpec(
         name,
         says,
-        lambda e: {name: (getattr(e, name),)},
-        "pk_real",
-        lambda e: getattr(e, name) is not None and _has_energy(e),
+        lambda e: e.hamiltonian and values(e.hamiltonian),
+        "int",
+        checks=lambda e: pivot_checks(e.graph, "MASS", e.hamiltonian.pivots),
+        second="momenta",
     )
 
 
 def _pivots(e: Equations) -> list[Target]:
-    """Returns the checks of all pivots, which precede all stores."""
-    return [*pivot_checks(e.graph, "MASS", e.pivots or ()), *row_checks(e)]
-
-
-def _of_particles(particles: Particles) -> dict[str, Row]:
-    rows = {
-        "r_out": particles.places,
-        "v_out": particles.rates,
-        "a_out": particles.accelerations,
-    }
-    return {"m_out": particles.masses} | {name: sum(row, ()) for name, row in rows.items()}
+    """Returns the checks of the pivots of M, and that constraint rows are linearly independent."""
+    rows = e.constraints.pivots if e.constraints else ()
+    found = ("MASS", e.pivots or ()), ("CONSTRAINT", rows)
+    return [check for failure, pivots in found for check in pivot_checks(e.graph, failure, pivots)]
 
 
 _SPECS = (
@@ -94,59 +98,115 @@ _SPECS = (
         "jacobian",
         "dp/dq, d(pdot)/dq, d(pdot)/dv",
         lambda e: {name: getattr(e, name) for name in ("p_q", "pdot_q", "pdot_v")},
-        exists=lambda e: e.p_q is not None,
         copies=True,
     ),
     KernelSpec(
         "linear",
         "derivatives of r = f - M a by q, v and t, with a and the inputs held",
-        lambda e: {name: getattr(e.linear, name) for name in ("r_q", "r_v", "r_t")},
-        exists=lambda e: e.linear is not None,
+        lambda e: e.linear and vars(e.linear),
         given=("a",),
         copies=True,
     ),
-    optional("fast", "the part of a that is named fast", "a", lambda e: e.fast or ()),
+    KernelSpec("fast", "the part of a that is named fast", lambda e: {"a": e.fast}),
     _scalar("energy", "h = v.p - L"),
     _scalar("lagrangian", "L"),
     _scalar("kinetic", "T"),
     _scalar("potential", "V"),
-    optional(
+    KernelSpec(
         "singularity",
         "what the equations divide by, or take a root or a logarithm of: they end where it is 0",
-        "out",
-        lambda e: tuple(singularity.node for singularity in e.singularities),
+        lambda e: {"out": tuple(singularity.node for singularity in e.singularities)},
     ),
-    optional("observe", "observed outputs", "out", lambda e: e.observed),
-    optional("conserve", "quantities claimed to be constant", "out", lambda e: e.conserved),
-    optional("event", "functions whose zeros are the events", "out", lambda e: e.events),
-    optional(
+    KernelSpec("observe", "observed outputs", lambda e: {"out": e.observed}),
+    KernelSpec("conserve", "quantities claimed to be constant", lambda e: {"out": e.conserved}),
+    KernelSpec("event", "functions whose zeros are the events", lambda e: {"out": e.events}),
+    KernelSpec(
         "switching",
         "the arguments of step, abs, min and max at whose zeros the equations change",
-        "out",
-        lambda e: tuple(switch.node for switch in e.switches),
+        lambda e: {"out": tuple(switch.node for switch in e.switches)},
     ),
-    optional(
+    KernelSpec(
         "marking",
         "u of exp(u) and the like, which end beyond +-36: where forces may be short",
-        "out",
-        lambda e: tuple(mark.node for mark in e.marks),
+        lambda e: {"out": tuple(mark.node for mark in e.marks)},
     ),
     KernelSpec(
         "corner",
         "the slopes of the switches at which rates may jump, by q and by t; 0 of others",
-        lambda e: {
-            "slope": tuple(tuple(x.slope) or (ZERO,) * len(e.coordinates) for x in e.switches),
-            "slope_t": tuple(x.slope_t for x in e.switches),
-        },
-        exists=lambda e: bool(e.impulsive),
+        lambda e: (
+            e.impulsive
+            and {
+                "slope": tuple(tuple(x.slope) or (ZERO,) * len(e.coordinates) for x in e.switches),
+                "slope_t": tuple(x.slope_t for x in e.switches),
+            }
+        ),
     ),
-    *BOUND,
-    *CANONICAL_SPECS,
+    KernelSpec(
+        "constraint",
+        "phi, which the holonomic constraints keep at 0",
+        lambda e: e.constraints and {"phi_out": e.constraints.positions},
+    ),
+    KernelSpec(
+        "constraint_jacobian",
+        "the rows J of all constraints, and J v + j0, which they keep at 0",
+        lambda e: (
+            e.constraints and {"J_out": e.constraints.rows, "residual_out": e.constraints.residual}
+        ),
+    ),
+    KernelSpec(
+        "residual_scale",
+        "the sizes of the terms of phi and of J v + j0: what both are rounded by, in units of eps",
+        lambda e: e.terms and dict(zip(("phi_size", "residual_size"), e.terms, strict=True)),
+    ),
+    KernelSpec(
+        "redundant",
+        "what redundant rows are off, phi and then J v + j0, and the sizes of their terms; their J",
+        lambda e: (
+            e.redundant_terms
+            and {
+                "off_out": e.constraints.redundant.positions + e.constraints.redundant.residual,
+                "off_size": e.redundant_terms,
+                "off_rows": e.constraints.redundant_rows,
+            }
+        ),
+    ),
+    KernelSpec(
+        "multipliers",
+        "lambda, of which J^T lambda are the forces of the constraints",
+        lambda e: e.constraints and {"lambda_out": e.constraints.multipliers},
+    ),
+    KernelSpec(
+        "unconstrained",
+        "p and pdot without the forces of constraints",
+        lambda e: e.unconstrained and dict(zip(("momenta", "pdot"), e.unconstrained, strict=True)),
+    ),
+    KernelSpec(
+        "inertia",
+        "dp/dv of what `unconstrained` writes",
+        lambda e: e.unconstrained and {"M": e.inertia},
+        symmetric=True,
+    ),
+    _canonical("hamiltonian", "H(q, p), the energy", lambda h: {"H": (h.energy,)}),
+    _canonical(
+        "hamilton", "dH/dq and dH/dp, which is q'", lambda h: {"dHdq": h.by_q, "dHdp": h.by_p}
+    ),
+    _canonical(
+        "hamilton_force",
+        "Q - dD/dv at q and p, which p' has besides -dH/dq",
+        lambda h: {"applied": h.applied if {*h.applied} - {ZERO} else ()},
+    ),
     KernelSpec(
         "particles",
         "particles: masses m, places r, r' and r'', a = q'' given",
-        lambda e: _of_particles(e.particles),
-        exists=lambda e: e.particles is not None and bool(e.particles.masses),
+        lambda e: (
+            e.particles
+            and {
+                "m_out": e.particles.masses,
+                "r_out": sum(e.particles.places, ()),
+                "v_out": sum(e.particles.rates, ()),
+                "a_out": sum(e.particles.accelerations, ()),
+            }
+        ),
         given=("a",),
         copies=True,
     ),

@@ -82,10 +82,12 @@ def library(files: Mapping[str, str], shown: str, target: Target | None = None) 
     that begin with `shown`. Without a target, this machine's own compiler is used. Raises
     BuildError."""
     there = target or TARGETS[this_machine()]
-    compiler = _own() if target is None else _zig(target)
+    compiler = list(find_toolchain().cc) if target is None else _zig(target)
     options = ["-fPIC"] if there.suffix != ".dll" else []
     compiles = [*compiler, STANDARD, DECLARED, *FLAGS, "-fvisibility=hidden", *options]
-    link = [*compiler, "-shared", "-s", *_exports(there, shown)]
+    link = [*compiler, "-shared", "-s"]
+    if there.suffix == ".so":  # each library in a process uses its own runtime, which is hidden
+        link += ["-Wl,--version-script=exports", "-Wl,-z,defs"]
     libraries = [] if there.suffix == ".dll" else ["-lm"]
     core = {path: text for path, text in files.items() if path.startswith(("src/", "include/"))}
     name = f"library{there.suffix}"
@@ -140,21 +142,9 @@ def _each(compiles: Sequence[str], sources: Sequence[str], folder) -> None:
         list(pool.map(one, sources))
 
 
-def _own() -> list[str]:
-    return list(find_toolchain().cc)
-
-
 def _zig(target: Target) -> list[str]:
     if find_spec("ziglang") is None:
         raise BuildError(
             f"--target {target.name}: zig compiles for other machines: pip install ziglang"
         )
     return [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, *ZIG]
-
-
-def _exports(target: Target, shown: str) -> list[str]:
-    """Returns linker options that hide the runtime's names, so that each library in a process uses
-    its own runtime."""
-    if target.suffix == ".so":
-        return ["-Wl,--version-script=exports", "-Wl,-z,defs"]
-    return []

@@ -9,8 +9,7 @@ import shlex
 import sys
 from pathlib import Path
 
-from ..back.kernels import KERNELS, PLAIN
-from ..back.kernels_canonical import CANONICAL
+from ..back.kernels import CANONICAL, KERNELS, PLAIN
 from ..compiler import STAGES, Compilation
 from ..front.read import READ, read
 from ..scenes import check as scene_check

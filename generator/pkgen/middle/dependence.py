@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 from ..equations import Attitude, Equations
 from ..graph.count import operations
@@ -15,6 +16,7 @@ from ..graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
 from ..graph.residues import Residues
 from ..graph.substitute import substituted
 from .attitudes import numbers, on_sphere
+from .motion import Motion
 
 MOST = 24  # the largest number of coordinates: each takes a sweep over all expressions
 
@@ -67,13 +69,18 @@ def _without(
     return [new.get(node, node) for node in nodes]
 
 
+Moving = TypeVar("Moving", Motion, Equations)
+
+
+def rewritten(e: Moving, rewrite: Callable[[list[Node]], list[Node]]) -> Moving:
+    """Returns the motion with the entries of M and f rewritten."""
+    n = len(e.force)
+    made = rewrite([*sum(e.mass, ()), *e.force])
+    mass = tuple(tuple(made[i * n : i * n + n]) for i in range(n))
+    return replace(e, mass=mass, force=tuple(made[n * n :]))
+
+
 def to_be_shown(e: Equations) -> Equations:
     """Returns equations for display. In M and f, attitudes are removed from entries that do not
     depend on them."""
-    if not e.attitudes:
-        return e
-    n = len(e.force)
-    nodes = [*sum(e.mass, ()), *e.force]
-    made = without_attitudes(e.graph, nodes, e.attitudes)
-    mass = tuple(tuple(made[i * n : i * n + n]) for i in range(n))
-    return replace(e, mass=mass, force=tuple(made[n * n :]))
+    return rewritten(e, lambda nodes: without_attitudes(e.graph, nodes, e.attitudes))

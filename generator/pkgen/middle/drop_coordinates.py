@@ -7,48 +7,29 @@ renumbered. Afterwards lagrange.derived_again() has to derive the equations of m
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ..equations import Attitude, Constraints, Equations, ParameterSlot, Quantity, Rows
-from ..graph.graph import BIT, Graph, Kind, Node, Symbol
+from ..graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ..graph.substitute import substituted
 from ..model import Coordinate, Model, State
-from ..record import record
 from .quantities import families, indexed, symbols
 
 # The key of an initial value: the coordinate's name, and 0 for the coordinate or 1 for its rate.
 Start = tuple[str, int]
 
 
-@record
-class Output:
-    """A former coordinate or rate, which is computed from the remaining coordinates."""
-
-    quantity: Quantity
-    node: Node
-
-
 def smaller(
-    equations: Equations,
+    e: Equations,
     kept: Sequence[int],
     swap: Mapping[Node, Node],
-    lagrangian: Node,
-    parts: tuple[Node | None, Node | None],
-    outputs: Iterable[Output] = (),
-    angles: Mapping[int, tuple[Node, Node]] | None = None,
     kept_states: Sequence[int] | None = None,
 ) -> Equations:
-    """Returns equations with the coordinates `kept` only. Their motion has to be derived again.
-
-    `swap` maps symbols of removed coordinates to expressions. `lagrangian` is the new L, and
-    `parts` are the new energies T and V (None if unknown). All these expressions contain the
-    symbols of `equations`, before renumbering. The states of the result are `kept_states` (None:
-    all), followed by `angles`: former coordinates that no equation uses, each mapped to (rate,
-    initial value).
-    """
-    g = equations.graph
-    count, states = len(equations.coordinates), len(equations.states)
+    """Returns equations with the coordinates `kept` and the states `kept_states` (None: all) only.
+    Their motion has to be derived again. `swap` maps symbols of removed coordinates and states to
+    expressions in the symbols of `e`, before renumbering."""
+    g, count, states = e.graph, len(e.coordinates), len(e.states)
     of_states = range(states) if kept_states is None else kept_states
     renumbered = {
         old: new
@@ -68,45 +49,40 @@ def smaller(
     def pick(row: Sequence) -> tuple:
         return tuple(row[i] for i in kept)
 
-    outputs, angles = list(outputs), angles or {}
-    constraints = equations.constraints
-    if constraints is not None:
-        constraints = _fewer(g, constraints, there, pick)
-    kinetic, potential = (None if x is None else there([x])[0] for x in parts)
-    return replace(
-        equations,
-        model=_model(
-            equations.model,
-            {equations.coordinates[i].name for i in kept}
-            | {equations.states[i].name for i in of_states},
-        ),
-        coordinates=pick(equations.coordinates),
-        rates=pick(equations.rates),
-        momenta_names=pick(equations.momenta_names),
-        lagrangian=there([lagrangian])[0],
-        kinetic=kinetic,
-        potential=potential,
-        applied=there(pick(equations.applied)),
-        observed_names=(*equations.observed_names, *(o.quantity for o in outputs)),
-        observed=there([*equations.observed, *(o.node for o in outputs)]),
-        conserved=there(equations.conserved),
-        events=there(equations.events),
-        start_q=pick(equations.start_q),
-        start_v=pick(equations.start_v),
-        states=(
-            *(equations.states[i] for i in of_states),
-            *(equations.coordinates[i] for i in angles),
-        ),
-        state_rates=there(
-            [*(equations.state_rates[i] for i in of_states), *(rate for rate, _ in angles.values())]
-        ),
-        state_start=(
-            *(equations.state_start[i] for i in of_states),
-            *(start for _, start in angles.values()),
-        ),
-        attitudes=_attitudes(equations.attitudes, kept, of_states),
-        constraints=constraints,
+    energies = {x: getattr(e, x) for x in ("lagrangian", "kinetic", "potential")}
+    energies = {x: node for x, node in energies.items() if node is not None}
+    picked = ("coordinates", "rates", "momenta_names", "start_q", "start_v")
+    found = replace(
+        e,
+        **dict(zip(energies, there(energies.values()), strict=True)),
+        **{x: pick(getattr(e, x)) for x in picked},
+        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events")},
+        applied=there(pick(e.applied)),
+        states=tuple(e.states[i] for i in of_states),
+        state_rates=there(e.state_rates[i] for i in of_states),
+        state_start=tuple(e.state_start[i] for i in of_states),
+        attitudes=_attitudes(e.attitudes, kept, of_states),
+        constraints=e.constraints and _fewer(g, e.constraints, there, pick),
     )
+    model = replace(
+        e.model,
+        coordinates=_left(e.model, e.model.coordinates, found.coordinates),
+        states=_left(e.model, e.model.states, found.states),
+    )
+    return replace(found, model=model)
+
+
+def without(e: Equations, gone: Collection[int]) -> Equations:
+    """Returns equations in which the coordinates and states `gone` keep their initial values.
+    States are numbered after the coordinates."""
+    g, n = e.graph, len(e.coordinates)
+    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
+    places = (*q, *symbols(g, Kind.STATE, len(e.states)))
+    starts = (*e.start_q, *e.state_start)
+    swap = {places[i]: starts[i] for i in gone} | {v[i]: ZERO for i in gone if i < n}
+    left = [i for i in range(len(places)) if i not in gone]
+    kept, states = [i for i in left if i < n], [i - n for i in left if i >= n]
+    return smaller(e, kept, swap, states)
 
 
 def _attitudes(
@@ -124,19 +100,9 @@ def _fewer(g: Graph, c: Constraints, there, pick) -> Constraints | None:
     """Returns the constraints without the rows that contain no rate after the removal of
     coordinates. Returns None if all rows are left out. The fields that are computed from the rows
     keep their old values, since the constraints are derived again later."""
-    own = _moving(g, c.stated, there)
-    if own is None:
-        return None
-    return replace(
-        c,
-        names=own.names,
-        holonomic=own.holonomic,
-        positions=own.positions,
-        residual=own.residual,
-        spans=own.spans,
-        redundant=c.redundant and _moving(g, c.redundant, there),
-        free_applied=there(pick(c.free_applied)),
-    )
+    own = _moving(g, c, there)
+    redundant = c.redundant and _moving(g, c.redundant, there)
+    return own and replace(own, redundant=redundant, free_applied=there(pick(c.free_applied)))
 
 
 def _moving(g: Graph, rows: Rows, there) -> Rows | None:
@@ -147,25 +113,20 @@ def _moving(g: Graph, rows: Rows, there) -> Rows | None:
     return replace(rows, positions=there(rows.positions), residual=residual).picked(left)
 
 
-def _model(model: Model, kept: set[str]) -> Model:
-    """Returns the model with the remaining coordinates and states. If a family has lost members,
-    its remaining members are declared one by one."""
-    return replace(
-        model,
-        coordinates=_left(model, model.coordinates, kept),
-        states=_left(model, model.states, kept),
-    )
-
-
-def _left(model: Model, declared: tuple, kept: set[str]) -> tuple:
+def _left(
+    model: Model, declared: tuple[Coordinate | State, ...], kept: Iterable[Quantity]
+) -> tuple[Coordinate | State, ...]:
+    """Returns the declarations of the remaining coordinates or states. If a family has lost
+    members, its remaining members are declared one by one."""
+    left = {quantity.name for quantity in kept}
     found: list[Coordinate | State] = []
     all_families = families(model, declared)
     for item in declared:
         names = [indexed(item.name, index) for index in all_families[item.name].members]
-        if all(name in kept for name in names):
+        if left.issuperset(names):
             found.append(item)
         else:
-            found += [replace(item, name=name, range=None) for name in names if name in kept]
+            found += [replace(item, name=name, range=None) for name in names if name in left]
     return tuple(found)
 
 

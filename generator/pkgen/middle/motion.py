@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ..equations import Attitude, Linear, Matrix, Row
+from ..equations import Attitude, Equations, Linear, Matrix, Row
 from ..graph.collect import THOROUGH, fewest, forms, settled, shortened
 from ..graph.count import operations
 from ..graph.differentiate import Columns, Forward, gradient, reachable
-from ..graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
+from ..graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ..graph.pushed import pushed
 from ..graph.residues import Residues
 from ..graph.solve import Solution, looped, solve
@@ -111,14 +111,10 @@ def motion_of(
 def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
     """Returns the derivatives of `rows` by the symbols `by`, a symmetric matrix. Computes only the
     triangle i >= j."""
-    n = len(by)
-    matrix: list[list[Node]] = [[ZERO] * n for _ in range(n)]
     columns = Columns(g, rows, mask)
-    for j, symbol in enumerate(by):
-        column = columns.column(symbol, from_output=j)
-        for i in range(j, n):
-            matrix[i][j] = matrix[j][i] = column.get(rows[i], ZERO)
-    return tuple(map(tuple, matrix))
+    found = (columns.column(symbol, from_output=j) for j, symbol in enumerate(by))
+    triangle = [column.get(row, ZERO) for j, column in enumerate(found) for row in rows[j:]]
+    return _symmetric(triangle, len(by))
 
 
 def shortest(
@@ -176,6 +172,20 @@ def shortest(
         mass=mass,
         force=force,
     ), solution
+
+
+def rate_of(g: Graph, e: Equations, symbol: Symbol) -> Node | None:
+    """Returns the time derivative of t, a coordinate, a state or an input. Returns None for an
+    input if the equations do not contain its derivative."""
+    if symbol.kind is Kind.TIME:
+        return ONE
+    if symbol.kind is Kind.COORDINATE:
+        return g.symbol(Symbol(Kind.RATE, symbol.index))
+    if symbol.kind is Kind.STATE:
+        return e.state_rates[symbol.index]
+    names = [q.name for q in e.inputs[symbol.index : symbol.index + 2]]
+    known = len(names) == 2 and names[1] == f"{names[0]}'"
+    return g.symbol(Symbol(Kind.INPUT, symbol.index + 1)) if known else None
 
 
 def with_states(g: Graph, momenta: Row) -> bool:
@@ -314,21 +324,16 @@ def degree(g: Graph, output: Node) -> int | None:
     recognized as homogeneous."""
     found: dict[Node, int | None] = {}
     for node in reachable(g, [output], RATES):
-        found[node] = _degree_of(g, node, [found.get(a, 0) for a in g.args[node]])
+        op, below = g.op[node], [found.get(a, 0) for a in g.args[node]]
+        value: int | None = None
+        if op is Op.SYMBOL:
+            value = 1
+        elif None not in below and op is Op.ADD and below[0] == below[1]:
+            value = below[0]
+        elif None not in below and op is Op.MULTIPLY:
+            value = sum(below)
+        elif None not in below and op is Op.POWER:
+            power = g.data[node] * below[0]
+            value = int(power) if power.denominator == 1 and power >= 0 else None
+        found[node] = value
     return found.get(output, 0)
-
-
-def _degree_of(g: Graph, node: Node, below: list[int | None]) -> int | None:
-    if None in below:
-        return None
-    op = g.op[node]
-    if op is Op.SYMBOL:
-        return 1
-    if op is Op.ADD:
-        return below[0] if below[0] == below[1] else None
-    if op is Op.MULTIPLY:
-        return below[0] + below[1]
-    if op is Op.POWER:
-        power = g.data[node] * below[0]
-        return int(power) if power.denominator == 1 and power >= 0 else None
-    return None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -174,27 +175,14 @@ def _unit(model: Model, item: Input, order: int) -> str:
 
 def per_second(unit: str) -> str:
     """Returns a unit divided by a second, as text: "kg*m/s^2" -> "kg*m/s^3"."""
-    above, *below = (unit or "1").split("/")
-    for i, part in enumerate(below):
-        name, _, power = part.partition("^")
-        if name == "s":
-            below[i] = f"s^{int(power or 1) + 1}"
-            break
-    else:
-        factors = above.split("*")
-        for i, part in enumerate(factors):
-            name, _, power = part.partition("^")
-            if name == "s":
-                left = int(power or 1) - 1
-                factors[i : i + 1] = ["s" if left == 1 else f"s^{left}"] if left else []
-                above = "*".join(factors)
-                if not above and not below:
-                    return ""
-                above = above or "1"
-                break
-        else:
-            below.append("s")
-    return "/".join([above, *below])
+    if below := re.search(r"(?<=/)s(?:\^(\d+))?(?![\w^])", unit):
+        return f"{unit[: below.start()]}s^{int(below[1] or 1) + 1}{unit[below.end() :]}"
+    if above := re.search(r"(\*|^)s(?:\^(-?\d+))?(?![\w^])", unit):
+        left = int(above[2] or 1) - 1
+        power = f"{above[1]}s^{left}".removesuffix("^1") if left else ""
+        found = (unit[: above.start()] + power + unit[above.end() :]).removeprefix("*")
+        return f"1{found}" if found.startswith("/") else found
+    return f"{unit or '1'}/s"
 
 
 def symbols(g: Graph, kind: str, count: int) -> tuple[Node, ...]:

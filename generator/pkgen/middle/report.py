@@ -14,7 +14,6 @@ from .drop_coordinates import Start
 class ReportLine:
     """A line of the report: the effect of one reduction, or the reason why it has no effect."""
 
-    reduction: str
     what: str
     why: str
 
@@ -45,6 +44,6 @@ class Report:
         if not gone:
             return self
         families = ", ".join(dict.fromkeys(slot.family for slot in gone))
-        line = ReportLine("unread", families, "nothing that is left reads it")
+        line = ReportLine(families, "nothing that is left reads it")
         unused = self.unused | {slot.quantity.name for slot in gone}
         return replace(self, lines=(*self.lines, line), unused=unused)

@@ -13,7 +13,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ..indices import integer
-from ..model import Coordinate, Definition, End, Hold, Model, Scene, State
+from ..model import Coordinate, Definition, End, Force, Hold, Model, Rate, Scene, Start, State
 from ..tree import Add, Expr, Name, Number, names, of_member, within
 from .quantities import Family, ends, error, families, indexed, sizes
 from .report import ReportLine
@@ -41,7 +41,7 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
         return model, []
     used = with_definitions(model, list(fixed.values()))
     kept = tuple(p for p in model.parameters if p.name not in fixed)
-    lines = [ReportLine("fold", ", ".join(fixed), "fixed by the scene, so a number in the C")]
+    lines = [ReportLine(", ".join(fixed), "fixed by the scene, so a number in the C")]
     return replace(used, parameters=kept), lines
 
 
@@ -54,14 +54,14 @@ def held(
     lines = []
     if scene.holds and model.conserved:
         claimed = ", ".join(item.name for item in model.conserved)
-        lines.append(ReportLine("hold", claimed, "claimed of the free motion, not of this one"))
+        lines.append(ReportLine(claimed, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
     # A constant event would be an error. Events on held coordinates may become constant: limits of
     # held coordinates, and events that nothing requests, are left out.
     if scene.holds:
         held = {_member(item, model) for item in scene.holds}
         gone = {e.name for e in model.events if e.limit and held & _members(e.value, model)}
-        lines += [ReportLine("hold", name, "a limit of what is held") for name in sorted(gone)]
+        lines += [ReportLine(name, "a limit of what is held") for name in sorted(gone)]
         asked = asked_events | {e.name for e in model.events if e.stop and e.name not in gone}
         kept = tuple(e for e in model.events if e.name in asked)
         model = replace(model, events=kept)
@@ -70,13 +70,13 @@ def held(
         _refuse_momentum(model, scene, item.name, index)
         model = _without(model, item, index, value)
         name = indexed(item.name, index)
-        lines.append(ReportLine("hold", name, "its motion is given, so it has no equation"))
+        lines.append(ReportLine(name, "its motion is given, so it has no equation"))
     if scene.holds and not model.coordinates:
         _refuse_energy(model, scene)
     return model, lines
 
 
-def _member(of: Hold | Name, model: Model) -> tuple[str, int | None]:
+def _member(of: Hold | Start | Rate | Force | Name, model: Model) -> tuple[str, int | None]:
     name = of.id if isinstance(of, Name) else of.name
     return name, None if of.index is None else integer(of.index, sizes(model))
 
@@ -166,16 +166,18 @@ def _without(model: Model, item: Hold, index: int | None, value: Expr) -> Model:
     return replace(
         model,
         **{field: moving},
-        rates=tuple(r for r in model.rates if not _is_of(model, r, item, index)),
-        starts=tuple(s for s in model.starts if not _is_of(model, s, item, index)),
-        forces=tuple(f for f in model.forces if not _is_of(model, f, item, index)),
+        **{
+            name: tuple(x for x in getattr(model, name) if not _is_of(model, x, item, index))
+            for name in _OF_MEMBERS
+        },
     )
 
 
-def _is_of(model: Model, of: object, item: Hold, index: int | None) -> bool:
-    if of.name != item.name or of.range is not None:
-        return False
-    return (None if of.index is None else integer(of.index, sizes(model))) == index
+_OF_MEMBERS = ("rates", "starts", "forces")  # fields of Model: statements about members
+
+
+def _is_of(model: Model, of: Start | Rate | Force, item: Hold, index: int | None) -> bool:
+    return of.range is None and _member(of, model) == (item.name, index)
 
 
 def _shorter(
@@ -195,7 +197,7 @@ def _shorter(
     first = index == family.lo
     at = Number(Fraction(index), item.span)
     fixed = End("fixed", item.name, index, value, item.span, at)
-    changed = [end for old in model.ends for end in _ends(model, old, item, family, fixed)]
+    changed = [end for old in model.ends for end in _ends(old, item, family, fixed)]
     lo, hi = declared.range.lo, declared.range.hi
     one = Number(Fraction(1 if first else -1), item.span)
     moved = Add((lo if first else hi, one), (1, 1), item.span)
@@ -203,14 +205,12 @@ def _shorter(
     model = replace(
         model,
         ends=(*changed, fixed),
-        starts=_shorter_too(model, model.starts, item, index),
-        forces=_shorter_too(model, model.forces, item, index),
-        rates=_shorter_too(model, model.rates, item, index),
+        **{x: _shorter_too(model, getattr(model, x), item, index) for x in _OF_MEMBERS},
     )
     return model, replace(declared, range=range_)
 
 
-def _ends(model: Model, old: End, item: Hold, family: Family, fixed: End) -> list[End]:
+def _ends(old: End, item: Hold, family: Family, fixed: End) -> list[End]:
     """Returns the declaration `old` of an end of a family as declarations with explicit indices.
     Without an index, `old` would refer to the ends of the shorter family. A free end next to the
     held member gets the fixed value of the held member."""
@@ -239,10 +239,8 @@ def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
             lo, hi = lo + (index == lo), hi - (index == hi)
             if lo > hi:
                 continue
-            ends = (Number(Fraction(end), old.span) for end in (lo, hi))
-            old = replace(
-                old, range=replace(old.range, **dict(zip(("lo", "hi"), ends, strict=True)))
-            )
+            lo, hi = (Number(Fraction(end), old.span) for end in (lo, hi))
+            old = replace(old, range=replace(old.range, lo=lo, hi=hi))
         found.append(old)
     return tuple(found)
 

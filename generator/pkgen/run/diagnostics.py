@@ -63,8 +63,7 @@ def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
 
     The kernel `linear` of a large model, and the kernel PARTICLES, are included only if requested.
     """
-    from ..back.kernels import KERNELS
-    from ..back.kernels_canonical import CANONICAL
+    from ..back.kernels import CANONICAL, KERNELS
 
     wanted = frozenset(KERNELS) - CANONICAL
     if not OF_PARTICLES.intersection(names):

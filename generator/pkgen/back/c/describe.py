@@ -6,10 +6,10 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from ...equations import Quantity
+from ...equations import Equations, Quantity
+from ...indices import parted
 from ...middle.quantities import per_second
-from ...model import Model
-from .names import Names, family_of, local_wish
+from .names import Names, local_wish
 from .program import Field, Kernel, Program, operations_text
 
 _LISTED = 8  # Longer arrays are described without their entries.
@@ -25,7 +25,7 @@ def entries(program: Program, kernel: Kernel) -> list[str]:
             says = _MATRICES[name].format(n=columns)
             lines.append(f"@param[out] {name} [{n}*{columns}]: {says}")
         elif name in _VECTORS:
-            listed = _VECTORS[name](program, kernel) if n <= _LISTED else []
+            listed = _VECTORS[name](program.equations, kernel) if n <= _LISTED else []
             shown = ", ".join(_with_unit(q.name, q.unit) for q in listed)
             lines.append(f"@param[out] {name} [{n}]" + (f": {shown}" if shown else ""))
     if kernel.result == "pk_real":
@@ -64,22 +64,13 @@ _MATRICES = {
 }
 
 
-def _rate_unit(model: Model, unit: str) -> str:
-    return unit if model.dimensionless else per_second(unit)
-
-
-def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
+def _derivatives(quantities: Sequence[Quantity], e: Equations, name: str) -> list[Quantity]:
     """Returns the time derivatives of quantities. The derivative for a coordinate x is named
     `name.format("x")`, that of a first-order variable z is named z'."""
-    model, e = program.equations.model, program.equations
-    own = e.own
-    names = [name.format(c.name) for c in e.coordinates[:own]] + [
-        f"{q.name}'" for q in e.rates[own:]
-    ]
-    return [
-        Quantity(name, _rate_unit(model, q.unit), "")
-        for name, q in zip(names, quantities, strict=True)
-    ]
+    names = [name.format(c.name) for c in e.coordinates[: e.own]]
+    names += [f"{q.name}'" for q in e.rates[e.own :]]
+    per = str if e.model.dimensionless else per_second
+    return [Quantity(x, per(q.unit), "") for x, q in zip(names, quantities, strict=True)]
 
 
 _OUT = {
@@ -96,15 +87,15 @@ _UNLISTED = (
     *("off_out", "off_size"),
 )
 _VECTORS = {
-    **dict.fromkeys(_FORCES, lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}")),
-    **dict.fromkeys(_UNLISTED, lambda p, _: ()),
-    "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),
-    "momenta": lambda p, _: p.equations.momenta_names,
-    "q": lambda p, _: p.equations.coordinates,
-    **dict.fromkeys(("v", "dHdp"), lambda p, _: p.equations.rates),
-    "H": lambda p, _: [Quantity("H", "" if p.equations.model.dimensionless else "J", "")],
-    "lambda_out": lambda p, _: p.equations.constraints.names,
-    "out": lambda p, kernel: _OUT[kernel.name](p.equations),
+    **dict.fromkeys(_FORCES, lambda e, _: _derivatives(e.momenta_names, e, "of {}")),
+    **dict.fromkeys(_UNLISTED, lambda e, _: ()),
+    "a": lambda e, _: _derivatives(e.rates, e, "{}''"),
+    "momenta": lambda e, _: e.momenta_names,
+    "q": lambda e, _: e.coordinates,
+    **dict.fromkeys(("v", "dHdp"), lambda e, _: e.rates),
+    "H": lambda e, _: [Quantity("H", "" if e.model.dimensionless else "J", "")],
+    "lambda_out": lambda e, _: e.constraints.names,
+    "out": lambda e, kernel: _OUT[kernel.name](e),
 }
 
 
@@ -119,7 +110,7 @@ def families(quantities: Sequence[Quantity], first: int = 0) -> list[dict[str, A
     rows: dict[str, tuple[int, Quantity]] = {}
     counts: dict[str, int] = {}
     for index, quantity in enumerate(quantities, first):
-        name = family_of(quantity.name)
+        name = parted(quantity.name)[0]
         if name not in rows:
             rows[name], counts[name] = (index, quantity), 1
         elif index == rows[name][0] + counts[name]:

@@ -10,8 +10,7 @@ from typing import Any
 from ...graph.graph import Graph, Kind, Node, Op, Symbol
 from ..targets import STORE, Target
 from .constants import Constant
-from .expressions import Code, variable
-from .literals import PI
+from .expressions import PI, Code, variable
 from .names import Names
 from .rewrite import Workspace, rewrite
 from .schedule import Schedule, number_text

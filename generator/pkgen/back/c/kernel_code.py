@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
 
+from ..kernel_spec import KernelSpec
 from ..kernels import KERNELS
-from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, STORE, TRIG
+from ..targets import CHECK, LOAD, LOCAL, TRIG
 from .chunk import ARGUMENTS
 from .program import Block, Kernel, Statement, operations_text
-from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
-
-if TYPE_CHECKING:
-    from ..kernel_spec import KernelSpec
+from .tree import Function, If, Node, Text
 
 TYPES = {
     "t": "pk_real t",
     **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
     "w": "pk_real *w",
 }
+_PREPARE = KernelSpec("prepare", "", lambda _: {}, "int")  # no row of KERNELS: it has no outputs
 _ROOM = 76  # The largest length of the declarations on one line.
 _GROUP = {LOAD: 0, CHECK: 2}  # kind of statement -> its group; other kinds are in group 1
 
@@ -33,27 +31,15 @@ def statements(
     for a single state then returns. The checks `uniform` contain parameters alone; within a loop
     over lanes they are omitted, since code after the loop makes them."""
     for s in found:
-        if s.kind in (LOAD, LOCAL):
-            yield Declare("const pk_real", s.target, s.text)
-        elif s.kind in (STORE, ADD):
-            yield Assign(s.target, s.text, "=" if s.kind == STORE else "+=")
-        elif s.kind == TRIG:
-            yield Declare("pk_real", ", ".join(s.defines))
+        if s.kind == TRIG:
+            yield f"pk_real {', '.join(s.defines)};"
             yield sincos(s, lane, flag)
-        elif s.kind == FILL:
-            yield Loop(f"size_t k = 0; k < {s.text}; k++", [Assign(f"{s.target}[k]", "0")])
-        elif s.kind == MIRROR:
-            n, of = s.text, s.target
-            copy = Assign(f"{of}[i * {n} + j]", f"{of}[j * {n} + i]")
-            yield Loop(f"size_t i = 1; i < {n}; i++", [Loop("size_t j = 0; j < i; j++", [copy])])
         elif s.kind == CHECK and lane:
-            noted = Assign("bad", f"(pk_bits)!({s.text})", "|=")
+            noted = f"bad |= (pk_bits)!({s.text});"
             yield If("pass != PK_IN_LANE", [noted]) if s.text in uniform else noted
-            yield If("pass >= PK_ONCE && bad", [Return(s.target)])
-        elif s.kind == CHECK:
-            yield If(f"!({s.text})", [Return(s.target)])
+            yield If("pass >= PK_ONCE && bad", [f"return {s.target};"])
         else:
-            yield Return(s.text)
+            yield str(s)
 
 
 def sincos(s: Statement, lane: str, flag: str) -> Node:
@@ -62,7 +48,7 @@ def sincos(s: Statement, lane: str, flag: str) -> Node:
     places = ["NULL" if name == "NULL" else f"&{name}" for name in s.targets]
     function = ("pk_sincos_pass" if lane else "pk_sincos") + "_2" * (len(s.values) > 1)
     call = f"{function}({', '.join([*([lane] if lane else []), *s.values, *places])})"
-    return Assign(flag, call, "|=") if lane else Call(call)
+    return f"{flag} |= {call};" if lane else f"{call};"
 
 
 def grouped(
@@ -71,7 +57,7 @@ def grouped(
     """Yields C statements, with blank lines between loads, computations and checks."""
     for k, (_, several) in enumerate(groupby(found, lambda s: _GROUP.get(s.kind, 1))):
         if k:
-            yield Blank()
+            yield ""
         for local, found_here in groupby(several, lambda s: s.kind in (LOAD, LOCAL)):
             run = list(found_here)
             yield from _declared(run) if local else statements(run, lane, "bad", uniform)
@@ -83,15 +69,15 @@ def _declared(found: Iterable[Statement]) -> Iterator[Node]:
     for s in found:
         one = f"{s.target} = {s.text}"
         if line and len(line) + len(one) > _ROOM:
-            yield Declare("const pk_real", line)
+            yield f"const pk_real {line};"
             line = ""
         line += f", {one}" if line else one
-    yield Declare("const pk_real", line)
+    yield f"const pk_real {line};"
 
 
 def unused(names: Iterable[str]) -> list[Node]:
     text = ", ".join(f"(void){name}" for name in names)
-    return [Call(text)] if text else []
+    return [f"{text};"] if text else []
 
 
 class KernelCode:
@@ -99,30 +85,24 @@ class KernelCode:
 
     def __init__(self, model: str, kernel: Kernel):
         self.model, self.kernel = model, kernel
-        self.spec: KernelSpec | None = KERNELS.get(kernel.name)
+        self.spec = KERNELS.get(kernel.name, _PREPARE)
         self.name = f"{model}_{kernel.name}"
 
     @property
     def vectors(self) -> list[str]:
         """Returns the names of the first two vector arguments: q, then v or momenta."""
-        return ["q", self.spec.second if self.spec else "v"]
+        return ["q", self.spec.second]
 
     @property
     def unused(self) -> list[str]:
-        given = self.spec.given if self.spec else ()
-        arguments = ["p", "t", *self.vectors, "u", *given]
-        if self.kernel.name == "start":
-            arguments = ["p"]
-        elif self.kernel.name == "prepare":
-            arguments = []
+        arguments = ["p", "t", *self.vectors, "u", *self.spec.given]
+        arguments = {"start": ["p"], "prepare": []}.get(self.kernel.name, arguments)
         names = [] if self.kernel.solves else [a for a in arguments if a not in self.kernel.uses]
         return names + [output.name for output in self.kernel.outputs if not output.rows]
 
     def arguments(self, restrict: str = "") -> str:
-        q, second = self.vectors
-        parts = [f"const struct {self.model}_params *p", "pk_real t", f"const pk_real *{q}"]
-        parts += [f"const pk_real *{second}", "const pk_real *u"]
-        parts += [f"const pk_real *{vector}" for vector in (self.spec.given if self.spec else ())]
+        parts = [f"const struct {self.model}_params *p", "pk_real t"]
+        parts += [f"const pk_real *{x}" for x in (*self.vectors, "u", *self.spec.given)]
         parts += [f"pk_real *{restrict}{output.name}" for output in self.kernel.outputs]
         return ", ".join(parts)
 
@@ -132,15 +112,14 @@ class KernelCode:
     @property
     def says(self) -> str:
         operations = operations_text(self.kernel.operations)
-        says = self.spec.says if self.spec else ""
-        return f"{says}. {operations[0].upper()}{operations[1:]}."
+        return f"{self.spec.says}. {operations[0].upper()}{operations[1:]}."
 
     def parts(self) -> Iterator[Function]:
         """Yields functions for all blocks of a long kernel except the last one."""
         of = self.kernel
         work = "; w hands values on" if of.work else ""
         for number, block in enumerate(of.blocks[:-1], 1):
-            result, end = ("int", [Return("0")]) if block.checks else ("void", [])
+            result, end = ("int", ["return 0;"]) if block.checks else ("void", [])
             yield Function(
                 f"{self.model}_APART static {result} {self.name}_{number}({self._typed(block)})",
                 [*grouped(block.statements), *end],
@@ -162,23 +141,23 @@ class KernelCode:
         """Yields the body: the work array, calls of the functions of parts(), the last block."""
         of, parts = self.kernel, self.kernel.blocks[:-1]
         if of.work and of.name != "prepare":
-            yield Declare("pk_real", f"w[{of.work}]")
+            yield f"pk_real w[{of.work}];"
         if any(block.checks for block in parts):
-            yield Declare("int", "status")
+            yield "int status;"
         if parts:
-            yield Blank()
+            yield ""
         for number, block in enumerate(parts, 1):
             arguments, outputs = self._inputs(block)
             call = f"{self.name}_{number}({', '.join(arguments + outputs)})"
             if block.checks:
-                yield If(f"(status = {call}) != 0", [Return("status")])
+                yield If(f"(status = {call}) != 0", ["return status;"])
             else:
-                yield Call(call)
+                yield f"{call};"
         if parts:
-            yield Blank()
+            yield ""
         yield from unused(self.unused)
         if self.unused:
-            yield Blank()
+            yield ""
         yield from grouped(of.blocks[-1].statements)
 
     def definition(self, dense: str) -> Function:
@@ -186,5 +165,5 @@ class KernelCode:
         M, accelerations a) by a loop, if the kernel has no statements of its own."""
         body: list[Node] = [Text(dense)] if self.kernel.solves else [*self.body()]
         if self.kernel.result == "int" and not self.kernel.solves:
-            body.append(Return("0"))
+            body.append("return 0;")
         return Function(self.declaration("PK_RESTRICT "), body, self.says)

@@ -6,19 +6,22 @@ ensembles, each state has its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from ..targets import CHECK, TRIG
+from ...record import record
+from ..targets import CHECK, LOAD, LOCAL, TRIG
 from .kernel_code import KernelCode, grouped, unused
-from .lanes import LANE_ARGUMENTS, LanePart, is_uniform, lane_parts, used_fields
-from .program import Program
-from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
+from .program import Kernel, Program, Statement
+from .tree import Assign, Declare, Function, If, Loop, Node
 
 SIDE_BY_SIDE = (
     "W <= 64 states side by side in loops without branches, which a compiler makes vector code "
     "of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. "
     "Sines and cosines have a loop of their own, and checks of parameters come after both: before "
     "them they would make gcc 12 keep what it loaded, in a way that it has no vector code for."
+)
+LANE_ARGUMENTS = (
+    "const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a"
 )
 EACH_LANE = "size_t l = 0; l < W; l++"
 
@@ -32,7 +35,8 @@ class LaneCode:
         self.n = len(program.equations.coordinates)
         self.n_inputs = len(program.equations.inputs)
         self.angles, self.algebra, self.pairs = lane_parts(code.kernel)
-        self.uniform = [s.text for s in self.algebra.statements if is_uniform(s)]
+        checks = (s for s in self.algebra.statements if s.kind == CHECK)
+        self.uniform = [s.text for s in checks if _read([s]) <= {"p"}]  # checks of parameters alone
         # Whether the kernel is one function without loops, which a loop over lanes can inline.
         self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
         self.sc = ", sc" if self.pairs else ""
@@ -47,7 +51,7 @@ class LaneCode:
         else:
             yield from self.code.parts()
             yield self.code.definition(dense)
-            body = [Return(f"{self.stem}(p, t, q, v, u, a)")]
+            body = [f"return {self.stem}(p, t, q, v, u, a);"]
             yield self._inline(body)
         if self.program.lanes:
             yield self._apart()
@@ -67,36 +71,36 @@ class LaneCode:
         inputs = f"const struct {model}_params *p, pk_real t, const pk_real *q, const pk_real *v"
         inputs += ", const pk_real *u"
         if pairs:
-            body = [Declare("pk_bits", "bad", "0"), *unused(self.angles.unused), Blank()]
+            body = ["pk_bits bad = 0;", *unused(self.angles.unused), ""]
             body += grouped(self.angles.statements, "pass", self.uniform)
-            body += [Assign(f"sc[{i}]", name) for i, name in enumerate(pairs)]
+            body += [f"sc[{i}] = {name};" for i, name in enumerate(pairs)]
             yield Function(
                 f"static pk_bits {self.stem}_angles(enum pk_pass pass, {inputs}, "
                 "pk_real *PK_RESTRICT sc)",
-                [*body, Return("bad")],
+                [*body, "return bad;"],
                 f"Sine and cosine of angles that need no others: {', '.join(pairs)}.",
                 "PK_INLINE",
             )
         yield self._pass(inputs)
         call = f"{self.stem}_pass(PK_CAREFULLY, p, t, q, v, u{self.sc}, a)"
-        carefully = [*self._with_angles("PK_CAREFULLY", "(void)"), Return(f"(int){call}")]
+        carefully = [*self._with_angles("PK_CAREFULLY", "(void)"), f"return (int){call};"]
         signature = f"static int {self.stem}_carefully({self.code.arguments()})"
         yield Function(signature, carefully, before="PK_RARELY")
         once = f"{self.stem}_pass(PK_ONCE, p, t, q, v, u{self.sc}, a)" + " | far" * bool(pairs)
-        again = Return(f"{self.stem}_carefully(p, t, q, v, u, a)")
+        again = f"return {self.stem}_carefully(p, t, q, v, u, a);"
         body = self._with_angles("PK_ONCE", "const pk_bits far = ")
-        yield self._inline([*body, If(once, [again]), Return("0")])
-        body = [Return(f"{self.stem}_inline(p, t, q, v, u, a)")]
+        yield self._inline([*body, If(once, [again]), "return 0;"])
+        body = [f"return {self.stem}_inline(p, t, q, v, u, a);"]
         yield Function(self.code.declaration("PK_RESTRICT "), body)
 
     def _pass(self, inputs: str) -> Function:
         algebra, pairs = self.algebra, self.pairs
-        body: list[Node] = [Declare("pk_bits", "bad", "0"), *unused(algebra.unused)]
+        body: list[Node] = ["pk_bits bad = 0;", *unused(algebra.unused)]
         if not any(s.kind in (CHECK, TRIG) for s in algebra.statements):
             body += unused(["pass"])
-        body += [Blank()] if pairs else []
-        body += [Declare("const pk_real", name, f"sc[{i}]") for i, name in enumerate(pairs)]
-        body += [Blank(), *grouped(algebra.statements, "pass", self.uniform), Return("bad")]
+        body += [""] if pairs else []
+        body += [f"const pk_real {name} = sc[{i}];" for i, name in enumerate(pairs)]
+        body += ["", *grouped(algebra.statements, "pass", self.uniform), "return bad;"]
         sc = ", const pk_real *sc" if pairs else ""
         signature = f"{self.stem}_pass(enum pk_pass pass, {inputs}{sc}, pk_real *PK_RESTRICT a)"
         return Function(f"static pk_bits {signature}", body, self.code.says, "PK_INLINE")
@@ -105,66 +109,64 @@ class LaneCode:
         if not self.pairs:
             return []
         call = f"{before}{self.stem}_angles({how}, p, t, q, v, u, sc)"
-        gap = [Blank()] if before == "(void)" else []
-        rest = [] if gap else [Blank()]
-        return [Declare("pk_real", f"sc[{len(self.pairs)}]"), *gap, Call(call), *rest]
+        gap = [""] if before == "(void)" else []
+        rest = [] if gap else [""]
+        return [f"pk_real sc[{len(self.pairs)}];", *gap, f"{call};", *rest]
 
     # -- functions that compute lanes one by one -------------------------------------------------
 
     def _apart(self) -> Function:
-        n, n_inputs = self.n, self.n_inputs
-        inputs: list[Node] = [Assign("u_[0]", "0")]
-        if n_inputs:
-            inputs = [Loop(f"i = 0; i < {n_inputs}; i++", [Assign("u_[i]", "u[i * W + l]")])]
-        state = [Assign("q_[i]", "q[i * W + l]"), Assign("v_[i]", "v[i * W + l]")]
-        failed = [Assign("failed", "1ull << l", "|="), Call("continue")]
-        lane = [
-            Declare("pk_real", f"q_[{n}], v_[{n}], u_[{n_inputs or 1}], a_[{n}]"),
-            Blank(),
-            If("bad && !bad[l]", [Call("continue")]),
-            Loop(f"i = 0; i < {n}; i++", state),
-            *inputs,
-            If(f"{self.stem}(p, t[l], q_, v_, u_, a_) != 0", failed),
-            Loop(f"i = 0; i < {n}; i++", [Assign("a[i * W + l]", "a_[i]")]),
-        ]
-        body = [
-            Declare("unsigned long long", "failed", "0"),
-            Declare("size_t", "i, l"),
-            Blank(),
-            *([] if n_inputs else unused(["u"])),
-            Loop("l = 0; l < W; l++", lane),
-            Return("failed"),
-        ]
-        return Function(
-            f"static unsigned long long {self.model}_lanes_apart(size_t W, const pk_bits *bad, "
-            f"{self.arguments['lanes']})",
-            body,
-            "Lanes one by one: those that are bad, or all if that is NULL. Returns which fail.",
-        )
+        n, n_u = self.n, self.n_inputs
+        unused = "" if n_u else "(void)u;\n"
+        inputs = f"for (i = 0; i < {n_u}; i++)\n        u_[i] = u[i * W + l];"
+        body = f"""\
+unsigned long long failed = 0;
+size_t i, l;
+
+{unused}for (l = 0; l < W; l++) {{
+    pk_real q_[{n}], v_[{n}], u_[{n_u or 1}], a_[{n}];
+
+    if (bad && !bad[l])
+        continue;
+    for (i = 0; i < {n}; i++) {{
+        q_[i] = q[i * W + l];
+        v_[i] = v[i * W + l];
+    }}
+    {inputs if n_u else "u_[0] = 0;"}
+    if ({self.stem}(p, t[l], q_, v_, u_, a_) != 0) {{
+        failed |= 1ull << l;
+        continue;
+    }}
+    for (i = 0; i < {n}; i++)
+        a[i * W + l] = a_[i];
+}}
+return failed;"""
+        says = "Lanes one by one: those that are bad, or all if that is NULL. Returns which fail."
+        return self._one_by_one("lanes", body, says)
 
     def _members_apart(self) -> Function:
-        call = f"{self.model}_lanes_apart(W, only, &p, t, q, v, u, a)"
-        copy = Assign("((pk_real *)&p)[k]", "P[k * W + l]")
-        member = [
-            If("bad && !bad[l]", [Call("continue")]),
-            Loop("k = 0; k < sizeof p / sizeof(pk_real); k++", [copy]),
-            Assign("only[l]", "1"),
-            Assign("failed", call, "|="),
-            Assign("only[l]", "0"),
-        ]
-        body = [
-            Declare("unsigned long long", "failed", "0"),
-            Declare("pk_bits", "only[64]", "{0}"),
-            Declare(f"struct {self.model}_params", "p"),
-            Declare("size_t", "k, l"),
-            Blank(),
-            Loop("l = 0; l < W; l++", member),
-            Return("failed"),
-        ]
-        signature = f"{self.model}_members_apart(size_t W, const pk_bits *bad"
-        return Function(
-            f"static unsigned long long {signature}, {self.arguments['members']})", body
-        )
+        body = f"""\
+unsigned long long failed = 0;
+pk_bits only[64] = {{0}};
+struct {self.model}_params p;
+size_t k, l;
+
+for (l = 0; l < W; l++) {{
+    if (bad && !bad[l])
+        continue;
+    for (k = 0; k < sizeof p / sizeof(pk_real); k++)
+        ((pk_real *)&p)[k] = P[k * W + l];
+    only[l] = 1;
+    failed |= {self.model}_lanes_apart(W, only, &p, t, q, v, u, a);
+    only[l] = 0;
+}}
+return failed;"""
+        return self._one_by_one("members", body)
+
+    def _one_by_one(self, form: str, body: str, says: str = "") -> Function:
+        signature = f"{self.model}_{form}_apart(size_t W, const pk_bits *bad"
+        signature = f"static unsigned long long {signature}, {self.arguments[form]})"
+        return Function(signature, [body], says)
 
     # -- functions that compute all lanes together -----------------------------------------------
 
@@ -173,7 +175,7 @@ class LaneCode:
         name = f"{self.model}_{form}"
         restrict = self.arguments[form].replace("pk_real *a", "pk_real *PK_RESTRICT a")
         apart = f"{name}_apart(W, NULL, {of}, t, q, v, u, a)"
-        body = [*self._loops(form, of)] if self.plain else [Return(apart)]
+        body = [*self._loops(form, of)] if self.plain else [f"return {apart};"]
         yield Function(
             f"static unsigned long long {name}_inline(size_t W, {restrict})",
             body,
@@ -181,48 +183,48 @@ class LaneCode:
             "PK_INLINE",
         )
         signature = f"unsigned long long {name}({self.arguments[form]})"
-        yield Function(signature, [Return(f"{name}_inline(PK_LANES, {of}, t, q, v, u, a)")])
+        yield Function(signature, [f"return {name}_inline(PK_LANES, {of}, t, q, v, u, a);"])
 
     def _loops(self, form: str, of: str) -> Iterator[Node]:
         count, n = len(self.pairs), self.n
-        yield Declare("pk_bits", "bad[64], any = 0")
+        yield "pk_bits bad[64], any = 0;"
         if self.pairs:
-            yield Declare("pk_real", f"sc[{count} * 64]")
-        yield Blank()
+            yield f"pk_real sc[{count} * 64];"
+        yield ""
         if self.pairs:
             call = f"{self.stem}_angles({self._lane(self.angles, form)}, sc_)"
-            lane = [*self._own_state(self.angles, form), Declare("pk_real", f"sc_[{count}]")]
-            lane.append(Assign("bad[l]", call))
-            lane += [Assign(f"sc[{i} * W + l]", f"sc_[{i}]") for i in range(count)]
-            yield from (Text("    PK_LANE_LOOP"), Loop(EACH_LANE, lane))
+            lane = [*self._own_state(self.angles, form), f"pk_real sc_[{count}];"]
+            lane.append(f"bad[l] = {call};")
+            lane += [f"sc[{i} * W + l] = sc_[{i}];" for i in range(count)]
+            yield from ("PK_LANE_LOOP", Loop(EACH_LANE, lane))
         lane = self._own_state(self.algebra, form)
         if self.pairs:
             lane.append(Declare("const pk_real", f"sc_[{count}]", _places("sc", count)))
         sc = ", sc_" if self.pairs else ""
         call = f"{self.stem}_pass({self._lane(self.algebra, form)}{sc}, a_)"
-        lane.append(Declare("pk_real", f"a_[{n}]"))
+        lane.append(f"pk_real a_[{n}];")
         lane.append(Assign("bad[l]", call, "|=" if self.pairs else "="))
-        lane.append(Assign("any", "bad[l]", "|="))
-        lane += [Assign(f"a[{i} * W + l]", f"a_[{i}]") for i in range(n)]
-        yield from (Text("    PK_LANE_LOOP"), Loop(EACH_LANE, lane))
+        lane.append("any |= bad[l];")
+        lane += [f"a[{i} * W + l] = a_[{i}];" for i in range(n)]
+        yield from ("PK_LANE_LOOP", Loop(EACH_LANE, lane))
         if form == "lanes" and self.uniform:
-            all_apart = Return(f"{self.model}_lanes_apart(W, NULL, p, t, q, v, u, a)")
+            all_apart = f"return {self.model}_lanes_apart(W, NULL, p, t, q, v, u, a);"
             yield If(f"!({' && '.join(self.uniform)})", [all_apart])
-        yield Return(f"any ? {self.model}_{form}_apart(W, bad, {of}, t, q, v, u, a) : 0")
+        yield f"return any ? {self.model}_{form}_apart(W, bad, {of}, t, q, v, u, a) : 0;"
 
     def _own_state(self, part: LanePart, form: str) -> list[Node]:
         """Returns the statements that load the elements of a lane's state, and those parameters of
         the lane, that the loop `part` uses."""
         sizes = {"q": self.n, "v": self.n, "u": self.n_inputs}
         found: list[Node] = [
-            Declare("const pk_real", f"{x}_[{size}]", _places(x, size))
+            f"const pk_real {x}_[{size}] = {_places(x, size)};"
             for x, size in sizes.items()
             if x in part.uses
         ]
         fields = used_fields(self.program, part)
         if form == "members" and fields:
-            found.append(Declare(f"struct {self.model}_params", "p"))
-            found += [Assign(f"p.{field}", f"P[{k} * W + l]") for field, k in fields]
+            found.append(f"struct {self.model}_params p;")
+            found += [f"p.{field} = P[{k} * W + l];" for field, k in fields]
         return found
 
     def _lane(self, part: LanePart, form: str) -> str:
@@ -237,3 +239,56 @@ class LaneCode:
 def _places(array: str, count: int) -> str:
     """Returns the C initializer of lane l's copy of an array: {q[0 * W + l], q[1 * W + l], ...}."""
     return "{" + ", ".join(f"{array}[{i} * W + l]" for i in range(count)) + "}"
+
+
+@record
+class LanePart:
+    """The statements of one loop over lanes; the arguments of the function are divided into those
+    that the statements use, and `unused` ones."""
+
+    statements: tuple[Statement, ...]
+    uses: tuple[str, ...]
+    unused: tuple[str, ...]
+
+    @staticmethod
+    def of(statements: Iterable[Statement]) -> LanePart:
+        """Returns the part with these statements, without loads of values that no other statement
+        of the part reads."""
+        body = list(statements)
+        words = _read(s for s in body if s.kind != LOAD)
+        body = [s for s in body if s.kind != LOAD or s.target in words]
+        words = _read(body)
+        arguments = ("p", "t", "q", "v", "u")
+        return LanePart(
+            tuple(body),
+            tuple(a for a in arguments if a in words),
+            tuple(a for a in arguments if a not in words),
+        )
+
+
+def lane_parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
+    """Returns the first loop over lanes (sines and cosines), the second loop, and the names of the
+    variables that the first loop computes for the second. Two short loop bodies let a processor
+    overlap several iterations."""
+    made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
+    leading = [s for s in kernel.statements if s.kind == TRIG and not made & _read([s])]
+    loads = [s for s in kernel.statements if s.kind == LOAD]
+    rest = [s for s in kernel.statements if s not in leading]
+    pairs = tuple(name for s in leading for name in s.defines)
+    return LanePart.of([*loads, *leading] if leading else []), LanePart.of(rest), pairs
+
+
+def _read(statements: Iterable[Statement]) -> set[str]:
+    return {name for s in statements for value in s.values for name in value.names}
+
+
+def used_fields(program: Program, part: LanePart) -> list[tuple[str, int]]:
+    """Returns the members of struct NAME_params that a part reads: C text, and the index of the
+    number in the struct."""
+    places = {name: k for k, name in enumerate(program.parameter_names)}
+    places |= {x.c_name: len(places) + k for k, x in enumerate(program.constants)}
+    n, end = len(program.equations.coordinates), len(program.parameter_names)
+    end += len(program.constants) + (n * n + n if program.factored else 0)
+    places |= {f"side_[{k}]": end + k for k in range(len(program.equations.switches))}
+    used = {read for s in part.statements for read in s.reads}
+    return [(name, k) for name, k in places.items() if f"p->{name}" in used]

@@ -22,7 +22,7 @@ from .constants import constants
 from .expressions import Code, variable
 from .hoist import Hoisting, rewritten
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
-from .program import LANES, Assignment, Field, Interval, Kernel, Program, Statement, operations_in
+from .program import LANES, Field, Interval, Kernel, Program, Statement, operations_in
 from .rewrite import SIDE, rewrite
 from .schedule import Schedule
 
@@ -136,7 +136,10 @@ class _Lowering(Hoisting):
             structure=self.structure,
             fields=self.fields,
             parameter_names=self.parameter_names,
-            defaults=tuple(self._assignment(x.default) for x in parameters),
+            defaults=tuple(
+                tuple(self._fixed_code([Target(STORE, f"p->{name}", (x.default,))]).statements)
+                for name, x in zip(self.parameter_names, parameters, strict=True)
+            ),
             bounds=tuple(self._interval(x.lo, x.hi) for x in parameters),
             prepare=prepare,
             constants=tuple(self.constants),
@@ -220,10 +223,6 @@ class _Lowering(Hoisting):
         new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
         return self.scheduled(rewritten(targets, new), self._names(), fixed=True)
 
-    def _assignment(self, value: Node) -> Assignment:
-        *before, last = self._fixed_code([Target(STORE, "", (value,))]).statements
-        return Assignment(tuple(before), last.text)
-
     def _interval(self, lo: Node | None, hi: Node | None) -> Interval:
         ends = [("lo", lo), ("hi", hi)]
         targets = [Target(STORE, where, (node,)) for where, node in ends if node is not None]
@@ -240,7 +239,7 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
     scalars: list[str] = []
     for index, slot in enumerate(equations.parameters):
         if slot.position == 0:
-            fields.append(Field(names.take(slot.family), slot.family, slot.length, index))
+            fields.append(Field(names.take(slot.family), slot.length, index))
         place = f"[{slot.position}]" if slot.length else ""
         scalars.append(fields[-1].c_name + place)
     return tuple(fields), tuple(scalars)

@@ -10,8 +10,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from ...indices import parted
-
 # C99 and C++17 keywords. A model cannot use them, but a name derived from the model's may be one.
 _KEYWORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t
@@ -112,14 +110,4 @@ def local_wish(name: str) -> str:
     primes = len(name) - len(name.rstrip("'"))
     stem = re.sub(r"\d\[(-?\d+)\]", lambda m: m[0][0] + "_" + m[1], name.replace("'", ""))
     stem = re.sub(r"\[(-?\d+)\]", r"\1", stem).replace("-", "m").replace(".", "_")
-    return stem + dots(primes)
-
-
-def dots(primes: int) -> str:
-    """Returns the suffix of a derivative's name: _dot, _ddot, ..."""
-    return "_" + "d" * (primes - 1) + "dot" if primes else ""
-
-
-def family_of(name: str) -> str:
-    """Returns the family's name of a member: q for q[3], r.x for r[3].x."""
-    return parted(name)[0]
+    return stem + ("_" + "d" * (primes - 1) + "dot" if primes else "")

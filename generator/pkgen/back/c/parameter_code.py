@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...record import record
 from .kernel_code import KernelCode, statements, unused
 from .program import Interval, Program, Statement
-from .tree import Assign, Blank, Call, Comment, Declare, Function, If, Loop, Node, Return, Scope
+from .tree import Function, If, Loop, Node, Scope
 
 PREPARE = "int {0}_prepare(struct {0}_params *p)"
 BOUNDS = "void {0}_bounds(const struct {0}_params *p, pk_real *lo, pk_real *hi)"
@@ -15,7 +15,7 @@ DERIVE = "void {0}_derive(struct {0}_params *p, const unsigned char *given)"
 
 
 FINITE = "0 times x is 0 unless x is infinite or not a number."
-NOT_FINITE = Return("PK_FAILED(PK_FAILURE_DERIVED, 0)")
+NOT_FINITE = "return PK_FAILED(PK_FAILURE_DERIVED, 0);"
 
 
 @record
@@ -36,14 +36,14 @@ def checked(field: str, index: int, bounds: Interval, lo_open: bool, hi_open: bo
     below = "<" if hi_open or bounds.hi is None else "<="
     lo, hi = bounds.ends
     outside = f"!({field} {above} {lo} && {field} {below} {hi})"
-    failed = Return(f"PK_FAILED(PK_FAILURE_PARAMETER, {index})")
+    failed = f"return PK_FAILED(PK_FAILURE_PARAMETER, {index});"
     return [*statements(bounds.statements), If(outside, [failed])]
 
 
 def ends(index: int, bounds: Interval) -> list[Node]:
     """Returns the stores of a parameter's bounds."""
     lo, hi = bounds.ends
-    stores = Assign(f"lo[{index}]", lo), Assign(f"hi[{index}]", hi)
+    stores = f"lo[{index}] = {lo};", f"hi[{index}] = {hi};"
     return [*statements(bounds.statements), *stores]
 
 
@@ -54,7 +54,7 @@ def derived(rows: Iterable[ParameterCode]) -> list[Node]:
 
 
 def checks(rows: Iterable[ParameterCode]) -> Iterator[Node]:
-    yield Comment("The comparisons are written so that a NaN fails.")
+    yield "/* The comparisons are written so that a NaN fails. */"
     for row in rows:
         yield from row.check
 
@@ -62,10 +62,10 @@ def checks(rows: Iterable[ParameterCode]) -> Iterator[Node]:
 def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
     """Yields code that computes the array of `count` constants and checks that they are finite."""
     if not count:
-        yield Assign("p->c_[0]", "0")
+        yield "p->c_[0] = 0;"
         return
     yield from code
-    yield from (Blank(), Comment(FINITE))
+    yield from ("", f"/* {FINITE} */")
     yield Loop(f"k = 0; k < {count}; k++", [If("!(0 * p->c_[k] == 0)", [NOT_FINITE])])
 
 
@@ -83,10 +83,9 @@ def _rows(program: Program) -> Iterator[ParameterCode]:
         zip(slots, program.defaults, program.bounds, strict=True)
     ):
         field, needs = f"p->{program.parameter_names[k]}", bounds.statements
-        assigned = [*statements(default.statements), Assign(field, default.text)]
         check = checked(field, k, bounds, slot.lo_open, slot.hi_open)
         yield ParameterCode(
-            _scoped(default.statements, assigned),
+            _scoped(default[1:], [*statements(default)]),
             slot.follows,
             _scoped(needs, check),
             _scoped(needs, ends(k, bounds)),
@@ -98,8 +97,8 @@ def functions(program: Program) -> Iterator[Function]:
     type = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     switches = () if program.plain else program.equations.switches
-    sides = [Assign(f"p->side_[{k}]", "0") for k in range(len(switches))]
-    prepared = Call(f"(void){model}_prepare(p)")
+    sides = [f"p->side_[{k}] = 0;" for k in range(len(switches))]
+    prepared = f"(void){model}_prepare(p);"
     yield Function(f"void {model}_defaults({type})", [*defaults, *sides, prepared])
     if not program.plain or any(row.follows for row in rows):
         yield Function(DERIVE.format(model), derived(rows) or unused(["p", "given"]))
@@ -115,16 +114,16 @@ def functions(program: Program) -> Iterator[Function]:
 
 def _prepare(program: Program, rows: list[ParameterCode], code: KernelCode) -> Iterator[Node]:
     if program.prepare.work:
-        yield from (Declare("pk_real", f"w[{program.prepare.work}]"), Blank())
+        yield from (f"pk_real w[{program.prepare.work}];", "")
     if rows:
-        yield from (*checks(rows), Blank())
+        yield from (*checks(rows), "")
     else:
         yield from unused(["p"])
     if program.constants:
-        yield from (*code.body(), Blank(), Comment(FINITE))
+        yield from (*code.body(), "", f"/* {FINITE} */")
         zero = " + ".join(f"0 * p->{x.c_name}" for x in program.constants)
         yield If(f"!({zero} == 0)", [NOT_FINITE])
     if program.factored:
-        yield Call(f"{code.model}_mass(p, 0, NULL, NULL, NULL, p->factors_)")
-        yield Call(f"{code.model}_factor(p->factors_, p->inverse_)")
-    yield Return("0")
+        yield f"{code.model}_mass(p, 0, NULL, NULL, NULL, p->factors_);"
+        yield f"{code.model}_factor(p->factors_, p->inverse_);"
+    yield "return 0;"

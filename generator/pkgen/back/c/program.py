@@ -19,16 +19,16 @@ from .expressions import Code, base
 
 LANES = ("lanes", "members")  # Many states with common or own parameters.
 
-_SHOWN = {
-    LOCAL: "{target} = {text}",
-    TRIG: "{target} = sincos {text}",
-    LOAD: "{target} = {text}",
-    STORE: "{target} := {text}",
-    ADD: "{target} += {text}",
-    FILL: "{target}[0..{text} - 1] := 0",
-    MIRROR: "{target}[j, i] := {target}[i, j], i < j < {text}",
-    CHECK: "unless {text}: return {target}",
-    RETURN: "return {text}",
+_FORMS = {
+    **dict.fromkeys((LOCAL, LOAD), "const pk_real {target} = {text};"),
+    TRIG: "{target} = sincos {text};",  # in C a call: kernel_code.py
+    STORE: "{target} = {text};",
+    ADD: "{target} += {text};",
+    FILL: "for (size_t k = 0; k < {text}; k++)\n    {target}[k] = 0;",
+    MIRROR: "for (size_t i = 1; i < {text}; i++)\n    for (size_t j = 0; j < i; j++)\n"
+    "        {target}[i * {text} + j] = {target}[j * {text} + i];",
+    CHECK: "if (!({text}))\n    return {target};",
+    RETURN: "return {text};",
 }
 
 
@@ -66,7 +66,7 @@ class Statement(NamedTuple):
         return tuple(name for name in made if name != "NULL")
 
     def __str__(self) -> str:
-        return _SHOWN[self.kind].format(target=self.target, text=self.text)
+        return _FORMS[self.kind].format(target=self.target, text=self.text)
 
 
 @record
@@ -112,14 +112,6 @@ class Kernel:
 
 
 @record
-class Assignment:
-    """The default of one parameter, computed from earlier parameters."""
-
-    statements: tuple[Statement, ...]  # Declarations that `text` needs.
-    text: str
-
-
-@record
 class Interval:
     """The bounds of one parameter, as C text. A bound that is None is infinite."""
 
@@ -137,7 +129,6 @@ class Field:
     """A member of struct NAME_params: a parameter, or an array of `length` family members."""
 
     c_name: str
-    name: str
     length: int  # 0 for a single parameter.
     first: int  # Index of the parameter or of the first member.
 
@@ -148,7 +139,7 @@ class Program:
     structure: Structure
     fields: tuple[Field, ...]
     parameter_names: tuple[str, ...]  # C text of each scalar parameter: "m1", "k[2]"
-    defaults: tuple[Assignment, ...]
+    defaults: tuple[tuple[Statement, ...], ...]  # the assignment of each parameter's default
     bounds: tuple[Interval, ...]
     prepare: Kernel  # the function that computes the constants
     constants: tuple[Constant, ...]  # The hoisted constants.
@@ -179,7 +170,7 @@ class Program:
     def __str__(self) -> str:
         lines = [f"program {self.equations.model.name}"]
         defaults = zip(self.parameter_names, self.defaults, strict=True)
-        lines += [f"default {name} = {default.text}" for name, default in defaults]
+        lines += [f"default {name} = {default[-1].text}" for name, default in defaults]
         lines += [str(kernel) for kernel in (self.prepare, self.start, *self.kernels)]
         return "\n".join(lines)
 

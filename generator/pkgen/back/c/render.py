@@ -27,8 +27,7 @@ from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .helpers import helpers
 from .kernel_code import KernelCode
-from .lane_code import LaneCode
-from .lanes import LANE_ARGUMENTS
+from .lane_code import LANE_ARGUMENTS, LaneCode
 from .loop_code import LoopCode
 from .program import Kernel, LoopProgram, Program, operations_text
 
@@ -259,7 +258,6 @@ def frame(
 
 def _context(program: Program) -> dict[str, Any]:
     equations = program.equations
-    redundant = equations.constraints and equations.constraints.redundant
     present = {kernel.name for kernel in program.kernels}
     parameters, names = tables.parameters(program), tables.tables(program)
     return {
@@ -270,16 +268,11 @@ def _context(program: Program) -> dict[str, Any]:
         "sizes": [],
         "n": len(equations.coordinates),
         "n_first_order": equations.n_first_order,
-        "n_unread": equations.n_unread,
         "states": [q.name for q in equations.rates[equations.own :]],
         # Whether p = dL/dv and the energy is v.p - L, so that the self-test can check this.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
-        "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
-        "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,
-        "n_redundant": len(redundant.names) if redundant else 0,
-        "n_redundant_holonomic": redundant.holonomic if redundant else 0,
-        "n_particles": len(equations.particles.masses) if equations.particles else 0,
+        "entries": tables.system_entries(program),
         "events": tables.events(program),
         "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],
@@ -304,8 +297,7 @@ def _context(program: Program) -> dict[str, Any]:
         "input_rates": tables.input_rates(equations.inputs),
         "functions": _functions(program),
         "forms": list(program.lanes),
-        "lane_arguments": f"const struct {equations.model.name}_params *p, {LANE_ARGUMENTS}",
-        "member_arguments": f"const pk_real *P, {LANE_ARGUMENTS}",
+        "lane_arguments": LANE_ARGUMENTS,
     }
 
 

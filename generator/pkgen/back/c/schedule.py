@@ -19,6 +19,7 @@ from ...graph.nodes import SQUARES
 from ..targets import LOCAL, TRIG, Target
 from .expressions import (
     ONE,
+    PI,
     Code,
     Form,
     added,
@@ -28,11 +29,11 @@ from .expressions import (
     constant,
     inverted,
     joined,
+    literal,
     multiplied,
     negated,
     variable,
 )
-from .literals import PI, literal
 from .names import Names
 from .program import Statement
 from .rewrite import Workspace

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...equations import Quantity
+from ...indices import parted
 from ...middle.loops.loops import LoopEquations
 from .describe import families, field_says
-from .names import family_of
 from .program import Program
 
 
@@ -83,6 +83,41 @@ def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
     ]
 
 
+def system_entries(program: Program) -> dict[str, object]:
+    """Returns the members of struct pk_system that only some models set."""
+    e, own = program.equations, f"{program.equations.model.name}_sys"
+    rotations = sum(bool(a.numbers) for a in e.attitudes)
+    entries: dict[str, object] = {
+        name: count
+        for name, count in (
+            ("n_first_order", e.n_first_order),
+            ("n_unread", e.n_unread),
+            ("n_rotations", rotations),
+        )
+        if count
+    }
+    if program.kernel("particles") is not None:
+        entries["particles.n"] = len(e.particles.masses)
+    for part, rows in (("switches", e.switches), ("marks", e.marks)):
+        if rows:
+            entries |= {f"{part}.n": len(rows), f"{part}.names": f"{own}_{part}"}
+    if e.switches:
+        entries["switches.sides"] = f"offsetof(struct {e.model.name}_params, side_)"
+    if e.impulsive:
+        entries["switches.impulses"] = f"{own}_impulses"
+    for rows, end, names in (
+        (e.constraints, "", "constraints"),
+        (e.constraints and e.constraints.redundant, "_redundant", "redundant_rows"),
+    ):
+        if rows:
+            entries |= {
+                f"constraints.n{end}": len(rows.names),
+                f"constraints.n{end}_holonomic": rows.holonomic,
+                f"constraints.{end}_names".replace("._", "."): f"{e.model.name}_{names}",
+            }
+    return entries
+
+
 def indices(program: Program) -> list[dict[str, Any]]:
     """Returns the rows of the enum of indices: one for each single quantity and for the first
     member of each family."""
@@ -123,7 +158,7 @@ def parameters(program: Program) -> list[dict[str, Any]]:
             | {
                 "index": index,
                 "c_name": c_name,
-                "field": family_of(c_name),
+                "field": parted(c_name)[0],
                 "position": slot.position,
                 "follows": int(slot.follows),
                 "lo_open": int(slot.lo_open or bounds.lo is None),

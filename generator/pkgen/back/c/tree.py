@@ -1,6 +1,7 @@
 """A small syntax tree of C, statements and functions, and their text, folded and indented.
 
-Kernels, loops and checks are built of these nodes; the rest of a file is in Jinja2 templates.
+A statement is its text, of one line or several. Blocks are nodes: kernels, loops and checks
+are built of both; the rest of a file is in Jinja2 templates.
 """
 
 from __future__ import annotations
@@ -11,35 +12,30 @@ from ...record import record
 from .ctext import fold, fold_call, paragraph
 
 
-@record
-class Declare:
-    type: str
-    name: str
-    value: str = ""
+def Declare(type: str, name: str, value: str = "") -> str:
+    text = f"{type} {name}" if type[-1] != "*" else f"{type}{name}"
+    return f"{text} = {value};" if value else f"{text};"
 
 
-@record
-class Assign:
-    target: str
-    value: str
-    sign: str = "="
+def Assign(target: str, value: str, sign: str = "=") -> str:
+    return f"{target} {sign} {value};"
 
 
-@record
-class Call:
-    """An expression statement, usually a function call."""
-
-    text: str
+def Call(text: str) -> str:
+    """Returns an expression statement, usually a function call."""
+    return f"{text};"
 
 
-@record
-class Return:
-    value: str = ""
+def Return(value: str = "") -> str:
+    return f"return {value};" if value else "return;"
 
 
-@record
-class Comment:
-    text: str
+def Comment(text: str) -> str:
+    return f"/* {text} */"
+
+
+def Blank() -> str:
+    return ""
 
 
 @record
@@ -64,18 +60,13 @@ class Scope:
 
 
 @record
-class Blank:
-    pass
-
-
-@record
 class Text:
     """Lines of C, copied without indentation."""
 
     text: str
 
 
-Node = Declare | Assign | Call | Return | Comment | If | Loop | Scope | Blank | Text
+Node = str | If | Loop | Scope | Text
 
 
 @record
@@ -102,25 +93,15 @@ def rendered(nodes: Iterable[Node], indent: int = 4) -> list[str]:
 def _lines(node: Node, indent: int) -> list[str]:
     margin = " " * indent
     match node:
-        case Declare(type, name, value):
-            text = f"{type} {name}" if type[-1] != "*" else f"{type}{name}"
-            return [fold(f"{text} = {value};" if value else f"{text};", indent)]
-        case Assign(target, value, sign):
-            return [fold(f"{target} {sign} {value};", indent)]
-        case Call(text):
-            return [fold(f"{text};", indent)]
-        case Return(value):
-            return [fold(f"return {value};" if value else "return;", indent)]
-        case Comment(text):
-            return [f"{margin}/* {text} */"]
+        case str():
+            lines = ((line, line.lstrip()) for line in node.split("\n"))
+            return [text and fold(text, indent + len(line) - len(text)) for line, text in lines]
         case If(condition, body):
             return _headed(f"if ({condition})", body, indent)
         case Loop(head, body):
             return _headed(f"for ({head})", body, indent)
         case Scope(body):
             return [margin + "{", *rendered(body, indent + 4), margin + "}"]
-        case Blank():
-            return [""]
         case Text(text):
             return [text.rstrip("\n")]
 

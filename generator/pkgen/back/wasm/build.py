@@ -19,16 +19,7 @@ from ...system.progress import say
 from ...system.toolchain import DECLARED, RUNTIME, STANDARD, run
 from ..host.data import DATA, HERE, data
 
-CLANG = ("clang", "clang-19", "clang-18", "clang-17", "clang-16", "clang-15", "clang-14")
-LINKERS = (
-    "wasm-ld",
-    "wasm-ld-19",
-    "wasm-ld-18",
-    "wasm-ld-17",
-    "wasm-ld-16",
-    "wasm-ld-15",
-    "wasm-ld-14",
-)
+VERSIONS = ("", *(f"-{k}" for k in range(19, 13, -1)))  # suffixes of the names of clang and lld
 LIBC = (Path("/usr/lib/wasm32-wasi/libc.a"), Path("/opt/wasi-sysroot/lib/wasm32-wasi/libc.a"))
 TARGET = "--target=wasm32-wasi"
 # With -msimd128 the method gauss is a third faster and a swarm a tenth. The page needs
@@ -73,8 +64,10 @@ def missing() -> list[str]:
 
 
 def _found() -> tuple[str | None, str | None, Path | None]:
-    clang = next((found for name in CLANG if (found := shutil.which(name))), None)
-    linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
+    clang, linker = (
+        next((found for end in VERSIONS if (found := shutil.which(name + end))), None)
+        for name in ("clang", "wasm-ld")
+    )
     return clang, linker, next((path for path in LIBC if path.exists()), None)
 
 

@@ -16,13 +16,11 @@ def affine(equations: Equations, normal: Normal) -> bool:
     coordinates, rates and states, with constant coefficients. Tests each expression as written and
     in normal form. The mass matrix M has to be constant."""
     g = equations.graph
-    moving = [*equations.force, *equations.state_rates]
-    varying = {
-        node: bool(g.depends[node] & STATE)
-        for node in reachable(g, moving, VARIABLE)
-        if g.op[node] is Op.SYMBOL
-    }
-    return all(is_affine(g, [node], varying) or _expanded(g, normal, node) for node in moving)
+    return all(
+        (not g.depends[x] & VARIABLE & ~STATE and in_rates(g, [x], of=STATE) <= CONSTANT)
+        or _expanded(g, normal, x)
+        for x in (*equations.force, *equations.state_rates)
+    )
 
 
 def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:

@@ -2,20 +2,27 @@
 
 For the accelerations, small blocks of M are solved by Cramer's rule: all accelerations of a block
 then have the same denominator, which normal forms can cancel. Larger blocks are solved by L D L^T
-as in the C code. If the expressions would be too large, the accelerations stay symbols; `solved.py`
-finds their values at a given state.
+as in the C code. If the expressions would be too large, the accelerations stay symbols;
+`accelerations` of points/samples.py finds their values at a given state.
 """
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from ...equations import Equations, Indices
 from ...graph.differentiate import gradient, partials, reachable
 from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from ...graph.normal import Normal
+from ...graph.nullspace import Eliminated
+from ...graph.residues import PRIME, Residues
 from ...graph.solve import solve
 from ...graph.substitute import substituted
+from ..motion import rate_of
 from ..points.squares import determinant
-from .combination import combination
 
+# The largest numerator, and the denominators, of rational combinations that are tried.
+LARGEST, DENOMINATORS = 1_000, range(1, 13)
 CRAMER = 4  # the largest number of coordinates of a block that is solved by Cramer's rule
 
 
@@ -59,7 +66,7 @@ class Along:
 
     def _of_large_blocks(self, slopes: dict[Node, Node]) -> list[Node]:
         """Returns the terms of a node's time derivative that are due to the rates of large blocks,
-        if these terms can be written without accelerations (combination.py). `slopes` has the
+        if these terms can be written without accelerations (combination()). `slopes` has the
         derivatives of the node by its symbols; those by the rates of such blocks are removed."""
         g, e, terms = self.graph, self.equations, []
         for block in dict.fromkeys(self.block.values()):
@@ -125,23 +132,13 @@ class Along:
         )
 
     def _rate(self, symbol: Symbol) -> Node:
-        g = self.graph
-        if symbol.kind is Kind.TIME:
-            return ONE
-        if symbol.kind is Kind.COORDINATE:
-            return g.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.RATE:
             return self._acceleration(symbol.index)
-        if symbol.kind is Kind.STATE:
-            return self.equations.state_rates[symbol.index]
-        return g.symbol(Symbol(Kind.INPUT, self._next_input(symbol.index)))
-
-    def _next_input(self, index: int) -> int:
-        """Returns the index of the time derivative of the input at `index`. If the equations do not
-        contain this derivative, the returned index is larger than all indices of inputs."""
-        names = [q.name for q in self.equations.inputs]
-        following = names[index] + "'" if index < len(names) else ""
-        return index + 1 if following in names[index + 1 : index + 2] else index + len(names)
+        found = rate_of(self.graph, self.equations, symbol)
+        if found is None:  # an input without a symbol for its derivative: a symbol of no input
+            beyond = symbol.index + len(self.equations.inputs)
+            return self.graph.symbol(Symbol(Kind.INPUT, beyond))
+        return found
 
     def _acceleration(self, index: int) -> Node:
         if index not in self.known:
@@ -197,3 +194,44 @@ def cramer(g: Graph, equations: Equations, block: tuple[int, ...]) -> dict[int, 
         ]
         found[i] = g.multiply(determinant(g, replaced), inverse)
     return found
+
+
+def combination(g: Graph, rows: list[list[Node]], wanted: list[Node]) -> list[Fraction] | None:
+    """Returns rational numbers x with M x = w, where M is `rows` and w is `wanted`. Finds x modulo
+    a prime, and proves the equation by normal forms. Returns None if no x is found, or if the proof
+    fails.
+
+    From M a = f follows w.a = x.f, which avoids solving for the accelerations a. For example, the
+    total momentum has a time derivative of the form w.a + ..., with such a w.
+    """
+    found = _solved(Residues(g), rows, wanted)
+    numbers = [_number(x) for x in found or ()]
+    if found is None or None in numbers:
+        return None
+    normal = Normal(g)
+    for row, entry in zip(rows, wanted, strict=True):
+        made = g.sum(g.multiply(g.number(x), m) for x, m in zip(numbers, row, strict=True))
+        if normal(g.subtract(entry, made)) != {}:
+            return None
+    return numbers
+
+
+def _solved(residue: Residues, rows: list[list[Node]], wanted: list[Node]) -> list[int] | None:
+    n, done = len(rows), Eliminated({}, [])
+    for k, (row, right) in enumerate(zip(rows, wanted, strict=True)):
+        values = [residue(entry) for entry in (*row, right)]
+        if None in values:
+            return None
+        done.add({column: x for column, x in enumerate(values) if x}, k)
+    if done.rows.keys() != set(range(n)):
+        return None
+    return [done.rows[k].get(n, 0) for k in range(n)]
+
+
+def _number(residue: int) -> Fraction | None:
+    for denominator in DENOMINATORS:
+        top = residue * denominator % PRIME
+        top = top - PRIME if top > PRIME // 2 else top
+        if abs(top) <= LARGEST:
+            return Fraction(top, denominator)
+    return None

@@ -11,14 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ...equations import Equations, Structure
+from ...functions.row import COORDINATES
 from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import WORK, Normal
 from ...graph.residues import Varying
+from ..points.squares import Positive, definite_by_squares
 from .affine import CONSTANT, VARYING, affine, of_rates
-from .coupling import blocks_of, influences, mass_band, mass_blocks, ties
-from .mass import definite, singular
+from .coupling import atoms, blocks_of, influences, mass_band, mass_blocks, ties
 from .proofs import claims_of
 
 RATES = BIT[Kind.RATE]
@@ -60,7 +61,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     of_v = of_rates(equations) if constant and not separable else 0
     return Structure(
         mass_constant=constant,
-        mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
+        mass_diagonal=mass_band(equations) == 0,
         quadratic=not seen.occurs(triangle, RATES),
         separable=separable,
         linear_drag=of_v == CONSTANT,
@@ -80,8 +81,9 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         and all(x.held for x in equations.switches),
         cyclic=_cyclic(equations, seen, jumping),
         affine=constant and autonomous and affine(equations, seen.normal),
-        definite=definite(equations),
-        singular=singular(equations),
+        definite=_definite(equations),
+        # where M may be singular; see points/singularities.py
+        singular=tuple(x.quantity.name for x in equations.singularities if x.use == COORDINATES),
         mass_blocks=coupled,
         mass_band=mass_band(equations),
         influences=influence,
@@ -99,14 +101,6 @@ class _Seen:
         self.normal = Normal(g, work=2 * WORK)
         self.varying = Varying(g)
 
-    def atoms(self, node: Node) -> list[Node]:
-        """Returns the atoms (variables) of the node's normal form. If the node has no normal form,
-        returns the node itself."""
-        polynomial = self.normal(node)
-        if polynomial is None:
-            return [node]
-        return sorted({base for monomial in polynomial for base, _ in monomial})
-
     def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
         """Returns whether any of the nodes depends on a symbol of the kinds in `mask` whose index
         is at least `first`. If the result is False, this is proved; if True, the nodes may still
@@ -114,10 +108,10 @@ class _Seen:
         g = self.graph
         nodes = [node for node in nodes if g.depends[node] & mask]
         if first:
-            atoms = [atom for node in nodes for atom in self.atoms(node)]
-            return any(symbol.index >= first for symbol in symbols_in(g, atoms, mask))
+            found = [atom for node in nodes for atom in atoms(self.normal, node)]
+            return any(symbol.index >= first for symbol in symbols_in(g, found, mask))
         return any(self.varying(node, mask) for node in nodes) or any(
-            g.depends[atom] & mask for node in nodes for atom in self.atoms(node)
+            g.depends[atom] & mask for node in nodes for atom in atoms(self.normal, node)
         )
 
 
@@ -149,8 +143,8 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     # is not enough: the whole sum has to be proved zero.
     acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
-        atoms = seen.atoms(equations.lagrangian)
-        acting |= {s.index for s in symbols_in(g, atoms, BIT[Kind.COORDINATE])} & open_
+        found = atoms(seen.normal, equations.lagrangian)
+        acting |= {s.index for s in symbols_in(g, found, BIT[Kind.COORDINATE])} & open_
     return tuple(i in free and i not in acting for i in range(n))
 
 
@@ -160,3 +154,12 @@ def _smooth(equations: Equations) -> bool:
     outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]
     return smooth(g, reachable(g, outputs, VARIABLE))
+
+
+def _definite(e: Equations) -> bool:
+    """Returns whether M is proved positive definite at all states, for all parameters within their
+    bounds: by its pivots (D in M = L D L^T), or by writing T as a sum of squares."""
+    if definite_by_squares(e.graph, e.parameters, e.written, len(e.coordinates)):
+        return True
+    positive = Positive(e.graph.copy(), e.parameters)
+    return e.pivots is not None and all(positive(pivot) for pivot, _ in e.pivots)

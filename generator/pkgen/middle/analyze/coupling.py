@@ -81,7 +81,7 @@ def _in_motion(equations: Equations, blocks: Indices) -> Indices:
         rows = [[node] for node in equations.acceleration]
         normal = Normal(g, work=WORK)
         for i in _doubtful(g, equations.acceleration, n):
-            rows[i] = _without_identities(g, normal, equations.acceleration[i])
+            rows[i] = atoms(normal, equations.acceleration[i])
         return tuple(_occurring(g, rows + of_states, n))
     found: list[tuple[int, ...]] = [()] * n + _occurring(g, of_states, n)
     for block in blocks:
@@ -137,13 +137,13 @@ def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
             yield i
 
 
-def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
+def atoms(normal: Normal, node: Node) -> list[Node]:
     """Returns the atoms (variables) of a node's normal form. If the node has no normal form,
     returns the node itself."""
-    polynomial = normal(node) if g.depends[node] & STATE else {}
+    polynomial = normal(node)
     if polynomial is None:
         return [node]
-    return [base for monomial in polynomial for base, _ in monomial]
+    return sorted({base for monomial in polynomial for base, _ in monomial})
 
 
 def _occurring(g: Graph, rows: list[list[Node]], n: int) -> list[tuple[int, ...]]:

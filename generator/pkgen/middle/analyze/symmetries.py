@@ -18,24 +18,49 @@ Reference: P. J. Olver, Applications of Lie Groups to Differential Equations, 2n
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from functools import reduce
 
-from ...equations import Equations, Indices, Invariant, Symmetries
+from ...equations import Equations, Indices, Invariant, Matrix, Symmetries
 from ...graph.exact import Exact
-from ...graph.graph import MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
+from ...graph.graph import MINUS_ONE, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.monomials import merged
 from ...graph.normal import Monomial, Normal, Polynomial, TooMuch
 from ...graph.nullspace import Row, Vector, null_space
 from ...graph.wording import wording
+from ...record import record
 from .along import Along
 from .coupling import blocks_of
-from .symmetries_ansatz import KINDS, Unknown, ansatz
 from .symmetries_blocks import BLOCK, block_energies
 
 # The largest number of products of two terms that are computed for one normal form.
 WORK = 100_000
 # The largest number of nonzero entries of the linear system.
 ENTRIES = 60_000
+# The largest number of coordinates for which all entries of the matrix B are unknowns.
+WHOLE = 9
+# The unknowns, and the factors by which they are multiplied in I: q_i, Q for q_j, p_i, t and the
+# energy h. The term of an unknown has a minus sign unless it has a momentum. A term with p_i
+# belongs to xi_i, a term with h to tau, and any other term to G.
+TERMS = {
+    "tt": "tt",
+    "t": "t",
+    "qq": "qQ",
+    "qt": "tq",
+    "q": "q",
+    "d1": "te",
+    "c": "tp",
+    "B": "Qp",
+    "a": "p",
+    "d0": "e",
+}
+
+
+@record
+class Unknown:
+    kind: str  # of TERMS
+    i: int = 0
+    j: int = 0
 
 
 def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> Symmetries:
@@ -43,7 +68,7 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
     of Structure."""
     along = Along(equations, coupled)
     g = along.graph
-    unknowns, searched = ansatz(len(equations.coordinates), equations.mass, influences)
+    unknowns, searched = _ansatz(len(equations.coordinates), equations.mass, influences)
     columns = _columns(equations, along, unknowns)
     if columns is None:
         return Symmetries(g, (), "", ())
@@ -76,44 +101,40 @@ def _columns(
     multiplied by the same factor. Returns None if the coefficients are too large."""
     g = along.graph
     n = len(equations.coordinates)
-
-    def symbols(kind: str) -> list[Monomial]:
-        return [((g.symbol(Symbol(kind, i)), 1),) for i in range(n)]
-
-    q, v, t = symbols(Kind.COORDINATE), symbols(Kind.RATE), ((g.symbol(Symbol(Kind.TIME)), 1),)
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
-    nodes += [g.negate(along.energy_rate()), ONE]
-    exact = Exact(g, WORK)
+    nodes += [along.energy_rate(), ONE]
     # Without a common denominator, fewer terms cancel; it is used unless it takes too much work.
-    made = exact.numerators(nodes) or Exact(g, WORK).all(nodes)
+    made = Exact(g, WORK).numerators(nodes) or Exact(g, WORK).all(nodes)
     if made is None:
         return None
     exact = Exact(g, WORK)
-    pdot, p, (h, gained, one) = made[:n], made[n : 2 * n], made[2 * n :]
+    pdot, p, (h, h_rate, one) = made[:n], made[n : 2 * n], made[2 * n :]
 
-    def times(polynomial: Polynomial, *factors: Monomial) -> Polynomial:
-        for factor in factors:
-            polynomial = exact.multiplied(polynomial, {factor: 1})
-        return polynomial
+    def plain(kind: str, index: int = 0) -> Polynomial:
+        return {((g.symbol(Symbol(kind, index)), 1),): 1}
 
-    def minus(polynomial: Polynomial) -> Polynomial:
-        return {m: -c for m, c in polynomial.items()}
+    def factor(letter: str, u: Unknown) -> tuple[Polynomial, Polynomial]:
+        """Returns a factor of the invariant and its time derivative."""
+        if letter == "t":
+            return plain(Kind.TIME), {(): 1}
+        if letter in "qQ":
+            i = u.i if letter == "q" else u.j
+            return plain(Kind.COORDINATE, i), plain(Kind.RATE, i)
+        return (p[u.i], pdot[u.i]) if letter == "p" else (h, h_rate)
 
-    by_kind: dict[str, Callable[[int, int], Polynomial]] = {
-        "a": lambda i, j: pdot[i],
-        "B": lambda i, j: exact.added(times(pdot[i], q[j]), times(p[i], v[j])),
-        "c": lambda i, j: exact.added(times(pdot[i], t), p[i]),
-        "d0": lambda i, j: gained,
-        "d1": lambda i, j: exact.added(times(gained, t), minus(h)),
-        # The remaining unknowns are coefficients of G, which enters as -dG/dt.
-        "t": lambda i, j: minus(one),
-        "tt": lambda i, j: minus(exact.added(times(one, t), times(one, t))),
-        "q": lambda i, j: minus(times(one, v[i])),
-        "qt": lambda i, j: minus(exact.added(times(one, v[i], t), times(one, q[i]))),
-        "qq": lambda i, j: minus(exact.added(times(one, v[i], q[j]), times(one, v[j], q[i]))),
-    }
+    def column(u: Unknown) -> Polynomial:
+        """Returns the time derivative of the unknown's term, by the product rule."""
+        letters, total = TERMS[u.kind], {}
+        for k, letter in enumerate(letters):
+            others = (factor(other, u)[0] for other in letters[:k] + letters[k + 1 :])
+            parts = [x for x in (factor(letter, u)[1], *others) if x != {(): 1}]
+            term = reduce(exact.multiplied, sorted(parts, key=len) or [{(): 1}])
+            total = exact.added(total, term)
+        total = total if "p" in letters else {m: -c for m, c in total.items()}
+        return total if letters[-1] in "pe" else exact.multiplied(total, one)
+
     try:
-        return [by_kind[u.kind](u.i, u.j) for u in unknowns]
+        return [column(u) for u in unknowns]
     except TooMuch:
         return None
 
@@ -168,14 +189,15 @@ class _Said:
         if "d0" in kinds:
             entries = [(u, g.negate(x)) for u, x in entries]
         terms, shifts = [], []
-        order = list(KINDS)
+        order = list(TERMS)
         for u, x in sorted(entries, key=lambda e: (-order.index(e[0].kind), e[0].j, e[0].i)):
-            meaning = KINDS[u.kind]
-            signed = x if meaning.sign > 0 else g.negate(x)
-            terms.append((signed, meaning.factors(u, self.q, self.p)))
-            if meaning.along:
-                factors, by = meaning.along(u, self.q)
-                shifts.append((x if "d0" not in kinds else g.negate(x), factors, by))
+            q = {"q": self.q[u.i], "Q": self.q[u.j], "t": "t", "e": "energy", "p": self.p[u.i]}
+            letters = TERMS[u.kind]
+            factors = tuple(q[letter] for letter in letters)
+            terms.append((x if "p" in letters else g.negate(x), factors))
+            if letters[-1] in "pe":
+                by = q["q" if letters[-1] == "p" else "t"]
+                shifts.append((x if "d0" not in kinds else g.negate(x), factors[:-1], by))
         node = g.sum(g.multiply(x, g.product(self.nodes[f] for f in names)) for x, names in terms)
         generator = joined(
             [self._text(x, [*factors, f"d/d{by}"], " ") for x, factors, by in shifts]
@@ -201,3 +223,34 @@ class _Said:
 def joined(terms: list[str]) -> str:
     """Returns the text of a sum with the given terms."""
     return " + ".join(terms).replace("+ -", "- ")
+
+
+def _ansatz(n: int, mass: Matrix, influences: Indices) -> tuple[list[Unknown], str]:
+    """Returns the unknowns, and a text that describes the symmetries they include. The order
+    matters: elimination expresses unknowns at the beginning of the list by later ones."""
+    whole = n <= WHOLE
+    pairs = [(i, j) for i in range(n) for j in range(n)]
+    if not whole:
+        pairs = sorted(_coupled(n, mass, influences))
+    unknowns = [Unknown("tt"), Unknown("t")]
+    if whole:
+        unknowns += [Unknown("qq", i, j) for i in range(n) for j in range(i + 1)]
+    unknowns += [Unknown(kind, i) for kind in ("qt", "q") for i in range(n)]
+    unknowns += [Unknown("d1"), *(Unknown("c", i) for i in range(n))]
+    unknowns += [Unknown("B", i, j) for i, j in pairs]
+    unknowns += [*(Unknown("a", i) for i in range(n)), Unknown("d0")]
+    if whole:
+        return unknowns, "all point symmetries that are affine in coordinates and time"
+    return unknowns, (
+        f"shifts, boosts and scalings; of {n} coordinates only neighbours turn into each other"
+    )
+
+
+def _coupled(n: int, mass: Matrix, influences: Indices) -> Iterator[tuple[int, int]]:
+    """Returns the pairs (i, j) of coordinates that are coupled by M or influence each other, and
+    all pairs (i, i). If they are too many, only the pairs (i, i)."""
+    found = {(i, i) for i in range(n)}
+    found |= {(i, j) for i in range(n) for j in range(n) if mass[i][j] != ZERO}
+    found |= {pair for i, row in enumerate(influences) for j in row for pair in ((i, j), (j, i))}
+    few = len(found) <= WHOLE * n
+    return iter(found if few else {(i, i) for i in range(n)})

@@ -14,7 +14,7 @@ Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, sec
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from ...equations import Constraints, Matrix, Row, Rows
 from ...graph.differentiate import Forward, gradient
@@ -73,19 +73,14 @@ def constrain(
         tuple(map(g.add, row, binding)) for row in (motion.applied, motion.pdot, motion.force)
     )
     found = Constraints(
-        names=rows.names,
-        holonomic=rows.holonomic,
-        positions=rows.positions,
+        **{field.name: getattr(rows, field.name) for field in fields(Rows)},
         rows=J,
-        residual=rows.residual,
         multipliers=multipliers,
         pivots=pivots,
         free_applied=motion.applied,
         free_pdot=motion.pdot,
         free_force=motion.force,
-        spans=rows.spans,
         workless=_workless(g, rows, J, v),
-        redundant=more,
         redundant_rows=beside,
         least=_least(g, multipliers, shares),
         shared=_shared(shares, len(J)),

@@ -13,6 +13,7 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from ...equations import Attitude, ParameterSlot, Row, Rows
 from ...graph.differentiate import gradient
@@ -24,6 +25,10 @@ from ...source import Diagnostic
 from ..points.samples import started
 from .nearest_start import nearest_start
 
+if TYPE_CHECKING:
+    import numpy as np
+
+RATE = BIT[Kind.RATE]
 EPS = sys.float_info.epsilon
 # The tolerance of a constraint, relative to its terms: models state initial values with few digits.
 WRITTEN = 1e-8
@@ -69,41 +74,36 @@ def at_the_start(
     values of coordinates, rates and states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return c, []
+    import numpy as np
+
     start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
-    rows = [_row(g, node, start) for node in c.residual]
+    rates = sorted(start.unit.keys() | {r for x in c.residual for r in gradient(g, x, RATE)})
+    rows = np.array([_row(g, node, start, rates) for node in c.residual])
+    with np.errstate(all="ignore"):  # entries that are not finite stay so
+        scaled = _equilibrated(rows)
+    finite = np.isfinite(scaled).all()
     broken = [
         _broken(c, k, *found)
-        for k, row in enumerate(rows)
-        if (found := _residual(g, c, k, row, start)) is not None
+        for k, slope in enumerate(np.abs(rows).sum(axis=1).tolist())
+        if (found := _residual(g, c, k, slope, start)) is not None
     ]
     if broken:
         near = nearest_start(g, c, lagrangian, start.values, attitudes, name)
         if near:
             broken[0] = replace(broken[0], help=f"the nearest start that holds: {near}")
-        elif contradiction := _contradiction(c, rows):
-            broken.append(contradiction)
+        elif finite:
+            broken += _contradiction(c, scaled)
         return c, broken
     for k, row in enumerate(rows):
-        if not any(row.values()):
-            message = f"'{_name(c, k)}' has no force at the start: its row is 0 there"
+        if not row.any():
+            message = f"the {c.statement(k)} has no force at the start: its row is 0 there"
             help = "start elsewhere, or write it another way"
-            return c, [Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], help)]
-    rows = _equilibrated(rows)
-    if _dependent(rows) is None:
+            return c, [Diagnostic(message, c.spans[k], help)]
+    own = _independent(scaled, c.holonomic) if finite else range(len(rows))
+    if len(own) == len(rows):
         return c, []
-    own = _independent(rows, c.holonomic)
     redundant = c.picked([k for k in range(len(rows)) if k not in own])
     return replace(c.picked(own), redundant=redundant), []
-
-
-def _contradiction(c: Rows, rows: list[dict[Node, float]]) -> Diagnostic | None:
-    found = _dependent(_equilibrated(rows))
-    if found is None:
-        return None
-    k, others = found
-    names = " and ".join(f"'{_name(c, i)}'" for i in others) or "nothing"
-    message = f"'{_name(c, k)}' contradicts {names}: they leave the same rates no freedom"
-    return Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], "leave one out")
 
 
 def _start(
@@ -111,8 +111,8 @@ def _start(
 ) -> Start:
     turning = {i for a in attitudes for i in a.rates}
     unit, far, fast = {}, 0.0, 0.0
-    for rate, slope in gradient(g, lagrangian, BIT[Kind.RATE]).items():
-        own = gradient(g, slope, BIT[Kind.RATE]).get(rate, ZERO)
+    for rate, slope in gradient(g, lagrangian, RATE).items():
+        own = gradient(g, slope, RATE).get(rate, ZERO)
         unknown = g.depends[own] & BIT[Kind.INPUT]  # inputs have no values before a run
         (inertia,) = (0.0,) if unknown else evaluate(g, [own], values)
         unit[rate] = math.sqrt(inertia) if 0 < inertia < math.inf else 1.0
@@ -123,12 +123,10 @@ def _start(
     return Start(values, unit, far, fast)
 
 
-def _residual(
-    g: Graph, c: Rows, k: int, row: dict[Node, float], start: Start
-) -> tuple[float, bool] | None:
+def _residual(g: Graph, c: Rows, k: int, slope: float, start: Start) -> tuple[float, bool] | None:
     """Returns None if constraint k is satisfied at the start. Otherwise returns its error, and True
-    if the rates cause the error, False if the coordinates do."""
-    slope = math.fsum(map(abs, row.values()))
+    if the rates cause the error, False if the coordinates do. `slope` is the sum of the entries of
+    its row."""
     nodes = [(c.residual[k], slope * start.fast, True)]
     if k < c.holonomic:
         nodes.insert(0, (c.positions[k], slope * start.far, False))
@@ -140,104 +138,79 @@ def _residual(
 
 
 def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
-    name, kind = _name(c, k), _kind(c, k)
     what = "its rate is" if of_rates and k < c.holonomic else "left minus right is"
     return Diagnostic(
-        f"the start breaks the {kind} '{name}': {what} {found:.6g}, not 0",
+        f"the start breaks the {c.statement(k)}: {what} {found:.6g}, not 0",
         c.spans[k],
         "start rates along it" if of_rates else "start where it holds",
     )
 
 
-def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
-    """Returns a row of J as a map from rates to entries, which are scaled with M. If all entries
+def _row(g: Graph, residual: Node, start: Start, rates: list[Node]) -> list[float]:
+    """Returns a row of J, one entry for each of the rates, which are scaled with M. If all entries
     may be mere rounding errors of the initial values, all entries are returned as zeros."""
-    by = gradient(g, residual, BIT[Kind.RATE])
-    entries = evaluate(g, by.values(), start.values)
-    row = {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
-    if any(abs(x) > SMALL * max(1.0, start.far) for x in row.values()):
+    by = gradient(g, residual, RATE)
+    entries = evaluate(g, [by.get(rate, ZERO) for rate in rates], start.values)
+    row = [x / start.unit.get(rate, 1.0) for rate, x in zip(rates, entries, strict=True)]
+    if any(abs(x) > SMALL * max(1.0, start.far) for x in row):
         return row  # entries this large cannot be rounding errors
-    for node, x in zip(by.values(), entries, strict=True):
-        bends = gradient(g, node, BIT[Kind.COORDINATE])
+    for rate, x in zip(rates, entries, strict=True):
+        bends = gradient(g, by.get(rate, ZERO), BIT[Kind.COORDINATE])
         slopes = evaluate(g, bends.values(), start.values)
         ends = [abs(y * start.values[g.data[q]]) for q, y in zip(bends, slopes, strict=True)]
         if abs(x) > DEBRIS * math.fsum(ends):
             return row
-    return dict.fromkeys(row, 0.0)
+    return [0.0] * len(row)
 
 
-def _equilibrated(rows: list[dict[Node, float]]) -> list[dict[Node, float]]:
+def _equilibrated(rows: np.ndarray) -> np.ndarray:
     """Returns the rows with their columns scaled to equal size, so that masses and units do not
     affect the numerical rank.
 
     Reference: D. Ruiz, RAL-TR-2001-034.
     """
-    rates = sorted(set().union(*rows))
-    column = dict.fromkeys(rates, 1.0)
+    import numpy as np
+
+    entries, columns = np.abs(rows), np.ones(rows.shape[1])
     for _ in range(SWEEPS):
-        sizes = [max((abs(x) * column[r] for r, x in row.items()), default=0.0) for row in rows]
-        for rate in rates:
-            shares = [
-                abs(row.get(rate, 0.0)) / size
-                for row, size in zip(rows, sizes, strict=True)
-                if size and abs(row.get(rate, 0.0)) * column[rate] > ROUNDING * size
-            ]
-            column[rate] = 1 / max(shares) if shares else column[rate]
-    return [{rate: x * column[rate] for rate, x in row.items()} for row in rows]
+        sizes = (entries * columns).max(axis=1, keepdims=True)
+        seen = entries * columns > ROUNDING * sizes
+        shares = np.where(seen, entries / np.where(sizes, sizes, 1), 0).max(axis=0)
+        columns = np.where(shares, 1 / np.where(shares, shares, 1), columns)
+    return rows * columns
 
 
-def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
-    """Returns the number of the first row that is a linear combination of earlier rows, and the
-    numbers of the latter; None if all rows are independent. Uses Gram-Schmidt orthogonalization."""
-    basis: list[tuple[list[float], dict[int, float]]] = []
-    rates = sorted(set().union(*rows))
+def _contradiction(c: Rows, rows: np.ndarray) -> list[Diagnostic]:
+    """Returns an error about the first row that is a linear combination of earlier rows, if any."""
+    import numpy as np
+
     for k, row in enumerate(rows):
-        left, made = [row.get(rate, 0.0) for rate in rates], {k: 1.0}
-        size = math.hypot(*left)
-        if not math.isfinite(size):
-            return None
-        for _ in range(2):  # orthogonalizing twice is enough (Kahan and Parlett)
-            for other, of in basis:
-                along = math.fsum(a * b for a, b in zip(left, other, strict=True))
-                left = [a - along * b for a, b in zip(left, other, strict=True)]
-                for i, x in of.items():
-                    made[i] = made.get(i, 0.0) - along * x
-        rest = math.hypot(*left)
-        if rest <= DEPENDENT * size:
-            largest = max((abs(x) for i, x in made.items() if i != k), default=0.0)
-            return k, [i for i in sorted(made) if i != k and abs(made[i]) > DEPENDENT * largest]
-        basis.append(([a / rest for a in left], {i: x / rest for i, x in made.items()}))
-    return None
+        x = np.linalg.lstsq(rows[:k].T, row, rcond=None)[0]
+        if np.linalg.norm(row - x @ rows[:k]) <= DEPENDENT * np.linalg.norm(row):
+            large = np.flatnonzero(np.abs(x) > DEPENDENT * np.abs(x).max(initial=0))
+            names = " and ".join(c.statement(i).partition(" ")[2] for i in large) or "nothing"
+            message = f"the {c.statement(k)} contradicts {names}"
+            message += ": they leave the same rates no freedom"
+            return [Diagnostic(message, c.spans[k], "leave one out")]
+    return []
 
 
-def _independent(rows: list[dict[Node, float]], holonomic: int) -> list[int]:
+def _independent(rows: np.ndarray, holonomic: int) -> list[int]:
     """Returns the numbers of independent rows of which all rows are linear combinations. Chooses in
     each step the row with the largest component orthogonal to the chosen rows, relative to its
     length. Holonomic rows are chosen first, since they also constrain the positions."""
-    rates = sorted(set().union(*rows))
-    left = [[row.get(rate, 0.0) for rate in rates] for row in rows]
-    sizes = [math.hypot(*row) or 1.0 for row in left]
-    found: list[int] = []
+    import numpy as np
+
+    left, sizes, found = rows.copy(), np.linalg.norm(rows, axis=1), []
     for among in (range(holonomic), range(holonomic, len(rows))):
-        waiting = list(among)
-        while waiting:
-            k = max(waiting, key=lambda k: math.hypot(*left[k]) / sizes[k])
-            rest = math.hypot(*left[k])
-            if rest <= DEPENDENT * sizes[k]:
+        for _ in among:
+            ratios = np.linalg.norm(left, axis=1) / sizes
+            k = max(among, key=ratios.__getitem__)
+            if ratios[k] <= DEPENDENT:
                 break
-            waiting.remove(k)
             found.append(k)
-            unit = [x / rest for x in left[k]]
-            for _ in range(2):
-                for j in range(len(rows)):
-                    along = math.fsum(a * b for a, b in zip(left[j], unit, strict=True))
-                    left[j] = [a - along * b for a, b in zip(left[j], unit, strict=True)]
+            unit = left[k] / np.linalg.norm(left[k])
+            for _ in range(2):  # orthogonalizing twice is enough (Kahan and Parlett)
+                left -= np.outer(left @ unit, unit)
+            left[k] = 0
     return sorted(found)
-
-
-def _name(c: Rows, k: int) -> str:
-    return c.names[k].name.removeprefix("lambda_")
-
-
-def _kind(c: Rows, k: int) -> str:
-    return "constraint" if k < c.holonomic else "rolling"

@@ -71,9 +71,8 @@ def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelEr
     single row is at fault, the span is that of the first row."""
     if wrong.row is None:
         return error(x.model, wrong.message, rows.spans[0], wrong.help)
-    name = rows.names[wrong.row].name.removeprefix("lambda_")
-    kind = "constraint" if wrong.row < rows.holonomic else "rolling"
-    return error(x.model, f"the {kind} '{name}' {wrong.message}", rows.spans[wrong.row], wrong.help)
+    message = f"the {rows.statement(wrong.row)} {wrong.message}"
+    return error(x.model, message, rows.spans[wrong.row], wrong.help)
 
 
 def define_multipliers(x: Expander, constraints: Constraints | None) -> None:

@@ -37,7 +37,7 @@ from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
-from .lagrange import Derived, derived, located, singularities
+from .lagrange import Derived, derived, located
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -114,7 +114,6 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     primes = x.primes[:]
     outputs = _outputs(x, found, rates)
     check_rates(model, x.graph, primes, naming(named))
-    ends = singularities(x.graph, found, named, x.attitudes) if wanted("singularity") else ()
     equations = Equations(
         model=model,
         graph=x.graph,
@@ -122,17 +121,17 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         **outputs,
         left_out=left_out,
         event_names=Quantity.each(model.events),
-        singularities=ends,
-        events=_events(x, found, rates),
+        singularities=(),
+        events=_events(x, found),
         start_q=start_q,
         start_v=start_v,
         state_start=state_start,
         particles=bodies,
         attitudes=x.attitudes,
         fast=_fast(x, energies.fast, found),
-        **found.fields(),
+        **found.fields,
     )
-    return located(equations)
+    return located(equations, wanted)
 
 
 # -- the statements ------------------------------------------------------------------------------
@@ -140,10 +139,8 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
 
 def _energies(x: Expander) -> Energies:
     model, g = x.model, x.graph
-    for item in model.definitions:
-        with x.statement(item.span):
-            for index, loop in x.unrolled(item.index, item.range):
-                x.define(item.name, index, x.value(item.value, loop))
+    for item, index, value in x.members_of(model.definitions, scalar=False):
+        x.define(item.name, index, value)
     totals: dict[str, Node] = {}
     for kind in ("kinetic", "potential", "lagrangian", "dissipation", "fast"):
         totals[kind] = ZERO
@@ -208,19 +205,16 @@ def _starts(x: Expander) -> tuple[Row, Row, Row]:
     """Returns the initial values of the coordinates, of their rates, and of the states."""
     count = x.count
     values = ([ZERO] * count, [ZERO] * count, [ZERO] * x.state_count)
-    for item in x.model.starts:
+    for item, index, value in x.members_of(x.model.starts):
         is_state = item.name in x.states
         family = (x.states if is_state else x.coordinates)[item.name]
-        with x.statement(item.span):
-            for index, loop in x.unrolled(item.index, item.range):
-                if not family.has(index):
-                    what = "state" if is_state else "coordinate"
-                    raise error(x.model, f"no {what} '{indexed(item.name, index)}'", item.span)
-                value = x.scalar(item.value, loop)
-                if not x.graph.is_constant(value):
-                    message = "an initial value may use parameters and numbers only"
-                    raise error(x.model, message, item.value.span)
-                values[2 if is_state else item.order][family.flat(index)] = value
+        if not family.has(index):
+            what = "state" if is_state else "coordinate"
+            raise error(x.model, f"no {what} '{indexed(item.name, index)}'", item.span)
+        if not x.graph.is_constant(value):
+            message = "an initial value may use parameters and numbers only"
+            raise error(x.model, message, item.value.span)
+        values[2 if is_state else item.order][family.flat(index)] = value
     return tuple(values[0]), tuple(values[1]), tuple(values[2])
 
 
@@ -265,27 +259,25 @@ def _singular(x: Expander, coordinate: int) -> ModelError:
     return error(x.model, message, item.span, help)
 
 
-def _events(x: Expander, found: Derived, rates: Mapping[Node, Node]) -> Row:
+def _events(x: Expander, found: Derived) -> Row:
     """Returns the event functions. To be called after _outputs, since events may use outputs."""
     nodes = []
     for item in x.model.events:
         with x.statement(item.span):
-            node = _solved(x, x.scalar(item.value), found, rates, item.span)
-            nodes.append(node)
+            nodes.append(_solved(x, x.scalar(item.value), found, item.span))
     refuse_constant(x.model, x.graph, nodes)
     return tuple(nodes)
 
 
 def _generalized_forces(x: Expander) -> list[Node]:
     forces = [ZERO] * x.count
-    for item in x.model.forces:
+    for item, index, value in x.members_of(x.model.forces):
+        family = x.coordinates[item.name]
+        if not family.has(index):
+            raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
+        i = family.flat(index)
         with x.statement(item.span):
-            for index, loop in x.unrolled(item.index, item.range):
-                family = x.coordinates[item.name]
-                if not family.has(index):
-                    raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
-                i = family.flat(index)
-                forces[i] = x.graph.add(forces[i], x.scalar(item.value, loop))
+            forces[i] = x.graph.add(forces[i], value)
     return forces
 
 
@@ -300,32 +292,28 @@ def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> dict[
     found: dict[str, tuple] = {}
     for kind in ("observed", "conserved"):
         names, nodes = [], []
-        for item in getattr(x.model, kind):
-            with x.statement(item.span):
-                for index, loop in x.unrolled(item.index, item.range):
-                    node = _solved(x, x.scalar(item.value, loop), derived, rates, item.span)
-                    x.define(item.name, index, node)
-                    names.append(Quantity(indexed(item.name, index), item.unit, item.description))
-                    nodes.append(node)
+        for item, index, value in x.members_of(getattr(x.model, kind)):
+            node = _solved(x, value, derived, item.span)
+            x.define(item.name, index, node)
+            names.append(Quantity(indexed(item.name, index), item.unit, item.description))
+            nodes.append(node)
         found |= {f"{kind}_names": tuple(names), kind: tuple(nodes)}
     return found
 
 
-def _solved(
-    x: Expander, node: Node, found: Derived, rates: Mapping[Node, Node], span: Span
-) -> Node:
+def _solved(x: Expander, node: Node, found: Derived, span: Span) -> Node:
     """Returns an output in which accelerations and rates of states are replaced by their
     expressions."""
-    g, swap = x.graph, rates
+    g, swap = x.graph, x.solved
     if not g.depends[node] & (BIT[Kind.ACCELERATION] | BIT[Kind.STATE]):
         return node
-    if g.depends[node] & BIT[Kind.ACCELERATION]:
-        motion = found.motion
-        known = found.solution or solve(g, motion.mass, motion.force)
-        if known is None:
-            message = "the accelerations of so many coupled coordinates are no outputs"
-            help_ = "they are solved for by a loop; see docs/language.md"
-            raise error(x.model, message, span, help_)
-        a = symbols(g, Kind.ACCELERATION, len(known.accelerations))
-        swap = dict(zip(a, known.accelerations, strict=True)) | rates
-    return substituted(g, [node], swap)[0]
+    with x.statement(span):
+        if g.depends[node] & BIT[Kind.ACCELERATION]:
+            known = found.solution or solve(g, found.motion.mass, found.motion.force)
+            if known is None:
+                message = "the accelerations of so many coupled coordinates are no outputs"
+                help_ = "they are solved for by a loop; see docs/language.md"
+                raise error(x.model, message, span, help_)
+            a = symbols(g, Kind.ACCELERATION, len(known.accelerations))
+            swap = dict(zip(a, known.accelerations, strict=True)) | swap
+        return substituted(g, [node], swap)[0]

@@ -3,13 +3,15 @@ and momenta, and time derivatives of other states."""
 
 from __future__ import annotations
 
+from graphlib import CycleError
+
 from ...graph.differentiate import gradient
 from ...graph.graph import ZERO, Kind, Node, Symbol
 from ...source import Span
 from ..expand.expand import Expander
 from ..motion import STATE, Energies
 from ..quantities import error, indexed, symbols
-from .states import Circular, resolved
+from .states import resolved
 
 
 def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
@@ -28,23 +30,21 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
     for attitude in x.attitudes:
         for k in attitude.numbers:
             rates[k] = x.derivative(g.symbol(Symbol(Kind.STATE, k)))
-    for item in x.model.rates:
-        family = x.states[item.name]
-        with x.statement(item.span):
-            for index, loop in x.unrolled(item.index, item.range):
-                k = family.flat(index)
-                rates[k], places[k] = x.scalar(item.value, loop), item.span
+    for item, index, value in x.members_of(x.model.rates):
+        k = x.states[item.name].flat(index)
+        rates[k], places[k] = value, item.span
     try:
         found = resolved(g, tuple(rates))
-    except Circular as circular:
+    except CycleError as wrong:
         of = {f.flat(i): indexed(f.name, i) for f in x.states.values() for i in f.members}
-        names = [of[k] for k in sorted(of)]
-        first = circular.cycle[0]
-        cycle = " needs ".join(f"{names[k]}'" for k in (*circular.cycle, first))
+        *circle, _ = reversed(wrong.args[1])  # each state needs the next one
+        start = circle.index(min(circle))
+        circle = circle[start:] + circle[: start + 1]
+        cycle = " needs ".join(f"{of[k]}'" for k in circle)
         raise error(
             x.model,
-            f"the rate of '{names[first]}' is defined by itself: {cycle}",
-            places[first],
+            f"the rate of '{of[circle[0]]}' is defined by itself: {cycle}",
+            places[circle[0]],
             "solve these equations for the rates, and write what comes out",
         ) from None
     return dict(sorted(found.items(), key=lambda pair: g.data[pair[0]].index))

@@ -32,7 +32,7 @@ from ...graph.residues import Varying
 from ...graph.substitute import rebuilt, substituted
 from ...graph.wording import wording
 from ...model import Model
-from ...source import Span
+from ...source import ModelError, Span
 from ..attitudes import slopes
 from ..quantities import error
 from .switches import Surfaces, argument_of, free
@@ -41,6 +41,7 @@ from .switches import Surfaces, argument_of, free
 # OF_ROLLING: a row of a `rolling` statement may jump.
 OF_ENERGY, OF_ROLLING = 1, 2
 _PLACES = BIT[Kind.COORDINATE]
+SMOOTH = "let it bend, as max(0, x) does, or be steep, as tanh is"
 
 
 def arguments_of(g: Graph, nodes: Iterable[Node]) -> list[Node]:
@@ -151,12 +152,6 @@ class NoRate(Exception):
     """A derivative of an input is needed for which the equations have no symbol."""
 
 
-class _Refused(Exception):
-    def __init__(self, message: str, help: str = "", span: Span | None = None):
-        super().__init__(message)
-        self.message, self.help, self.span = message, help, span
-
-
 def with_impulses(
     e: Equations,
     known: tuple[Switch, ...],
@@ -181,19 +176,16 @@ def with_impulses(
         if surface in found:
             continue
         text = wording(across.graph, argument, name)
-        try:
-            kind = _kind(e, across, argument, text)
-            if kind and surface in loose:
-                raise _Refused(
-                    f"L or a constraint jumps where {text} vanishes, in a root, a power or a"
-                    " logarithm: of that neither side is known",
-                    "put the jump outside of it: sqrt(4*step(x)) is 2*step(x)",
-                )
-            slope, of_time = _slopes(e, argument, text, rate_of) if kind else ((), ZERO)
-            found[surface] = Switch(Quantity(text, "", ""), argument, kind, slope, of_time)
-        except _Refused as wrong:
-            span = wrong.span or _span(e)
-            raise error(e.model, wrong.message, span, wrong.help) from None
+        kind = _kind(e, across, argument, text)
+        if kind and surface in loose:
+            raise _refused(
+                e,
+                f"L or a constraint jumps where {text} vanishes, in a root, a power or a"
+                " logarithm: of that neither side is known",
+                "put the jump outside of it: sqrt(4*step(x)) is 2*step(x)",
+            )
+        slope, of_time = _slopes(e, argument, text, rate_of) if kind else ((), ZERO)
+        found[surface] = Switch(Quantity(text, "", ""), argument, kind, slope, of_time)
     marked = [replace(found.pop(surfaces(x.node)[0], x), held=x.held) for x in known]
     return (*marked, *(x for x in found.values() if x.impulse))
 
@@ -204,7 +196,8 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
     energies = [e.lagrangian, *(e.momenta if of_rates else ())]
     found = OF_ENERGY if any(across.jump(x, argument) != ZERO for x in energies) else 0
     if found and of_rates:
-        raise _Refused(
+        raise _refused(
+            e,
             f"L or a momentum jumps where {text} vanishes: what its rates do there is not defined",
             "a step or a sign of a rate may stand in a force or a dissipation, not in an energy",
         )
@@ -215,14 +208,14 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
         jump = across.jump(c.positions[k], argument) if holonomic else ZERO
         if jump != ZERO and across.surely(jump, argument):
             message = f"the constraint '{row}' jumps {at}: no motion follows it"
-            raise _Refused(message, "let it bend, as max(0, x) does, or be steep, as tanh is", span)
+            raise error(e.model, message, span, SMOOTH)
         turns = [ZERO] if holonomic else [across.jump(x, argument) for x in c.rows[k]]
         if any(across.surely(x, argument) for x in turns if x != ZERO):
             message = f"what multiplies the rates in the rolling '{row}' jumps {at}"
-            raise _Refused(f"{message}: what the motion does there depends on how", "", span)
+            raise error(e.model, f"{message}: what the motion does there depends on how", span)
         if jump != ZERO or any(turns) or across.jump(c.residual[k], argument) != ZERO:
             if of_rates:
-                raise _Refused(f"'{row}' jumps {at}, which has rates in it", "", span)
+                raise error(e.model, f"'{row}' jumps {at}, which has rates in it", span)
             found |= OF_ENERGY if holonomic else OF_ROLLING
     return found
 
@@ -245,24 +238,23 @@ def _slopes(
         if kind is Kind.COORDINATE or (kind is Kind.STATE and index < e.quaternions):
             continue
         if kind is Kind.STATE:
-            raise _Refused(
-                f"L or a constraint jumps where {text} vanishes, which has a state in it"
-            )
+            message = f"L or a constraint jumps where {text} vanishes, which has a state in it"
+            raise _refused(e, message)
         try:
             rate = g.add(rate, g.multiply(x, rate_of(symbol)))
         except NoRate as no:
-            raise _Refused(
+            raise _refused(
+                e,
                 f"L or a constraint jumps where {text} vanishes, and the rate of {no} is not known",
                 "give the input as a function of t by `set`",
             ) from None
     return slope, rate
 
 
-def _span(e: Equations) -> Span:
-    """Returns the span of the energy in the model's text, for error messages."""
-    model = e.model
-    found = (*model.potential, *model.kinetic, *model.lagrangian)
-    return found[0].span if found else model.span
+def _refused(e: Equations, message: str, help: str = "") -> ModelError:
+    """Returns an error at the energy in the model's text."""
+    found = (*e.model.potential, *e.model.kinetic, *e.model.lagrangian, e.model)
+    return error(e.model, message, found[0].span, help)
 
 
 def check_rates(
@@ -278,5 +270,4 @@ def check_rates(
             if across.jump(node, argument) != ZERO:
                 text = wording(across.graph, argument, name)
                 message = f"the rate is taken here of what jumps where {text} vanishes"
-                help = "let it bend, as max(0, x) does, or be steep, as tanh is"
-                raise error(model, message, span, help)
+                raise error(model, message, span, SMOOTH)

@@ -12,8 +12,9 @@ form, with p = v, M = 1 and f = a.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
+from graphlib import TopologicalSorter
 
 from ...equations import Constraints, Equations, Matrix, Quantity, Row, Structure, Switch
 from ...graph.differentiate import symbols_in
@@ -26,33 +27,17 @@ from ..quantities import rate_of_state, symbols
 STATES = BIT[Kind.STATE]
 
 
-class Circular(Exception):
-    """States form a cycle: the time derivative of each state contains that of the next state in the
-    cycle."""
-
-    def __init__(self, cycle: Sequence[int]):
-        super().__init__(cycle)
-        self.cycle = tuple(cycle)
-
-
 def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
     """Returns the expressions of the time derivatives of states by their symbols. The expressions
-    do not contain such symbols. Raises Circular if that is impossible."""
+    do not contain such symbols. Raises CycleError if that is impossible."""
     count = len(rates)
+    used = {
+        k: [s.index - count for s in symbols_in(g, [rate], STATES) if s.index >= count]
+        for k, rate in enumerate(rates)
+    }
     found: dict[Node, Node] = {}
-    for first in range(count):
-        path = [first]
-        while path:
-            k = path[-1]
-            used = (s.index - count for s in symbols_in(g, [rates[k]], STATES))
-            waiting = [i for i in used if i >= 0 and rate_of_state(g, i, count) not in found]
-            if not waiting:
-                (found[rate_of_state(g, k, count)],) = substituted(g, [rates[k]], found)
-                path.pop()
-            elif waiting[0] in path:
-                raise Circular(path[path.index(waiting[0]) :])
-            else:
-                path.append(waiting[0])
+    for k in TopologicalSorter(used).static_order():
+        (found[rate_of_state(g, k, count)],) = substituted(g, [rates[k]], found)
     return found
 
 
@@ -68,54 +53,87 @@ def as_rates(
     + count) x (n + count) matrices. If the model has rotations, constraints, or momenta that depend
     on states, the fields `unconstrained`, `inertia` and `terms` of the result are set. The
     equations must not have been converted before."""
-    if not e.states and not e.attitudes:
-        own = _unconstrained(e.graph, e, tuple, ())
-        if own is None:
-            return e, structure
-        terms = _terms(e.graph, e.constraints)
-        return replace(e, unconstrained=own, inertia=e.mass, **terms), structure
-    g, count = e.graph, len(e.states)
-    n = len(e.coordinates)
-    own = symbols(g, Kind.RATE, n + count)[n:]
+    c, solved = e.constraints, with_states(e.graph, e.momenta)
+    if not (e.states or e.attitudes):
+        whole = lagrange = replace(e, **_terms(e.graph, c))
+    else:
+        whole, lagrange = _extended(e, Wanted(kernels), solved)
+        structure, c = _facts(structure, len(e.states), solved), whole.constraints
+    if solved or e.quaternions or c is not None or e.impulsive:
+        # In solved form the kernel `canonical` has the rates v in place of p.
+        own = lagrange.momenta, lagrange.pdot if c is None else c.free_pdot
+        whole = replace(whole, unconstrained=own, inertia=lagrange.mass)
+    return whole, structure
+
+
+def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Motion]:
+    """Returns the equations of `e`, extended by the equations x' = g of the states x; if `solved`,
+    in solved form, v' = a with p = v and M = 1. Returns the extended Lagrange's equations too, in
+    which each state has the diagonal entry 1 in M."""
+    g, n, count = e.graph, len(e.coordinates), len(e.states)
+    own, none = symbols(g, Kind.RATE, n + count)[n:], (ZERO,) * count
     swap = dict(zip(symbols(g, Kind.STATE, count), own, strict=True))
 
     def there(nodes: Iterable[Node]) -> Row:
         return tuple(substituted(g, nodes, swap))
 
+    def wider(rows: Iterable[Row]) -> Matrix:
+        return tuple((*there(row), *none) for row in rows)
+
+    def switch(x: Switch) -> Switch:
+        node, slope_t, *slope = there((x.node, x.slope_t, *x.slope))
+        return replace(x, node=node, slope_t=slope_t, slope=(*slope, *none) if slope else ())
+
     rates = there(e.state_rates)
-    solved = with_states(g, e.momenta)
-    acceleration = None if e.acceleration is None else (*there(e.acceleration), *rates)
-    motion = _solved(g, acceleration) if solved else _beside(g, e, rates, there)
-    wanted = Wanted(kernels)
-    jacobians = NO_JACOBIANS
-    if wanted("jacobian"):
-        jacobians = jacobians_of(g, motion, lagrangian=False)
+    ends = {"momenta": own, "gradient": none, "applied": rates, "pdot": rates, "force": rates}
+    a = None if e.acceleration is None else (*there(e.acceleration), *rates)
+
+    def beside() -> Motion:
+        return Motion(
+            **{x: (*there(getattr(e, x)), *end) for x, end in ends.items()},
+            mass=(*wider(e.mass), *((ZERO,) * n + row for row in _unit(count))),
+        )
+
+    motion = _solved(g, a) if solved else beside()
+    jacobians = jacobians_of(g, motion, False) if wanted("jacobian") else NO_JACOBIANS
     single = ("lagrangian", "energy", "written", "kinetic", "potential")
     nodes = {field: getattr(e, field) for field in single if getattr(e, field) is not None}
-    own = _unconstrained(g, e, there, rates, solved)
-    constraints = _constraints(e.constraints, there, count)
+    nodes = dict(zip(nodes, there(nodes.values()), strict=True))
+    lagrange = beside() if solved else motion
+    c = e.constraints
+    more = c and c.redundant
+    constraints = c and replace(
+        c,
+        free_pdot=(*there(c.free_pdot), *rates),
+        positions=there(c.positions),
+        rows=wider(c.rows),
+        residual=there(c.residual),
+        multipliers=there(c.multipliers),
+        pivots=tuple(map(there, c.pivots)),
+        redundant=more
+        and replace(more, positions=there(more.positions), residual=there(more.residual)),
+        redundant_rows=wider(c.redundant_rows),
+    )
     unseen = (Quantity(f"integral of {q.name}", "", "of no use: v has the state") for q in e.states)
     whole = replace(
         e,
         fast=None,
-        unconstrained=own,
         constraints=constraints,
         **_terms(g, constraints),
         coordinates=(*e.coordinates, *unseen),
         rates=(*e.rates, *e.states),
         momenta_names=(*e.momenta_names, *e.states),
-        **dict(zip(nodes, there(nodes.values()), strict=True)),
+        **nodes,
         **vars(motion),
         **jacobians,
-        acceleration=acceleration,
+        acceleration=a,
         pivots=None if e.pivots is None else (*map(there, e.pivots), *[(ONE, ONE)] * count),
-        inertia=_with_unit(_matrix(e.mass, there), count) if solved or own else None,
         linear=linear_of(g, motion) if wanted.linear(n + count) else None,
         singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
-        switches=tuple(_switch(x, there, count) for x in e.switches),
-        marks=tuple(_switch(x, there, count) for x in e.marks),
+        switches=tuple(map(switch, e.switches)),
+        marks=tuple(map(switch, e.marks)),
         **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events")},
-        start_q=(*e.start_q, *[ZERO] * count),
+        start_q=(*e.start_q, *none),
         start_v=(*e.start_v, *e.state_start),
         states=(),
         state_rates=(),
@@ -123,86 +141,19 @@ def as_rates(
         n_first_order=count + len(e.turning),
         n_unread=_unread(g, n, motion),
     )
-    return whole, _facts(structure, count, solved)
+    return whole, lagrange
+
+
+def _solved(g: Graph, a: Row) -> Motion:
+    n, none = len(a), (ZERO,) * len(a)
+    return Motion(symbols(g, Kind.RATE, n), none, a, a, _unit(n), a)
 
 
 def _unread(g: Graph, n: int, motion: Motion) -> int:
     """Returns how many states at the end of the list of states occur in no equation. In `motion`,
     the states are the rates with indices from the number n of coordinates on."""
-    nodes = (*motion.momenta[:n], *motion.pdot)
-    read = (s.index for s in symbols_in(g, nodes, BIT[Kind.RATE]))
+    read = (s.index for s in symbols_in(g, (*motion.momenta[:n], *motion.pdot), BIT[Kind.RATE]))
     return len(motion.pdot) - max(n, *(i + 1 for i in read), 0)
-
-
-def _switch(x: Switch, there, count: int) -> Switch:
-    node, slope_t, *slope = there((x.node, x.slope_t, *x.slope))
-    slope += [ZERO] * count if slope else []
-    return replace(x, node=node, slope_t=slope_t, slope=tuple(slope))
-
-
-def _matrix(matrix: Matrix, there) -> Matrix:
-    return tuple(there(row) for row in matrix)
-
-
-def _solved(g: Graph, acceleration: Row) -> Motion:
-    n = len(acceleration)
-    none = (ZERO,) * n
-    return Motion(
-        symbols(g, Kind.RATE, n), none, acceleration, acceleration, _unit(n), acceleration
-    )
-
-
-def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
-    """Returns Lagrange's equations of `e`, extended by the equations x' = g of the states x. The
-    right-hand sides g are `rates`. In M, each state gets the diagonal entry 1."""
-    n, count = len(e.coordinates), len(rates)
-    none = (ZERO,) * count
-    return Motion(
-        (*there(e.momenta), *symbols(g, Kind.RATE, n + count)[n:]),
-        (*there(e.gradient), *none),
-        (*there(e.applied), *rates),
-        (*there(e.pdot), *rates),
-        _with_unit(_matrix(e.mass, there), count),
-        (*there(e.force), *rates),
-    )
-
-
-def _with_unit(mass: Matrix, count: int) -> Matrix:
-    """Returns M extended by a unit matrix of size `count`."""
-    n, none = len(mass), (ZERO,) * count
-    return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
-
-
-def _unconstrained(
-    g: Graph, e: Equations, there, rates: Row, solved: bool = False
-) -> tuple[Row, Row] | None:
-    """Returns the momenta p and their time derivatives without constraint forces. Returns None
-    unless there are rotations, constraints or impulses, or the equations are in solved form
-    (`solved`). In solved form the kernel `canonical` has the rates v in place of p."""
-    if not solved and not e.quaternions and e.constraints is None and not e.impulsive:
-        return None
-    pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
-    n, count = len(e.coordinates), len(rates)
-    own = symbols(g, Kind.RATE, n + count)[n:]
-    return (*there(e.momenta), *own), (*there(pdot), *rates)
-
-
-def _constraints(constraints: Constraints | None, there, count: int) -> Constraints | None:
-    if constraints is None:
-        return None
-    c = constraints
-    more = c.redundant
-    return replace(
-        c,
-        positions=there(c.positions),
-        rows=tuple((*there(row), *(ZERO,) * count) for row in c.rows),
-        residual=there(c.residual),
-        multipliers=there(c.multipliers),
-        pivots=tuple(map(there, c.pivots)),
-        redundant=more
-        and replace(more, positions=there(more.positions), residual=there(more.residual)),
-        redundant_rows=tuple((*there(row), *(ZERO,) * count) for row in c.redundant_rows),
-    )
 
 
 def _terms(g: Graph, constraints: Constraints | None) -> dict[str, tuple]:

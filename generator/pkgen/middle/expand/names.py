@@ -8,7 +8,7 @@ an expression.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeVar
 
@@ -38,6 +38,7 @@ Vector3 = tuple[Node, ...]
 Value = Node | Vector3
 Loop = dict[str, int]
 Derived = TypeVar("Derived")
+Statement = TypeVar("Statement")  # about NAME, NAME[index] or NAME[i = lo..hi], with a value
 BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
 
 
@@ -174,6 +175,17 @@ class Names(ABC):
                 yield loop[range_.variable], loop
         else:
             yield (None if index is None else integer(index, self.sizes)), self.sizes
+
+    def members_of(
+        self, items: Iterable[Statement], scalar: bool = True
+    ) -> Iterator[tuple[Statement, int | None, Value]]:
+        """Yields (statement, index, value) for each member in each statement. With `scalar` a
+        vector is an error."""
+        for item in items:
+            with self.statement(item.span):
+                for index, loop in self.unrolled(item.index, item.range):
+                    value = (self.scalar if scalar else self.value)(item.value, loop)
+                    yield item, index, value
 
     def define(self, name: str, index: int | None, value: Value) -> None:
         self.defined.setdefault(name, {})[index] = value

@@ -10,7 +10,6 @@ Candidates that give all terms are preferred.
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import partial
 
 from ...equations import Matrix, Particles
 from ...graph.differentiate import Forward, gradient
@@ -19,9 +18,9 @@ from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Symbol
 from ..expand.expand import Expander
 from ..motion import Energies
 from . import places as particles_places
-from . import text as particles_text
 from .bodies import Body, NoParticles, listed
 from .masses import Given
+from .text import read
 
 HELP = (
     "name the place of each particle, by let or observe, as x = l*sin(theta) and "
@@ -52,9 +51,13 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
     refusals: list[NoParticles] = []
     # Polar coordinates are tried last: the origin from which they are measured may be another
     # particle, which is not known.
-    for proposals in (_by_text, particles_places.proposals, partial(_by_text, polar=True)):
+    for proposals in (
+        lambda: [read(x, polar=False)],
+        lambda: particles_places.proposals(x, energies, given),
+        lambda: [read(x, polar=True)],
+    ):
         try:
-            for bodies in proposals(x, energies, given):
+            for bodies in filter(None, proposals()):
                 found.append(_proved(x, energies, bodies))
                 if not found[-1].beyond:
                     return found[-1]
@@ -63,13 +66,6 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
     if found:
         return found[0]
     return Particles((), (), (), (), why=refusals[0].why, span=span)
-
-
-def _by_text(
-    x: Expander, energies: Energies, given: Given, polar: bool = False
-) -> list[list[Body]]:
-    bodies = particles_text.read(x, polar)
-    return [bodies] if bodies else []
 
 
 def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:

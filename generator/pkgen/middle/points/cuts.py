@@ -27,7 +27,7 @@ def jumping_angles(g: Graph, nodes: Sequence[Node], ranges: Ranges) -> Iterator[
     in sines and cosines of integer multiples of the angle, in even functions of the angle, in nodes
     that vanish for y = 0, or if x is positive."""
     for angle in reachable(g, nodes, VARIABLE):
-        cut = _is_call(g, angle, "atan2") and not ranges(g.args[angle][1]).positive
+        cut = is_call(g, angle, "atan2") and not ranges(g.args[angle][1]).positive
         if cut and any(_jumps(g, node, angle) for node in nodes):
             yield angle
 
@@ -60,14 +60,14 @@ def _jumps(g: Graph, node: Node, angle: Node) -> bool:
         return True
 
 
-def _is_call(g: Graph, node: Node, *functions: str) -> bool:
+def is_call(g: Graph, node: Node, *functions: str) -> bool:
     return g.op[node] is Op.CALL and g.data[node] in functions
 
 
 def _turns(g: Graph, node: Node, angle: Node) -> bool:
     """Whether a node is a sine or cosine of an integer multiple of the angle, plus terms without
     the angle."""
-    if not _is_call(g, node, "sin", "cos"):
+    if not is_call(g, node, "sin", "cos"):
         return False
     inside = g.args[node][0]
     terms = g.args[inside] if g.op[inside] is Op.ADD else (inside,)

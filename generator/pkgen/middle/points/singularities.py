@@ -25,7 +25,7 @@ from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Op, Symbol
 from ...graph.ranges import Ranges
 from ...graph.solve import Pivots
 from ...graph.wording import wording
-from .cuts import half_cosine, jumping_angles
+from .cuts import half_cosine, is_call, jumping_angles
 from .squares import bounds_of, definite_by_squares, summands
 
 # The number of random states at which the pivots of M are evaluated.
@@ -72,8 +72,8 @@ def singularities_of(
         suspects = [(state, NEARLY) for state in _least_definite(g, parameters, pivots)]
         suspects += [(state, 0.0) for state in _anywhere(g, parameters, sum(rows, ()))]
         ratios_at = _ratios(g, rows)
-        seen = map(ratios_at, _at_random(g, parameters, sum(rows, ()), USUAL))
-        usual = [max(0.0, *some) for some in zip(*seen, strict=True)]
+        anyhow = _at_random(defaults(g, parameters), _moving(g, sum(rows, ()))[0], USUAL)
+        usual = [max(0.0, *some) for some in zip(*map(ratios_at, anyhow), strict=True)]
         for state, limit in suspects:
             for node, ratio, most in zip(unsure, ratios_at(state), usual, strict=True):
                 if not ratio > limit * most:
@@ -97,13 +97,9 @@ def singularities_of(
     )
 
 
-def _is_call(g: Graph, node: Node, *functions: str) -> bool:
-    return g.op[node] is Op.CALL and g.data[node] in functions
-
-
 def squared(g: Graph, node: Node) -> tuple[Node, ...]:
     """Returns the argument of a square root as a tuple; () for any other node."""
-    return g.args[node] if _is_call(g, node, "sqrt") else ()
+    return g.args[node] if is_call(g, node, "sqrt") else ()
 
 
 def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tuple[Node, str]]:
@@ -127,10 +123,10 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
 def about(g: Graph, singularity: Node) -> Node:
     """Returns the expression whose text names a singularity: the angle for the cosine of half an
     angle, the base for a power."""
-    if _is_call(g, singularity, "cos"):  # the cosine of half an angle atan2(y, x)
+    if is_call(g, singularity, "cos"):  # the cosine of half an angle atan2(y, x)
         _, angle = g.split(g.args[singularity][0])
-        singularity = angle if _is_call(g, angle, "atan2") else singularity
-    return g.args[g.args[singularity][0]][0] if _is_call(g, singularity, "pow") else singularity
+        singularity = angle if is_call(g, angle, "atan2") else singularity
+    return g.args[g.args[singularity][0]][0] if is_call(g, singularity, "pow") else singularity
 
 
 def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
@@ -142,7 +138,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
             continue
         op, first = g.op[base], (g.args[base] or (base,))[0]
         inside = op is Op.POWER or (op is Op.CALL and FUNCTIONS[g.data[base]].like_argument)
-        if inside and not (_is_call(g, base, "sqrt") and ranges(first).not_negative):
+        if inside and not (is_call(g, base, "sqrt") and ranges(first).not_negative):
             yield from zeros(g, ranges, first)
         elif op is Op.ADD:
             common, rest = _common(g, base)
@@ -150,7 +146,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
                 yield from zeros(g, ranges, factor)
             if not ranges(rest).never_zero:
                 yield rest, True
-        elif _is_call(g, base, "pow") and not _is_call(g, first, "abs"):
+        elif is_call(g, base, "pow") and not is_call(g, first, "abs"):
             yield where_positive(g, first, g.args[base][1]), False
         else:
             yield base, False
@@ -180,6 +176,13 @@ def _moving(g: Graph, nodes: Iterable[Node]) -> tuple[list[Symbol], list[int]]:
 
 def _drawn(draw: random.Random, symbol: Symbol) -> float:
     return draw.uniform(-3, 3) * (0.3 if symbol.kind == Kind.RATE else 1)
+
+
+def _at_random(
+    fixed: dict[Symbol, float], moving: list[Symbol], count: int
+) -> list[dict[Symbol, float]]:
+    draw = random.Random(2385)
+    return [fixed | {symbol: _drawn(draw, symbol) for symbol in moving} for _ in range(count)]
 
 
 def defaults(
@@ -214,18 +217,9 @@ def _anywhere(
             return draw.uniform(lo, hi)
         return min(max(value * WIDE ** draw.uniform(-1, 1), lo), hi)
 
-    if used:
-        for _ in range(max(SAMPLES, min(SCATTER, EFFORT // len(reachable(g, nodes))))):
-            fixed = defaults(g, parameters, change)
-            yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
-
-
-def _at_random(
-    g: Graph, parameters: tuple[ParameterSlot, ...], nodes: Iterable[Node], count: int
-) -> Iterator[dict[Symbol, float]]:
-    draw, fixed = random.Random(2385), defaults(g, parameters)
-    moving, _ = _moving(g, nodes)
+    count = max(SAMPLES, min(SCATTER, EFFORT // len(reachable(g, nodes)))) if used else 0
     for _ in range(count):
+        fixed = defaults(g, parameters, change)
         yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
 
 
@@ -267,8 +261,7 @@ def _least_at(
     moving: list[Symbol],
     left: int,
 ) -> dict[Symbol, float]:
-    draw = random.Random(2385)
-    states = [fixed | {s: _drawn(draw, s) for s in moving} for _ in range(SAMPLES)]
+    states = _at_random(fixed, moving, SAMPLES)
     least, best = min((ratio(state), k) for k, state in enumerate(states))
     state, width = states[best], 1.0
     for k in range((left - SAMPLES) // 2):  # a coordinate search with decreasing steps

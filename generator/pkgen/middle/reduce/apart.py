@@ -6,23 +6,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...equations import Equations, Indices, Structure
-from ...graph.graph import ZERO, Kind
-from ...record import record
 from ..analyze.analyze import analyze
 from ..analyze.coupling import partition
 from ..derive.lagrange import derived_again
-from ..drop_coordinates import smaller
-from ..quantities import symbols
-
-
-@record
-class Subsystem:
-    """A block as a separate system. `coordinates` are the indices of its coordinates and states in
-    the whole system, where states are numbered after all coordinates."""
-
-    equations: Equations
-    structure: Structure
-    coordinates: tuple[int, ...]
+from ..drop_coordinates import without
+from .reduction import Subsystem
 
 
 def parts_of(
@@ -57,13 +45,6 @@ def _part(
 ) -> Subsystem:
     """Returns a block as a separate system. In its L, all other coordinates and states have their
     initial values, and all other rates are 0."""
-    g, n = e.graph, len(e.coordinates)
-    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
-    others = [i for i in range(n) if i not in block]
-    states = [i - n for i in block if i >= n]
-    swap = {q[i]: e.start_q[i] for i in others} | {v[i]: ZERO for i in others}
-    x = symbols(g, Kind.STATE, len(e.states))
-    swap |= {x[k]: start for k, start in enumerate(e.state_start) if k not in states}
     alone = replace(
         e,
         model=replace(e.model, name=f"{e.model.name}_{number + 1}"),
@@ -72,7 +53,6 @@ def _part(
         conserved_names=(),
         conserved=(),
     )
-    parts, kept = (e.kinetic, e.potential), [i for i in block if i < n]
-    alone = smaller(alone, kept, swap, e.lagrangian, parts, kept_states=states)
-    alone = derived_again(alone, kernels)
+    others = {*range(len(e.coordinates) + len(e.states))} - {*block}
+    alone = derived_again(without(alone, others), kernels)
     return Subsystem(alone, analyze(alone), tuple(block))

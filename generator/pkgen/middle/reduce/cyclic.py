@@ -13,7 +13,7 @@ from ..derive.impulses import NoRate
 from ..motion import COORDINATES
 from ..report import ReportLine
 from .reduction import Needs, State, cost
-from .routh import NotReduced, Reduced, routh
+from .routh import NotReduced, routh
 
 # How many operations an integrator takes for one number of the state, in addition to the evaluation
 # of the equations. The number is per evaluation, and is about 7 for rk4 and 16 for gauss.
@@ -38,22 +38,21 @@ def cyclic(state: State, needs: Needs) -> State:
     for i in found:
         name = e.coordinates[i].name
         if name in used:
-            lines.append(ReportLine("cyclic", f"{name} kept", f"it is in {used[name]}"))
+            lines.append(ReportLine(f"{name} kept", f"it is in {used[name]}"))
         elif name in needs.columns and state.structure.affine:
-            lines.append(ReportLine("cyclic", f"{name} kept", "a linear system has an exact flow"))
+            lines.append(ReportLine(f"{name} kept", "a linear system has an exact flow"))
         else:
             chosen.append(i)
             angles += [i] if name in needs.columns else []
     if len(chosen) == len(e.coordinates) and not e.states:
-        lines.append(ReportLine("cyclic", f"{e.coordinates[chosen[0]].name} kept", "one must move"))
+        lines.append(ReportLine(f"{e.coordinates[chosen[0]].name} kept", "one must move"))
         angles = [i for i in angles if i != chosen[0]]
         chosen = chosen[1:]
     state = replace(state, report=replace(state.report, lines=(*state.report.lines, *lines)))
     if not chosen:
         return state
     try:
-        reduced = routh(e, chosen, angles)
-        after = _recorded(state, needs, reduced, chosen, angles)
+        after = _recorded(state, needs, chosen, angles)
     except (NotReduced, NoRate) as why:
         return _not(state, e, chosen, str(why))
     lost = [
@@ -76,26 +75,18 @@ def _states(e: Equations) -> int:
 
 def _not(state: State, e: Equations, which: list[int], why: str) -> State:
     names = ", ".join(e.coordinates[i].name for i in which)
-    lines = (*state.report.lines, ReportLine("cyclic", f"{names} kept", why))
+    lines = (*state.report.lines, ReportLine(f"{names} kept", why))
     return replace(state, report=replace(state.report, lines=lines))
 
 
-def _recorded(
-    state: State, needs: Needs, reduced: Reduced, chosen: list[int], angles: list[int]
-) -> State:
-    """Returns a State with the reduced equations, and with a report line for each removed
-    coordinate. The rates of removed coordinates become outputs if they are recorded."""
-    e, found = state.equations, reduced.equations
-    extra = len(e.observed)
-    keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]
-    found = replace(
-        found,
-        observed_names=tuple(found.observed_names[i] for i in keep),
-        observed=tuple(found.observed[i] for i in keep),
-    )
+def _recorded(state: State, needs: Needs, chosen: list[int], angles: list[int]) -> State:
+    """Returns a State without the coordinates `chosen` (routh.py), and with a report line for each
+    of them. Their rates become outputs if they are recorded."""
+    e = state.equations
+    recorded = [i for i in chosen if e.rates[i].name in needs.columns]
+    found, starts = routh(e, chosen, angles, recorded)
     lines = [
         ReportLine(
-            "cyclic",
             e.coordinates[i].name,
             f"{e.momenta_names[i].name} is constant, of the start"
             + ("; the angle is a state" if i in angles else ""),
@@ -106,7 +97,7 @@ def _recorded(
     return state.after(
         found,
         *lines,
-        starts={**state.report.starts, **reduced.starts},
+        starts={**state.report.starts, **starts},
         unused=state.report.unused | unused,
     )
 

@@ -8,22 +8,20 @@ the C code (back/kernels.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from ...equations import Equations, Structure
 from ...graph.differentiate import symbols_in
-from ...graph.graph import BIT, ZERO, Kind
+from ...graph.graph import BIT, Kind
 from ...indices import parted
 from ...model import Model
-from ...record import record
 from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
-from ..drop_coordinates import smaller
+from ..drop_coordinates import without
 from ..motion import STATE
-from ..quantities import symbols
-from ..report import Report, ReportLine
-from .apart import Subsystem, parts_of
+from ..report import ReportLine
+from .apart import parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost
 
@@ -31,14 +29,6 @@ from .reduction import Needs, State, cost
 APART = "apart"
 # The kernels of the whole system that are needed even if its parts are integrated separately.
 OF_WHOLE = frozenset({"energy", "canonical", "observe", "conserve", "kinetic", "potential"})
-
-
-@record
-class Reduced:
-    equations: Equations
-    structure: Structure
-    report: Report
-    parts: tuple[Subsystem, ...]  # () if the whole system is integrated as one
 
 
 def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
@@ -55,12 +45,12 @@ def of_a_part(kernels: frozenset[str] | None) -> frozenset[str] | None:
 
 def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
-) -> Reduced:
+) -> State:
     """Applies all reductions, and returns the reduced equations with their facts and the report.
     `kernels` are the requested kernels (None: all that exist)."""
     # The field `fast` is used only by the method respa, without reductions.
     equations = replace(equations, fast=None)
-    state = State(equations, structure, Report())
+    state = State(equations, structure)
     for name, reduction in REDUCTIONS.items():
         if name not in needs.off:
             state = reduction(state, needs)
@@ -71,7 +61,7 @@ def reduce(
     if parts:
         names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
         why = "neither moves the other: integrated apart"
-        lines = (*lines, ReportLine(APART, " | ".join(names), why))
+        lines = (*lines, ReportLine(" | ".join(names), why))
         kernels = of_the_whole(kernels)
     lines = (*lines, *_of_itself(state.equations, state.structure))
     reduced = derived_again(state.equations, kernels)
@@ -82,53 +72,36 @@ def reduce(
         coordinates=(_moving(equations), _moving(reduced)),
         operations=(cost(g, equations), sum(cost(g, e) for e in moved)),
     )
-    return Reduced(reduced, analyze(reduced), report, parts)
+    return State(reduced, analyze(reduced), report, parts)
 
 
 def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, ...]:
     """Returns report lines about properties of the equations that save work at run time."""
     lines = []
     if structure.mass_constant and equations.coordinates:
-        lines.append(ReportLine("constant mass", "M is constant", "factored once, when prepared"))
+        lines.append(ReportLine("M is constant", "factored once, when prepared"))
     if structure.affine:
         why = "stepped by its exact exponential, unless another method is asked for"
-        lines.append(ReportLine("exact", "linear with constant coefficients", why))
+        lines.append(ReportLine("linear with constant coefficients", why))
     return tuple(lines)
 
 
 # -- outputs -------------------------------------------------------------------------------------
 
 
-_OUTPUTS = {"observed": "not recorded, so not computed", "conserved": "proved, so not watched"}
-
-
 def outputs(state: State, needs: Needs) -> State:
     """Removes the outputs that are not recorded, and the events that are not requested. A
     `conserve` statement that is not recorded is removed too, since it was proved before."""
-    e, lines, left = state.equations, [], {}
-    for field, what, wanted, why in _unread(e.model, needs, needs.columns):
-        named = f"{field.removesuffix('s')}_names"
-        names = getattr(e, named)
-        gone = [q.name for q in names if q.name not in wanted]
-        if gone:
-            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
-            for row in (named, field):
-                pairs = zip(names, getattr(e, row), strict=True)
-                left[row] = tuple(x for q, x in pairs if q.name in wanted)
-    if not lines:
-        return state
-    asked = {q.name for q in left.get("event_names", e.event_names)}
-    events = tuple(event for event in e.model.events if event.name in asked)
-    return state.after(replace(e, model=replace(e.model, events=events), **left), *lines)
-
-
-def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tuple]:
-    """Yields a tuple for each kind of output, and for events: the field of the equations, the name
-    of the kind in messages, the requested names, and the reason why others are dropped."""
-    for field, why in _OUTPUTS.items():
-        yield field, field, columns, why
-    asked = needs.events | {event.name for event in model.events if event.stop}
-    yield "events", "event", asked, "nothing is asked of it, and it stops nothing"
+    e, lines, left, model = state.equations, [], {}, state.equations.model
+    names = {"observed": e.observed_names, "conserved": e.conserved_names, "events": e.event_names}
+    for field, wanted, line in _unread(model, needs, needs.columns, names):
+        lines.append(line)
+        for row in (f"{field.removesuffix('s')}_names", field):
+            pairs = zip(names[field], getattr(e, row), strict=True)
+            left[row] = tuple(x for q, x in pairs if q.name in wanted)
+        if field == "events":
+            model = replace(model, events=tuple(x for x in model.events if x.name in wanted))
+    return state.after(replace(e, model=model, **left), *lines) if lines else state
 
 
 def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLine, ...]]:
@@ -137,14 +110,27 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
         return model, ()
     # A recorded column NAME[i] is member i of an output NAME, or an output with the name "NAME[i]".
     columns = {parted(name)[0] for name in needs.columns} | needs.columns
-    lines = []
-    for field, what, wanted, why in _unread(model, needs, columns):
-        items = getattr(model, field)
-        gone = [item.name for item in items if item.name not in wanted]
-        if gone:
-            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
-            model = replace(model, **{field: tuple(x for x in items if x.name in wanted)})
+    lines, items = [], vars(model)
+    for field, wanted, line in _unread(model, needs, columns, items):
+        lines.append(line)
+        model = replace(model, **{field: tuple(x for x in items[field] if x.name in wanted)})
     return model, tuple(lines)
+
+
+def _unread(
+    model: Model, needs: Needs, columns: frozenset[str], items: Mapping[str, tuple]
+) -> Iterator[tuple[str, frozenset[str], ReportLine]]:
+    """Yields a tuple for each kind of output, and for events, of which some items are dropped: the
+    name of its field, the names of the others, a report line."""
+    asked = needs.events | {event.name for event in model.events if event.stop}
+    for field, what, wanted, why in (
+        ("observed", "observed", columns, "not recorded, so not computed"),
+        ("conserved", "conserved", columns, "proved, so not watched"),
+        ("events", "event", asked, "nothing is asked of it, and it stops nothing"),
+    ):
+        gone = [item.name for item in items[field] if item.name not in wanted]
+        if gone:
+            yield field, wanted, ReportLine(f"{what} {', '.join(gone)}", why)
 
 
 # -- coordinates without influence ---------------------------------------------------------------
@@ -169,21 +155,13 @@ def unconnected(state: State, needs: Needs) -> State:
         if not waiting:
             waiting = list(_bodies(e, kept) - kept)
             kept |= set(waiting)
-    g, n = e.graph, len(e.coordinates)
-    gone = [i for i in range(n + len(e.states)) if i not in kept]
+    gone = [i for i in range(_moving(e)) if i not in kept]
     if not gone or not kept:
         return state
-    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
-    x = symbols(g, Kind.STATE, len(e.states))
-    swap = {q[i]: e.start_q[i] for i in gone if i < n} | {v[i]: ZERO for i in gone if i < n}
-    swap |= {x[i - n]: e.state_start[i - n] for i in gone if i >= n}
     names = [(*e.moving, *(q.name for q in e.states))[i] for i in gone]
-    left = [i for i in sorted(kept) if i < n]
-    states = [i - n for i in sorted(kept) if i >= n]
-    parts = (e.kinetic, e.potential)
     return state.after(
-        smaller(e, left, swap, e.lagrangian, parts, kept_states=states),
-        ReportLine("unconnected", ", ".join(names), "nothing recorded depends on it"),
+        without(e, gone),
+        ReportLine(", ".join(names), "nothing recorded depends on it"),
         unused=state.report.unused | frozenset(names),
     )
 

@@ -31,12 +31,24 @@ class Needs:
 
 
 @record
-class State:
-    """The equations between two reductions, with their proved facts and the report."""
+class Subsystem:
+    """A block as a separate system. `coordinates` are the indices of its coordinates and states in
+    the whole system, where states are numbered after all coordinates."""
 
     equations: Equations
     structure: Structure
-    report: Report
+    coordinates: tuple[int, ...]
+
+
+@record
+class State:
+    """The equations after some reductions, with their proved facts and the report. If there are
+    `parts`, they are integrated separately."""
+
+    equations: Equations
+    structure: Structure
+    report: Report = Report()
+    parts: tuple[Subsystem, ...] = ()
 
     def after(self, equations: Equations, *lines: ReportLine, **more: object) -> State:
         """Returns a State with the given equations, and with further lines in the report. The

@@ -26,8 +26,7 @@ from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Factors, SingularMass, elimination_order, factors
 from ...graph.substitute import substituted
-from ...record import record
-from ..drop_coordinates import Output, Start, StartParameters, smaller
+from ..drop_coordinates import Start, StartParameters, smaller
 from ..quantities import symbols
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
@@ -37,17 +36,12 @@ class NotReduced(Exception):
     """The cyclic coordinates cannot be removed. The text is the reason."""
 
 
-@record
-class Reduced:
-    """The reduced equations. Their motion has to be derived again."""
-
-    equations: Equations
-    starts: dict[Start, str]  # the names of the parameters that replace initial values
-
-
-def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) -> Reduced:
-    """Returns the equations without the coordinates `cyclic`. Coordinates that are in `angles`
-    too become states.
+def routh(
+    equations: Equations, cyclic: Sequence[int], angles: Sequence[int], recorded: Sequence[int]
+) -> tuple[Equations, dict[Start, str]]:
+    """Returns the equations without the coordinates `cyclic`, and the names of the parameters that
+    replace initial values. The motion has to be derived again. Coordinates that are in `angles` too
+    become states, which no equation uses; the rates of those in `recorded` become outputs.
 
     The coordinates must be cyclic, and L of second degree in the rates. Raises NotReduced if the
     coordinates cannot be removed.
@@ -81,15 +75,21 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
     swap |= {rates[i]: rate for i, rate in zip(cyclic, turning, strict=True)}
     swap |= {equations.momenta[i]: momentum[i] for i in cyclic}
     turned = dict(zip(cyclic, turning, strict=True))
-    found = smaller(
+    whole = replace(
         equations,
-        rest,
-        swap,
-        lagrangian,
-        (None, None),
-        [Output(equations.rates[i], turned[i]) for i in cyclic],
-        {i: (turned[i], parameters.of(Symbol(Kind.COORDINATE, i))) for i in angles},
+        lagrangian=lagrangian,
+        kinetic=None,
+        potential=None,
+        observed_names=(*equations.observed_names, *(equations.rates[i] for i in recorded)),
+        observed=(*equations.observed, *(turned[i] for i in recorded)),
+        states=(*equations.states, *(equations.coordinates[i] for i in angles)),
+        state_rates=(*equations.state_rates, *(turned[i] for i in angles)),
+        state_start=(
+            *equations.state_start,
+            *(parameters.of(Symbol(Kind.COORDINATE, i)) for i in angles),
+        ),
     )
+    found = smaller(whole, rest, swap)
     start = {
         field: tuple(
             parameters.node.get(Symbol(kind, i), getattr(equations, field)[i]) for i in rest
@@ -97,7 +97,7 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
         for field, kind in (("start_q", Kind.COORDINATE), ("start_v", Kind.RATE))
     }
     found = replace(found, parameters=tuple(parameters.slots), **start)
-    return Reduced(found, parameters.starts)
+    return found, parameters.starts
 
 
 def _momenta(
