@@ -53,5 +53,5 @@ class Integrator:
 
     def _told(self, status: int) -> None:
         if status < 0:
-            raise RunError(self._run.said().strip(), STATUSES[1 - status], self.t, None)
+            raise RunError(self._run.said().strip(), STATUSES[status], self.t, None)
         self.stopped = True
