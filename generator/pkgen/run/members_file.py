@@ -9,13 +9,13 @@ a unit. A Parquet column may have a unit, as `unit` in the metadata of its field
 from __future__ import annotations
 
 import array
-import codecs
 import csv
 import difflib
 import math
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, TextIO
 
 import numpy
@@ -25,12 +25,13 @@ from ..compiler import Compilation
 from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..system.exits import UsageError
-from . import plain_csv
 from .ensemble import Column, Ensemble, Settable
 
 if TYPE_CHECKING:
     import pyarrow
 
+# A line with another character than those of plain numbers, with a number like .5 or 1., or blank.
+ODD = re.compile(r"[^-+0-9.eE,\n]|(?<!\d)\.|\.(?!\d)|^\n")
 PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
 
 
@@ -67,6 +68,14 @@ def of_columns(path: str, columns: Sequence[Column], values: Sequence[numpy.ndar
     return Ensemble(path, tuple(columns), members, numpy.stack(values, axis=1))
 
 
+def _plain(lines: Iterable[str]) -> Iterator[str]:
+    """Yields lines of plain numbers; raises ValueError at any other line."""
+    for line in lines:
+        if ODD.search(line):
+            raise ValueError
+        yield line
+
+
 class _Reader:
     def __init__(self, path: str, compilation: Compilation):
         self.path = path
@@ -100,24 +109,23 @@ class _Reader:
 
     def plain(self) -> Ensemble | None:
         """Reads CSV whose cells are all plain numbers; returns None for any other CSV."""
-        with open(self.path, "rb") as file:
-            if file.read(3) != codecs.BOM_UTF8:
-                file.seek(0)
-            header = file.readline(limits.ENSEMBLE_LINE)
-            if not header.strip() or b'"' in header or b"\r" in header.removesuffix(b"\r\n"):
+        with open(self.path, encoding="utf-8-sig") as file:
+            lines = self._lines(file)
+            header, first = next(lines, ""), next(lines, "")
+            if not (header.strip() and first) or '"' in header:
                 return None
-            cells = [cell.strip() for cell in header.decode().split(",")]
-            columns = self._columns(f"{self.path}:1", cells)
-            values = array.array("d")
-            for block in plain_csv.blocks(file, limits.ENSEMBLE_LINE):
-                found = None if block is None else plain_csv.numbers(block, len(columns))
-                if found is None:
-                    return None
-                values.frombytes(found.view(numpy.uint8).data)
-                members = len(values) // len(columns)
-                self._bounded(members + 1, members, len(columns))
-        members = len(values) // len(columns)
-        return Ensemble(self.path, columns, range(2, members + 2), values) if members else None
+            columns = self._columns(f"{self.path}:1", [cell.strip() for cell in header.split(",")])
+            most = min(limits.SWARM, limits.SWARM_VALUES // len(columns)) + 1
+            rows, how = _plain(chain((first,), lines)), {"delimiter": ",", "comments": None}
+            try:
+                values = numpy.loadtxt(rows, max_rows=most, ndmin=2, **how)
+            except ValueError:
+                return None
+        if values.shape[1] != len(columns) or not numpy.isfinite(values).all():
+            return None
+        members = len(values)
+        self._bounded(members + 1, members, len(columns))
+        return Ensemble(self.path, columns, range(2, members + 2), values)
 
     def parquet(self) -> Ensemble:
         """Reads Parquet; members are numbered by row from 1."""
