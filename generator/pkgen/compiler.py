@@ -124,14 +124,15 @@ def stages(
     declared, warnings = check.check(file, sizes)
     methods = {method.name: method for method in (*declared.methods, *own)}
     declared = replace(declared, methods=tuple(methods.values()))
-    declared = use.declared(declared) if use else declared
-    model, lines = use.model(declared) if use else (declared, ())
+    use = use or Use()
+    declared = use.declared(declared)
+    model, lines = use.model(declared)
     yield declared, model, warnings
-    needs = use.needs(model) if use else None
+    needs = use.needs(model)
 
     def planned(*made: Any) -> CompilePlan:
         """Returns the plan for (equations, structure); without these, for all possible kernels."""
-        plan = use.plan(model, made or None) if use else CompilePlan()
+        plan = use.plan(model, made or None)
         return plan if kernels is None else replace(plan, kernels=kernels)
 
     called = planned().kernels
@@ -141,7 +142,7 @@ def stages(
         if isinstance(equations, LoopEquations):
             from .middle.loops.proofs import with_proofs
 
-            equations = with_proofs(equations, file, use.of if use else None, symmetric)
+            equations = with_proofs(equations, file, use.of, symmetric)
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts
@@ -174,7 +175,7 @@ def stages(
         left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
     plan = planned(left.equations, left.structure)
     of_whole = reduce.of_the_whole(plan.kernels) if left.parts else plan.kernels
-    reads = use.reads(model) if use else None
+    reads = use.reads(model)
     with _no_collection(), _in_range(model):
         in_c = states.as_rates(left.equations, left.structure, of_whole)
         of_parts = []

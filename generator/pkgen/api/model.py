@@ -10,6 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy
+
 from ..compiler import Compilation, compile_model
 from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.read import allowing, read
@@ -267,8 +269,6 @@ def _again(
 
 def _members(compilation: Compilation, table: Any) -> Ensemble:
     """Returns an ensemble from a table in memory with named columns. Raises UsageError."""
-    import numpy
-
     from ..run import members_file
 
     structured = isinstance(table, numpy.ndarray)

@@ -49,10 +49,7 @@ def with_drawing(model: Model) -> Model:
 def drawn(use: Use | None) -> Use:
     """Returns the transformation `use` of models, extended so that the transformed model also has
     the outputs of its drawing. None stands for the identity."""
-    if use is None:
-        return Use(lambda model: (model, ()), lambda _: None, declared=with_drawing)
-    before = use.declared
-    return replace(use, declared=lambda model: with_drawing(before(model)))
+    return replace(use or Use(), more_declared=with_drawing)
 
 
 def drawing(compilation: Compilation) -> dict[str, object]:

@@ -172,11 +172,6 @@ def needed(scene: Scene) -> frozenset[str]:
     return frozenset(expects.outputs(scene)) | expects.columns(scene) | expects.drifting(scene)
 
 
-def events(scene: Scene) -> frozenset[str]:
-    """Returns the events of expectations; the event at which rows are recorded is not included."""
-    return expects.events(scene)
-
-
 def _held(model: Model, scene: Scene) -> set[str]:
     """Returns the coordinates whose motion the scene prescribes; they are recorded as outputs."""
     known = sizes(model)
