@@ -137,8 +137,8 @@ def stages(
 
     called = planned().kernels
     with _no_collection():
-        some = kernels is not None and not plain
-        equations = _equations(model, some, called, self_test or canonical, unroll, needs)
+        flat = self_test or canonical or (kernels is not None and not plain)
+        equations = _equations(model, flat, called, unroll, needs)
         if isinstance(equations, LoopEquations):
             from .middle.loops.proofs import with_proofs
 
@@ -279,16 +279,15 @@ PAIRS = 1.5  # models with sums over pairs are unrolled up to PAIRS * `unroll` c
 
 def _equations(
     model: Model,
-    some: bool,
+    flat: bool,
     called: frozenset[str] | None,
-    whole: bool,
     unroll: int | None,
     needs: Needs | None,
 ) -> Equations | LoopEquations:
     """Returns LoopEquations, or unrolled Equations with the reason in their field `unrolled`."""
     declared = (*model.coordinates, *model.states)
     count = sum(f.count for f in families(model, declared).values())
-    if some or whole:
+    if flat:
         reason = "asked for are some kernels, a self-test or the canonical form"
     elif unroll is None:
         reason = "single coordinates are looked at"

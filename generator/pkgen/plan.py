@@ -35,9 +35,8 @@ class RunNumbers:
 
     def else_of(self, other: RunNumbers) -> RunNumbers:
         """Returns these numbers; a number that is not set is replaced by that of `other`."""
-        names = (f.name for f in fields(RunNumbers))
-        pairs = ((name, getattr(self, name), getattr(other, name)) for name in names)
-        return RunNumbers(**{name: b if a is None else a for name, a, b in pairs})
+        pairs = ((f.name, getattr(self, f.name)) for f in fields(RunNumbers))
+        return RunNumbers(**{k: getattr(other, k) if x is None else x for k, x in pairs})
 
 
 DEFAULTS = RunNumbers(until=UNTIL, rtol=RTOL)

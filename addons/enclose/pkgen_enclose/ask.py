@@ -130,7 +130,7 @@ def _values(exact: Exact, options: argparse.Namespace, settings) -> tuple[dict, 
 
 def _refuse_beyond(exact: Exact, values: dict[int, float]) -> None:
     declared = {p.name: p for p in exact.model.parameters}
-    keys = exact.by_key(named.parameters(exact.compilation), values)
+    keys = named.by_key(named.parameters(exact.compilation), values)
     for (name, index), x in keys.items():
         item = declared.get(name)
         if item and not within_bounds(exact.model, item, index, x, keys):

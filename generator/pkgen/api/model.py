@@ -247,24 +247,15 @@ class Model(Kernels):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickles path, scene, sizes and parameters. Unpickling reads the model's file again."""
-        given = self.path, self.scene, self._sizes, self._allowed, dict(self.params._set)
-        return _again, given
+        given = self.path, self.scene, self._sizes, self._allowed
+        return Model, given, dict(self.params._set)
+
+    def __setstate__(self, values: Mapping[str, float]) -> None:
+        self.params.update(values)
 
     def __repr__(self) -> str:
         scene = f", scene {self.scene}" if self.scene else ""
         return f"<pkgen model {self.name}: {', '.join(self.coordinates)}{scene}>"
-
-
-def _again(
-    path: str,
-    scene: str | None,
-    sizes: Mapping[str, int],
-    allowed: Sequence[str],
-    values: Mapping[str, float],
-) -> Model:
-    made = Model(path, scene, sizes, allowed)
-    made.params.update(values)
-    return made
 
 
 def _members(compilation: Compilation, table: Any) -> Ensemble:

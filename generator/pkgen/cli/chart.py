@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import sys
 import time
 from pathlib import Path
 
 from ..analysis.chart import chart as charts
 from ..analysis.chart import table
+from ..analysis.chart.answer import Answer
 from ..analysis.chart.chart import Chart
 from ..analysis.chart.errors import KINDS
 from ..analysis.chart.points import ChartedMethod
@@ -84,8 +84,7 @@ def run(options: argparse.Namespace) -> int:
     stops = [event.name for event in compilation.model.events if event.stop]
     if stops:
         shown = ", ".join(stops[:3]) + f" and {len(stops) - 3} more" * (len(stops) > 3)
-        note = f"event {shown} would stop a run; a chart goes on until {settings.until:g}"
-        print(f"pkgen: {note}", file=sys.stderr)
+        say(f"event {shown} would stop a run; a chart goes on until {settings.until:g}")
     if options.long:
         return _long(options, compilation, settings, chosen, look, directory, began)
     with progress(compilation.model.name) as show:
@@ -182,11 +181,8 @@ def _effort(options: argparse.Namespace) -> Effort:
 def _given(options: argparse.Namespace) -> list[str]:
     """Returns the options by which `pkgen run` repeats a run of the chart."""
     words = [("--scene", options.scene)] if options.scene else []
-    words += [("--set", text) for text in options.set]
-    words += [("--start", text) for text in options.start]
-    words += [("--tableau", path) for path in options.tableau]
-    words += [("--composition", text) for text in options.composition]
-    words += [("--size", text) for text in options.size]
+    for name in ("set", "start", "tableau", "composition", "size"):
+        words += [(f"--{name}", text) for text in getattr(options, name)]
     return [word for pair in words for word in pair]
 
 
@@ -207,6 +203,11 @@ def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Loo
             stem.with_suffix(suffix).write_text(content, encoding="utf-8")
             files.append(stem.with_suffix(suffix))
         return moved(files, directory)
+
+
+def _answer(a: Answer) -> dict[str, object]:
+    point = table.record(a.method, a.point) if a.method and a.point else {"method": None}
+    return {"accuracy": a.accuracy, "reason": a.reason, **point}
 
 
 def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
@@ -230,23 +231,10 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
             if (limit := chart.spectrum.limit(track.method)) is not None
         },
         "answers": [
-            {
-                "accuracy": a.accuracy,
-                "cheapest_in": a.axis,
-                "reason": a.reason,
-                "unmeasured": a.unmeasured,
-                **(table.record(a.method, a.point) if a.method and a.point else {"method": None}),
-            }
-            for a in chart.answers
+            {"cheapest_in": a.axis, "unmeasured": a.unmeasured, **_answer(a)} for a in chart.answers
         ],
         "against": [
-            {
-                "package": b.version,
-                "accuracy": a.accuracy,
-                "reason": a.reason,
-                "times": chart.times(a),
-            }
-            | (table.record(a.method, a.point) if a.method and a.point else {"method": None})
+            {"package": b.version, "times": chart.times(a), **_answer(a)}
             for b in chart.beside
             for a in b.answers
         ],

@@ -19,12 +19,13 @@ from ..run import named
 from ..scenes.run_settings import unknown
 from ..system import addons
 from ..system.exits import UsageError
-from ..system.files import place
+from ..system.files import place, replace
 from ..system.near import near
 from ..system.progress import say
 from .messages import needs
 
 if TYPE_CHECKING:
+    from ..plot.picture import Picture
     from ..plot.table import Table
 
 MILLIMETRES = 25.4
@@ -164,12 +165,18 @@ def rows_of(path: Path, label: str, told: dict[str, object]) -> Table | None:
     return rows(path, label, json.loads(json.dumps(told)))
 
 
-def draw(what: Wanted, tables: list[Table], file: Path) -> list[str]:
-    """Draws the tables, writes the picture to `file`, and returns messages about it."""
+def draw(what: Wanted, tables: list[Table]) -> None:
+    """Draws the tables, writes the picture of --plot, and prints messages about it."""
     from ..plot import compose
-    from ..plot.draw import encoded
-    from ..system.files import replace as write
 
-    made = compose.picture(what.view, tables)
-    write({file: encoded(made, file.suffix[1:], what.width)})
-    return list(made.notes)
+    write(compose.picture(what.view, tables), what.plot, what.width)
+
+
+def write(made: Picture, file: Path | None, width: float | None) -> None:
+    """Prints messages about a picture, and writes it to a file, if there is one."""
+    for note in made.notes:
+        say(note)
+    if file is not None:
+        from ..plot.draw import encoded
+
+        replace({file: encoded(made, file.suffix[1:] or "svg", width)})

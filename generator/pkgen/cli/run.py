@@ -23,7 +23,7 @@ from ..scenes import run_settings as parsing
 from ..system import addons, children
 from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
-from ..system.progress import progress
+from ..system.progress import progress, say
 from . import arguments as shared
 from . import checkpoints, pictures
 from .compilation import compile_within_limits
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
         return DONE
     tell(options, what, outcome)
     if left is not None and not options.json:
-        print(f"pkgen: rows as far as they came: {left}", file=sys.stderr)
+        say(f"rows as far as they came: {left}")
     if outcome.code == DONE and not options.diagnose:
         _hint(options, what.compilation.declared)
     return LEFT if outcome.code == LEFT else judge(options, what, outcome)
@@ -141,10 +141,9 @@ def _pictures(
     """Writes the files of --plot and --report after a run, even if the run failed."""
     table = table_of(what, outcome, path, what.compilation.model.name)
     if wanted.plot is not None and table is None:
-        print(f"pkgen: {wanted.plot}: not written: there are no rows", file=sys.stderr)
+        say(f"{wanted.plot}: not written: there are no rows")
     elif wanted.plot is not None:
-        for note in pictures.draw(wanted, [table], wanted.plot):
-            print(f"pkgen: {note}", file=sys.stderr)
+        pictures.draw(wanted, [table])
     if wanted.report is not None:
         from ..system.files import replace
 
@@ -254,46 +253,42 @@ def _length(report: dict) -> str:
 
 def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
     """Prints messages and a summary of the run."""
-    time = "" if what.compilation.model.dimensionless else "s"
-    if outcome.messages:
-        print(outcome.messages.rstrip("\n"), file=sys.stderr)
-    report = outcome.report
-    if options.json or not _whole(outcome):
-        return
-    if "members" in report:
-        print(
-            f"{report['method']}: {report['done']} members by {report['threads']} threads, "
-            f"{1000 * report['seconds']:.3g} ms with their rows",
-            file=sys.stderr,
-        )
-        for line in diagnostics_text.lines(report.get("diagnostics", {}), time):
-            print(line, file=sys.stderr)
-        return
-    evaluations = report["evaluations"]
-    print(
-        f"{report['method']}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
+    lines = outcome.messages.splitlines()
+    if not options.json and _whole(outcome):
+        report = outcome.report
+        lines += _of_members(report) if "members" in report else _summary(report, options.verbose)
+        time = "" if what.compilation.model.dimensionless else "s"
+        lines += diagnostics_text.lines(report.get("diagnostics", {}), time)
+    for line in lines:
+        print(line, file=sys.stderr)
+
+
+def _of_members(report: dict) -> list[str]:
+    return [
+        f"{report['method']}: {report['done']} members by {report['threads']} threads, "
+        f"{1000 * report['seconds']:.3g} ms with their rows"
+    ]
+
+
+def _summary(report: dict, verbose: bool) -> list[str]:
+    method, evaluations = report["method"], report["evaluations"]
+    lines = [
+        f"{method}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
         f"{report['rejections']} rejected, {evaluations} evaluation{'s' * (evaluations != 1)}, "
-        f"{1000 * report['seconds']:.3g} ms",
-        file=sys.stderr,
-    )
+        f"{1000 * report['seconds']:.3g} ms"
+    ]
     if report["held"] > HELD * report["steps"]:
-        print(
-            f"{report['method']}: its iteration, not its error, kept {report['held']} of "
-            f"{report['steps']} steps short: the model is stiff at this tolerance; --method gauss4 "
-            "(fixed steps, Newton) or dop853 may take less time",
-            file=sys.stderr,
+        lines.append(
+            f"{method}: its iteration, not its error, kept {report['held']} of {report['steps']} "
+            "steps short: the model is stiff at this tolerance; --method gauss4 (fixed steps, "
+            "Newton) or dop853 may take less time"
         )
     far = [event for event in report["events"] if "limit" in event and not event["count"]]
-    for event in report["events"]:
-        if event not in far:
-            print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
-    if far:
-        print(f"limits not met: {len(far)}", file=sys.stderr)
-    drifts = diagnostics_text.drift_lines if options.verbose else diagnostics_text.kept_line
-    said = drifts(report["drifts"])
-    said += diagnostics_text.lines(report.get("diagnostics", {}), time)
-    for line in said:
-        print(line, file=sys.stderr)
+    met = [event for event in report["events"] if event not in far]
+    lines += [f"event {event['name']}: {_crossings(event)}" for event in met]
+    lines += [f"limits not met: {len(far)}"] if far else []
+    drifts = diagnostics_text.drift_lines if verbose else diagnostics_text.kept_line
+    return lines + drifts(report["drifts"])
 
 
 def _whole(outcome: Outcome) -> bool:

@@ -124,7 +124,7 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
                 found[stem] = _bob(stem, at, item.span)
             continue
         for index in _members(model, item):
-            if "." in item.name or _is_vector(item):
+            if "." in item.name or isinstance(getattr(item, "value", None), Vector):
                 name = (item.name.partition(".")[0], index)
                 vectors.setdefault(name, {})[item.name.partition(".")[2]] = item.span
                 used[name] = item
@@ -154,10 +154,6 @@ def _written(name: Name) -> str:
 
 def _bob(name: str, at: tuple[Expr, ...], span: Span) -> Drawing:
     return Drawing("bob", (("at", at),), None, name, "", span)
-
-
-def _is_vector(item: object) -> bool:
-    return isinstance(item, Definition) and isinstance(item.value, Vector)
 
 
 def _members(model: Model, item: object) -> Iterator[int | None]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import array
 import csv
-import difflib
 import math
 import os
 import re
@@ -25,6 +24,7 @@ from ..compiler import Compilation
 from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..system.exits import UsageError
+from ..system.near import near
 from .ensemble import Column, Ensemble, Settable
 
 if TYPE_CHECKING:
@@ -87,19 +87,17 @@ class _Reader:
         rows = self._rows(file)
         line, header = next(rows, (1, None))
         if header is None:
+            some = ",".join(list(self.known)[-2:])
             raise UsageError(
-                f"{self.path}: the file is empty; its first line names columns, e.g. "
-                f"{','.join(list(self.known)[-2:])}"
+                f"{self.path}: the file is empty; its first line names columns, e.g. {some}"
             )
         columns = self._columns(f"{self.path}:{line}", header)
         values = array.array("d")
         lines = array.array("q")
         for line, row in rows:
             if len(row) != len(columns):
-                raise UsageError(
-                    f"{self.path}:{line}: {len(row)} values where the header has "
-                    f"{len(columns)} columns"
-                )
+                wrong = f"{len(row)} values where the header has {len(columns)} columns"
+                raise UsageError(f"{self.path}:{line}: {wrong}")
             values.extend(self._value(line, c, cell) for c, cell in zip(columns, row, strict=True))
             lines.append(line)
             self._bounded(line, len(lines), len(columns))
@@ -199,17 +197,9 @@ class _Reader:
             raise UsageError(f"{place}: column {text}: {error.text()}") from None
         name = side.text()
         if name not in self.known:
-            near = difflib.get_close_matches(name, self.known, n=1)
-            names = list(self.known)
-            hint = (
-                f"did you mean '{near[0]}'?"
-                if near
-                else f"it has: {', '.join(names[:12])}{', ...' if len(names) > 12 else ''}"
-            )
-            raise UsageError(
-                f"{place}: column {text}: the model has no such parameter, input, coordinate or "
-                f"rate; {hint}"
-            )
+            what = "the model has no such parameter, input, coordinate or rate"
+            hint = near(name, list(self.known), "quantity")
+            raise UsageError(f"{place}: column {text}: {what}; {hint}")
         return self.known[name]
 
     def _value(self, line: int, column: Column, text: str) -> float:
@@ -221,11 +211,7 @@ class _Reader:
 
     def _quantity(self, line: int, column: Column, text: str) -> float:
         """Parses a value with a unit; `line` is its line number for messages, or 0."""
-        place = (
-            f"{self.path}:{line}: column {column.name}"
-            if line
-            else f"{self.path}: column {column.name}"
-        )
+        place = f"{self.path}{f':{line}' if line else ''}: column {column.name}"
         if not text:
             raise UsageError(f"{place}: a value is missing; give one, or drop the column")
         try:

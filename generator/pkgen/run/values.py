@@ -17,7 +17,7 @@ from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
 from ..middle.quantities import single_rotations
 from ..model import Model, Parameter
-from ..plan import RunNumbers
+from ..plan import DEFAULTS, RunNumbers
 from ..record import record
 from ..system.exits import UsageError
 from ..system.near import unknown
@@ -75,15 +75,12 @@ class Numbers:
 
     def of_run(self, options: argparse.Namespace) -> RunNumbers:
         """Parses the options of a run that are numbers, such as --until. Raises UsageError."""
-        found = RunNumbers(
-            **{
-                name: self.positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
-                for name, unit in (
-                    *((name, self.time) for name in ("until", "every", "step", "max_step")),
-                    *((name, "") for name in ("rtol", "atol")),
-                )
-            }
-        )
+        given = {}
+        for name in vars(DEFAULTS):
+            unit = "" if name in ("rtol", "atol") else self.time
+            option = f"--{name.replace('_', '-')}"
+            given[name] = self.positive(option, getattr(options, name), unit)
+        found = RunNumbers(**given)
         if found.rtol is not None and found.atol is None and (wrong := wrong_rtol(found.rtol)):
             raise UsageError(f"--rtol {options.rtol}: {wrong}")
         return found
@@ -192,19 +189,6 @@ class Values(Numbers):
         return {r.name: r.quaternion for r in rotations} | {
             f"omega({r.name})": r.rates for r in rotations
         }
-
-    def by_key(
-        self, parameters: named.Named, values: dict[int, float]
-    ) -> dict[tuple[str, int | None], float]:
-        """Converts values of parameters, keyed by flat index, to values keyed by the pair (name,
-        index in the family)."""
-        found = {}
-        for item in parameters.declared:
-            for flat, x in values.items():
-                if item.first <= flat < item.first + item.count:
-                    index = None if item.lo is None else item.lo + flat - item.first
-                    found[parted(item.member(index).name)] = x
-        return found
 
     def shown(self, name: str, option: str = "--record") -> Shown:
         """Returns the column with the name `name` as the runtime identifies it: by kind and index.

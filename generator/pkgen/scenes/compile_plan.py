@@ -305,11 +305,6 @@ def enclosed(options: argparse.Namespace) -> Use | None:
     return whole(options, record_columns(options), EVERY - {FOLD})
 
 
-def as_written(name: str) -> Use:
-    """Returns which parts of a model a scene uses if it runs without options."""
-    return CheckUse(scene=name, apart=True)
-
-
 def of_compile(options: argparse.Namespace) -> Use | None:
     """Returns the restrictions of a model that is compiled to C, or None without a scene."""
     if options.scene is None:

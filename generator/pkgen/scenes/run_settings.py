@@ -78,7 +78,7 @@ def settings(
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
     said = scene.Numbers()
     if chosen is not None:
-        at_run = values.by_key(parameters, parameters_set)
+        at_run = named.by_key(parameters, parameters_set)
         said = scene.numbers(compilation.declared, chosen, at_run)
         of_scene = {
             parameters[indexed(name, index)][0]: x
