@@ -174,38 +174,30 @@ def stages(
 
         left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
     plan = planned(left.equations, left.structure)
+    plans = [planned(part.equations, part.structure) for part in left.parts]
+    plans = [replace(one, kernels=reduce.of_a_part(one.kernels)) for one in plans]
     of_whole = reduce.of_the_whole(plan.kernels) if left.parts else plan.kernels
+    of_each = [of_whole, *(one.kernels for one in plans)]
     reads = use.reads(model)
     with _no_collection(), _in_range(model):
-        in_c = states.as_rates(left.equations, left.structure, of_whole)
-        of_parts = []
-        for part in left.parts:
-            one = planned(part.equations, part.structure)
-            one = replace(one, kernels=reduce.of_a_part(one.kernels))
-            in_parts = states.as_rates(part.equations, part.structure, one.kernels)
-            of_parts.append((part, in_parts, one))
+        systems = zip((left, *left.parts), of_each, strict=True)
+        in_c = [states.as_rates(x.equations, x.structure, of) for x, of in systems]
         kept = None
         if reads is not None:
-            made = [(in_c[0], of_whole), *((e, one.kernels) for _, (e, _), one in of_parts)]
+            made = [(e, of) for (e, _), of in zip(in_c, of_each, strict=True)]
             kept = _kept(made, reads | {*report.starts.values()})
-            report = report.unread(in_c[0].parameters, kept)
+            report = report.unread(in_c[0][0].parameters, kept)
     yield left.equations, left.structure, report
     from .back.c import lower, render  # late: `pkgen check` does not need it
 
     how = {"libm": libm or plain, "kept": kept, "plain": plain}
     with _no_collection(), _in_range(model):
-        program = lower.lower(*in_c, of_whole, **how)
-        parts = tuple(
-            CompiledPart(
-                part.equations.model.name,
-                part.coordinates,
-                part.equations,
-                part.structure,
-                lower.lower(*part_in_c, one.kernels, **how),
-                one,
-            )
-            for part, part_in_c, one in of_parts
-        )
+        each = [lower.lower(*x, of, **how) for x, of in zip(in_c, of_each, strict=True)]
+    program, *of_parts = each
+    parts = tuple(
+        CompiledPart(x.equations.model.name, x.coordinates, x.equations, x.structure, *more)
+        for x, *more in zip(left.parts, of_parts, plans, strict=True)
+    )
     yield program, parts, plan
     with _no_collection():
         files = render.render(program, self_test=self_test, report=report)

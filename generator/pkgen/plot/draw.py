@@ -138,27 +138,29 @@ def _axis(axes: Axes, which: str, axis: Axis, named: bool) -> None:
 
 
 def _line(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
-    colour = style.colour(line.colour)
-    if panel.z is not None:
-        _line_in_space(axes, line, colour)
-        return
+    colour, space = style.colour(line.colour), panel.z is not None
+    points = numpy.stack([line.x, line.y, line.z] if space else [line.x, line.y])
     if line.kind == "points":
         many = len(line.x)
         size = 9.0 if many < 60 else 4.0 if many < 1000 else 1.2 if many < 20000 else 0.3
+        look = {"s": 2.0, "depthshade": False} if space else {"s": size, "rasterized": heavy}
         colours = {"color": colour}
         if line.strands is not None and panel.colours is not None:
             colours = {"c": _numbers(line, panel), "cmap": style.SEQUENTIAL}
-        axes.scatter(line.x, line.y, s=size, lw=0, rasterized=heavy, **colours)
-    elif line.strands is not None:
+        axes.scatter(*points, lw=0, **look, **colours)
+    elif line.strands is not None and not space:
         _strands(axes, panel, line, heavy)
     else:
-        back = {"lw": 0.5, "alpha": 0.45, "zorder": 1.5} if line.kind == "back" else {}
-        dashes = style.dashes(line.colour, _over(panel) and not back)
-        axes.plot(line.x, line.y, color=colour, ls=dashes, rasterized=heavy, **back)
+        look = {"lw": 0.9} if space else {"rasterized": heavy}
+        look |= {"lw": 0.5, "alpha": 0.45, "zorder": 1.5} if line.kind == "back" else {}
+        dashes = style.dashes(line.colour, _over(panel) and line.kind != "back")
+        ends = () if line.strands is None else line.strands[1:]
+        axes.plot(*numpy.insert(points, ends, numpy.nan, axis=1), color=colour, ls=dashes, **look)
     if line.marked:
-        good = numpy.flatnonzero(numpy.isfinite(line.x + line.y))[[0, -1]] if len(line.x) else []
-        for at, face in zip(good, ("white", colour), strict=True):
-            axes.plot(line.x[at], line.y[at], "o", ms=3.6, mec=colour, mfc=face, mew=0.9, zorder=4)
+        good = numpy.flatnonzero(numpy.isfinite(points.sum(axis=0)))
+        for at, face in zip(good[[0, -1]] if len(good) else (), ("white", colour), strict=False):
+            look = {"ms": 3.6, "mec": colour, "mfc": face, "mew": 0.9, "zorder": 4}
+            axes.plot(*points[:, [at]], "o", **look)
 
 
 def _numbers(line: Line, panel: Panel) -> numpy.ndarray:
@@ -178,18 +180,6 @@ def _strands(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
         colours = matplotlib.colormaps[style.SEQUENTIAL](numpy.linspace(0, 1, count))
     axes.add_collection(LineCollection(parts, colors=colours, rasterized=heavy, **look))
     axes.autoscale_view()
-
-
-def _line_in_space(axes: Axes, line: Line, colour: str) -> None:
-    if line.kind == "points":
-        axes.scatter(line.x, line.y, line.z, s=2, lw=0, color=colour, depthshade=False)
-        return
-    points = numpy.stack([line.x, line.y, line.z])
-    for part in numpy.split(points, () if line.strands is None else line.strands[1:], axis=1):
-        axes.plot(*part, color=colour, lw=0.9)
-    if line.marked and len(line.x):
-        for at, face in ((0, "white"), (-1, colour)):
-            axes.plot(*points[:, [at]], "o", ms=3.6, mec=colour, mfc=face, mew=0.9)
 
 
 def _space(axes: Axes, panel: Panel) -> None:

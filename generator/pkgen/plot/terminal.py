@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import sys
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy
 from rich.console import Console
@@ -165,7 +165,7 @@ def _places(
     """Returns the column and row indices of the dots of a line; row 0 is at the top."""
     a = (_on(panel.x, line.x) - x[0]) / (x[1] - x[0]) * (across - 1)
     b = (_on(panel.y, line.y) - y[0]) / (y[1] - y[0]) * (up - 1)
-    if line.kind != "points" and len(a) > 1:
+    if line.kind != "points" and len(a):
         a, b = _filled(a, b, line.strands)
     with numpy.errstate(invalid="ignore"):
         good = (a > -0.5) & (a < across - 0.5) & (b > -0.5) & (b < up - 0.5)
@@ -175,22 +175,15 @@ def _places(
 
 def _filled(
     a: numpy.ndarray, b: numpy.ndarray, strands: numpy.ndarray | None
-) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Interpolates between points, so that lines have no gaps."""
-    gaps = numpy.maximum(numpy.abs(numpy.diff(a)), numpy.abs(numpy.diff(b)))
-    gaps = numpy.where(numpy.isfinite(gaps), gaps, 0)
-    if strands is not None:
-        gaps[strands[1:] - 1] = 0  # trajectories are not joined to each other
-    counts = numpy.minimum(numpy.ceil(gaps).astype(int) + 1, FINE)
-    begin = numpy.repeat(numpy.arange(len(counts)), counts)
-    part = numpy.arange(len(begin)) - numpy.repeat(numpy.cumsum(counts) - counts, counts)
-    part = part / numpy.repeat(counts, counts)
-    if strands is not None:
-        part[numpy.isin(begin, strands[1:] - 1)] = 0
+) -> Iterator[numpy.ndarray]:
+    """Interpolates between points, so that lines have no gaps, but for those between strands."""
+    ends = () if strands is None else strands[1:]
+    a, b = numpy.insert(a, ends, numpy.nan), numpy.insert(b, ends, numpy.nan)
     with numpy.errstate(invalid="ignore"):
-        more = (v[begin] + part * (v[begin + 1] - v[begin]) for v in (a, b))
-        x, y = (numpy.append(m, v[-1]) for m, v in zip(more, (a, b), strict=True))
-    return x, y
+        gaps = numpy.maximum(abs(numpy.diff(a)), abs(numpy.diff(b)))
+    counts = numpy.clip(numpy.ceil(numpy.nan_to_num(gaps)), 1, FINE)
+    places = numpy.append(0, numpy.cumsum(counts))
+    return (numpy.interp(numpy.arange(places[-1] + 1), places, v) for v in (a, b))
 
 
 def _seen(panel: Panel) -> Panel:
