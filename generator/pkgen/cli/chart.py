@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import time
 from pathlib import Path
@@ -26,11 +25,11 @@ from ..scenes import scene
 from ..scenes.compile_plan import whole
 from ..system import children
 from ..system.exits import DONE, INTERRUPTED, NumericsFailed, UsageError
-from ..system.files import moved, scratch
-from ..system.progress import progress, say, took, unseen
+from ..system.files import scratch
+from ..system.progress import progress, say, unseen
 from . import arguments as shared
 from .compilation import compile_within_limits
-from .pictures import look_of, page_of
+from .pictures import look_of, page_of, show_result, with_texts
 
 STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
@@ -103,11 +102,9 @@ def run(options: argparse.Namespace) -> int:
             raise KeyboardInterrupt
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
     files = _write(directory, chart, options, look)
-    if options.json:
-        print(json.dumps(_record(chart, files), indent=1))
-    else:
-        print(report(chart, options.model, _given(options)), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
+    show_result(
+        options, _record(chart), report(chart, options.model, _given(options)), files, began
+    )
     if chart.interrupted:
         say(interrupted(chart))
     return INTERRUPTED if chart.interrupted else DONE
@@ -130,14 +127,8 @@ def _long(
     with scratch() as folder:
         stem = folder / f"{found.model}_long"
         files = long_report.write(found, stem, look)
-        stem.with_suffix(".csv").write_text(long_report.as_csv(found), encoding="utf-8")
-        files = moved([*files, stem.with_suffix(".csv")], directory)
-    if options.json:
-        told = {**long_report.record(found), "files": [str(file) for file in files]}
-        print(json.dumps(told, indent=1))
-    else:
-        print(long_report.text(found), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
+        files = with_texts(files, directory, stem, {".csv": long_report.as_csv(found)})
+    show_result(options, long_report.record(found), long_report.text(found), files, began)
     if children.ended():
         say("interrupted: drifts are of the methods measured until then")
     return INTERRUPTED if children.ended() else DONE
@@ -199,10 +190,7 @@ def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Loo
         if html:
             text = report(chart, options.model, _given(options))
             contents[".html"] = html(chart, text, [f for f in files if f.suffix == ".svg"])
-        for suffix, content in contents.items():
-            stem.with_suffix(suffix).write_text(content, encoding="utf-8")
-            files.append(stem.with_suffix(suffix))
-        return moved(files, directory)
+        return with_texts(files, directory, stem, contents)
 
 
 def _answer(a: Answer) -> dict[str, object]:
@@ -210,7 +198,7 @@ def _answer(a: Answer) -> dict[str, object]:
     return {"accuracy": a.accuracy, "reason": a.reason, **point}
 
 
-def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
+def _record(chart: Chart) -> dict[str, object]:
     """Returns the chart as data for JSON."""
     reference = chart.reference
     return {
@@ -242,5 +230,4 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
         "interrupted": chart.interrupted,
         "unmeasured": chart.unmeasured,
         "points": table.rows(chart.tracks),
-        "files": [str(file) for file in files],
     }

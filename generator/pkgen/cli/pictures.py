@@ -19,9 +19,9 @@ from ..run import named
 from ..scenes.run_settings import unknown
 from ..system import addons
 from ..system.exits import UsageError
-from ..system.files import place, replace
+from ..system.files import moved, place, replace
 from ..system.near import near
-from ..system.progress import say
+from ..system.progress import say, took
 from .messages import needs
 
 if TYPE_CHECKING:
@@ -103,6 +103,28 @@ def page_of(command: str) -> Callable[..., str] | None:
         say(f"no page: it is {where}")
         return None
     return addons.load("pages", command).html
+
+
+def with_texts(files: list[Path], directory: Path, stem: Path, texts: dict[str, str]) -> list[Path]:
+    """Writes texts beside pictures in a scratch folder, by suffix, and copies all files to a
+    directory; returns their new paths."""
+    for suffix, content in texts.items():
+        stem.with_suffix(suffix).write_text(content, encoding="utf-8")
+    return moved([*files, *map(stem.with_suffix, texts)], directory)
+
+
+def show_result(
+    options: argparse.Namespace,
+    record: dict[str, object],
+    text: str,
+    files: list[Path],
+    began: float,
+) -> None:
+    """Prints the result of a chart or a map as text, or as JSON, with the written files."""
+    if options.json:
+        print(json.dumps({**record, "files": [str(file) for file in files]}, indent=1))
+    else:
+        print(f"{text}\nwritten: {', '.join(map(str, files))}; {took(began)}")
 
 
 def recorded(

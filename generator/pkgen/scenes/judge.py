@@ -96,15 +96,12 @@ class Judge:
         member = None
         for call in calls(item, "drift"):
             found = next(drifts)
-            numbers[call] = found["max"]
-            member = found["member"] if self.member is not None else None
+            numbers[call], member = found["max"], found["member"]
         times = {call: self._times(call.arguments[0].id) for call in calls(item, "time")}
-        if not times:
-            return self._worst(item, [(numbers, member)])
-        rows = zip(*times.values(), strict=True)
         first = self.report.get("first_member", 0)
-        found = (numbers | dict(zip(times, row, strict=True)) for row in rows)
-        cases = [(case, first + i) for i, case in enumerate(found)]
+        rows = enumerate(zip(*times.values(), strict=True), first)
+        cases = [(numbers | dict(zip(times, row, strict=True)), k) for k, row in rows]
+        cases = cases or [(numbers, member)]
         return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
 
     def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
