@@ -96,6 +96,11 @@ class Compilation:
     plan: CompilePlan = CompilePlan()
 
     @property
+    def blocks(self) -> list[tuple[str, tuple[int, ...]]]:
+        """The names of the parts, and the indices of their coordinates."""
+        return [(part.name, part.coordinates) for part in self.parts]
+
+    @property
     def looped(self) -> bool:
         """Whether the families are loops in C."""
         return isinstance(self.equations, LoopEquations)

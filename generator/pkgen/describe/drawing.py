@@ -107,7 +107,6 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
     known = lengths(model)
     items: list[tuple[Name, tuple]] = []
     vectors: dict[tuple, dict[str, Span]] = {}
-    used: dict[tuple, Definition] = {}
     found: dict[str, Drawing] = {}
     for item in (*model.coordinates, *model.definitions, *model.observed):
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
@@ -120,16 +119,14 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
                 found[stem] = _bob(stem, at, item.span)
             continue
         for index in _members(model, item):
-            if "." in item.name or isinstance(getattr(item, "value", None), Vector):
-                name = (item.name.partition(".")[0], index)
-                vectors.setdefault(name, {})[item.name.partition(".")[2]] = item.span
-                used[name] = item
-                continue
-            at = None if index is None else Number(Fraction(index), item.span)
-            items.append((Name(item.name, at, item.span), tuple(keys(item.name, index))))
+            if part or isinstance(getattr(item, "value", None), Vector):
+                vectors.setdefault((stem, index), {})[part] = item.span
+            else:
+                name = Name(item.name, _place(index, item.span), item.span)
+                items.append((name, tuple(keys(item.name, index))))
     for (name, index), parts in vectors.items():
-        span = used[name, index].span
-        at = None if index is None else Number(Fraction(index), span)
+        *_, span = parts.values()
+        at = _place(index, span)
         whole = Name(name, at, span)
         by_axis = tuple(
             Name(f"{name}.{axis}", at, span) if axis in parts else Component(whole, k, span)
@@ -142,6 +139,10 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
         if not any(_written(part) in other for other in found for part in group.values()):
             found[f"({shown})"] = _bob(f"({shown})", at, model.span)
     return tuple(found.values())[: limits.DRAWN]
+
+
+def _place(index: int | None, span: Span) -> Number | None:
+    return None if index is None else Number(Fraction(index), span)
 
 
 def _written(name: Name) -> str:

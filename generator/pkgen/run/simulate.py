@@ -43,10 +43,10 @@ def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | Non
     return build_library(
         compilation.files,
         compilation.model.name,
-        *(settings.compiled_for or (settings.method, *(part.method for part in settings.parts))),
+        *settings.methods,
         ensemble=ensemble is not None,
         diagnose=bool(settings.diagnose),
-        parts=[(part.name, part.coordinates) for part in compilation.parts],
+        parts=compilation.blocks,
         own=compilation.model.methods,
     )
 

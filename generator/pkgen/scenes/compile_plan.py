@@ -74,6 +74,9 @@ class SceneUse(Use):
         at = self.event or (scene.record.at if scene.record else "")
         return expects.events(scene) | {at}
 
+    def many(self, scene: Scene) -> bool:
+        return self.several or scene.swarm is not None
+
     def chosen(self, model: Model) -> Scene:
         scene = scenes.chosen(model, self.scene)
         return scene if self.judged else replace(scene, expects=())
@@ -128,8 +131,8 @@ class SceneUse(Use):
         if method:
             self._refuse_unfit(method, model)
         elif made is not None:
-            several = self.several or scene.swarm is not None
-            exact = EXACT not in self.off and not several and (given.rtol or given.step) is None
+            exact = EXACT not in self.off and not self.many(scene)
+            exact = exact and (given.rtol or given.step) is None
             # Only options can set a tolerance here: a scene with a tolerance also sets a method.
             method, source = default_method(made, given.else_of(DEFAULTS).rtol, exact), DEFAULT
         return CompilePlan(None, method, source, given)
@@ -160,8 +163,7 @@ class SceneUse(Use):
         found = of.kernels if of else METHODS["gauss"].kernels | {"mass", LINEAR_OF_FEW}
         if any(self.events(scene)) or any(event.stop for event in model.events):
             found -= {"advance"}  # kernel `advance` makes many steps, without looking for events
-        several = self.several or scene.swarm is not None
-        if several and (made is None or _side_by_side(*made, of)):
+        if self.many(scene) and (made is None or _side_by_side(*made, of)):
             found |= {"members"}
         return found
 
@@ -189,8 +191,7 @@ class RunUse(SceneUse):
             found |= {"energy"}
         definite = structure and getattr(structure, "definite", True)
         solved = made and getattr(made[0], "constraints", ())  # else: kernel `inertia`
-        several = self.several or scene.swarm is not None
-        needed = not definite or not (several or solved or structure.mass_diagonal)
+        needed = not definite or not (self.many(scene) or solved or structure.mass_diagonal)
         if needed and not (made and _without_mass(made[0])):
             found |= {"mass"}
         return frozenset(found)
