@@ -60,29 +60,29 @@ def run(options: argparse.Namespace) -> int:
     what = prepared(options, wanted.view if wanted else None)
     more = checkpoints.settings(options, what)
     alone = output is None and not options.json and wanted is None
-    if alone and not more and options.output is None and sys.stdout.isatty():
-        with scratch() as folder:
-            outcome, left = to_scratch(what, folder / "rows.csv"), None
-            print(_some_rows(folder / "rows.csv"))
-    elif alone:
-        sys.stdout.flush()
-        outcome, left = _simulate(what, sys.stdout.fileno(), **more), None
-        _finishing(outcome)
-    elif output is None:
-        with scratch() as folder:
-            outcome = to_scratch(what, folder / "rows.csv")
-            if options.json:
-                print(json.dumps(_result(what, outcome, folder / "rows.csv"), indent=1))
-            elif options.output == "-":
-                with open(folder / "rows.csv", "rb") as file:
-                    shutil.copyfileobj(file, sys.stdout.buffer)
-            if wanted:
-                _pictures(options, wanted, what, outcome, folder / "rows.csv")
-        left = None
-    else:
-        outcome, left = _to_file(options, what, output, wanted)
+    shown = alone and not more and options.output is None and sys.stdout.isatty()
+    left = None
+    if output is not None:
+        outcome, left = _to_file(options, what, output, wanted is None, more)
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
+    elif alone and not shown:
+        sys.stdout.flush()
+        outcome = _simulate(what, sys.stdout.fileno(), **more)
+        _finishing(outcome)
+    else:
+        with scratch() as folder:
+            path = folder / "rows.csv"
+            outcome = to_scratch(what, path)
+            if shown:
+                print(_some_rows(path))
+            elif options.json:
+                print(json.dumps(_result(what, outcome, path), indent=1))
+            elif options.output == "-":
+                with open(path, "rb") as file:
+                    shutil.copyfileobj(file, sys.stdout.buffer)
+            if wanted:
+                _pictures(options, wanted, what, outcome, path)
     checkpoints.over(options, outcome)
     if outcome.code == DONE and not outcome.whole:  # e.g. in `pkgen run MODEL | head`
         return DONE
@@ -162,19 +162,18 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
 
 
 def _to_file(
-    options: argparse.Namespace, asked: Prepared, output: Path, wanted: Wanted | None
+    options: argparse.Namespace, asked: Prepared, output: Path, alone: bool, more: dict[str, object]
 ) -> tuple[Outcome, Path | None]:
-    """Runs a model with the rows written to `output`. Returns the outcome, and the path of the rows
-    if the run did not finish, else None."""
+    """Runs a model with the rows written to `output`, and the settings `more`. Returns the outcome,
+    and the path of the rows if the run did not finish, else None."""
     left = None
     unfinished = Outcome(INTERRUPTED, {}, "")  # what the JSON file says if pkgen is killed
-    more = checkpoints.settings(options, asked)
     npy = output.suffix == ".npy"
     kept = "begun" if options.resume else "all" if more else ""
     description = _text(_describe(asked, unfinished, output.name))
     with Result(output, description, kept if not npy else kept and "all") as result:
         outcome = _simulate(asked, result.file, npy, **more)
-        if wanted is None:
+        if alone:
             _finishing(outcome)
         description = _describe(asked, outcome, output.name)
         if outcome.whole:

@@ -235,7 +235,7 @@ def _image(figure: Figure, axes: Axes, image: Image) -> None:
 
 
 def _legend(axes: Axes, panel: Panel) -> None:
-    named = [line for line in panel.lines if line.label and line.kind != "back"]
+    named = panel.named
     if len(named) < 2 and not (named and panel.z is None and named[0].kind == "points"):
         named = [] if len(panel.lines) < 3 else named
     if not named:

@@ -60,11 +60,9 @@ def constants(table: Table) -> list[str]:
 def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:
     """Returns a line of |x - x(0)| for the column x, relative to the scale in the run's report, or
     else to max |x|. Returns None if all drifts are too small to be drawn."""
-    x, member = table[name], table.member
-    order = numpy.argsort(member, kind="stable")
-    x, t, member = x[order], table.time[order], member[order]
-    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
-    first = x[begins][member]
+    order, begins = table.by_member()
+    x, t = table[name][order], table.time[order]
+    first = x[begins][table.member[order]]
     scale = told.get("scale")
     if not isinstance(scale, int | float) or not scale > 0:
         scale = numpy.abs(finite(x)).max(initial=0.0)

@@ -43,10 +43,7 @@ def bundle(
     if not table.several:
         mark = kind == "line" and not along
         return [Line(table.label if more else "", x, y, first, kind, z, marked=mark)], None
-    # Rows of several members may be sorted by time, not by member.
-    order = numpy.argsort(table.member, kind="stable")
-    member = table.member[order]
-    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
+    order, begins = table.by_member()
     numbers = table.data[order, 0][begins]
     x, y, z = x[order], y[order], None if z is None else z[order]
     word = table.columns[0].name
@@ -60,7 +57,7 @@ def bundle(
         ], None
     line = Line(table.label if more else "", x, y, first, kind, z, begins)
     # No colour bar if there is one row per member (a cloud at a single time).
-    if more or len(numbers) == len(member):
+    if more or len(numbers) == len(order):
         return [line], None
     return [line], (float(numbers[0]), float(numbers[-1]), f"member {word}")
 

@@ -67,6 +67,12 @@ class Table:
             return numpy.zeros(len(self.data), int)
         return numpy.unique(self.data[:, 0], return_inverse=True)[1]
 
+    def by_member(self) -> tuple[numpy.ndarray, numpy.ndarray]:
+        """Returns the order of rows by which each member's are together (they may be sorted by
+        time), and where in this order each member begins."""
+        order = numpy.argsort(self.member, kind="stable")
+        return order, numpy.flatnonzero(numpy.diff(self.member[order], prepend=-1))
+
     @property
     def quantities(self) -> list[Quantity]:
         """The columns that can be drawn over the abscissa."""

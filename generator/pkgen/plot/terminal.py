@@ -97,8 +97,7 @@ def _panel(
 
 def _legend(panel: Panel, marks: bool, spelt: Callable[[str], str]) -> Text:
     found = Text()
-    named = [line for line in panel.lines if line.label and line.kind != "back"]
-    for line in named if len(named) > 1 else []:
+    for line in panel.named if len(panel.named) > 1 else []:
         sign = MARKS[line.colour % len(MARKS)] if marks else "━"
         found.append("   ").append(sign, COLOURS[line.colour % len(COLOURS)])
         found.append(f" {spelt(line.label)}")
