@@ -26,7 +26,6 @@ from .messages import needs
 
 if TYPE_CHECKING:
     from ..plot.picture import Picture
-    from ..plot.table import Table
 
 MILLIMETRES = 25.4
 WIDTHS = (40.0, 1000.0)  # smallest and largest --width in mm
@@ -137,7 +136,9 @@ def recorded(
     missing = [name for name in view.columns if not _has(names, name)]
     rows = names[1 + (made.ensemble is not None) :]
     if view.kind == "drift" and not view.names and options.scene is None:
-        more = [n for n in _constants(made) if not _has(names, n)]
+        of = made.compilation
+        constants = [] if of.looped else [n for n, _ in found(of.equations, of.structure)]
+        more = [n for n in constants if not _has(names, n)]
         with suppress(UsageError):  # Not every constant can be a column.
             return _with(options, [*rows, *more], prepared) if more else made
     if not missing:
@@ -160,10 +161,10 @@ def _has(names: list[str], name: str) -> bool:
 
 def _members(made: Prepared, name: str) -> list[str]:
     """Returns the names of all members if `name` is a family of quantities, else [name]."""
-    primes = name.count("'")
+    stem, primes = name.rstrip("'"), "'" * name.count("'")
     for item in named.declared(made.compilation).declared:
-        if item.lo is not None and item.quantity.name == name.rstrip("'"):
-            return [item.member(k).name + "'" * primes for k in range(item.lo, item.hi + 1)]
+        if item.lo is not None and item.quantity.name == stem:
+            return [quantity.name + primes for quantity in item.members()]
     return [name]
 
 
@@ -171,27 +172,6 @@ def _with(
     options: argparse.Namespace, rows: list[str], prepared: Callable[..., Prepared]
 ) -> Prepared:
     return prepared(argparse.Namespace(**{**vars(options), "record": ",".join(rows)}))
-
-
-def _constants(made: Prepared) -> list[str]:
-    compilation = made.compilation
-    if compilation.looped:
-        return []
-    return [name for name, _ in found(compilation.equations, compilation.structure)]
-
-
-def rows_of(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """Returns the rows of a run as a table, or None if it has less than two rows."""
-    from ..plot.table import rows
-
-    return rows(path, label, json.loads(json.dumps(told)))
-
-
-def draw(what: Wanted, tables: list[Table]) -> None:
-    """Draws the tables, writes the picture of --plot, and prints messages about it."""
-    from ..plot import compose
-
-    write(compose.picture(what.view, tables), what.plot, what.width)
 
 
 def write(made: Picture, file: Path | None, width: float | None) -> None:

@@ -116,9 +116,11 @@ def to_scratch(what: Prepared, path: Path) -> Outcome:
 
 def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table | None:
     """Returns the rows of a finished run as a table, or None if it has less than two rows."""
+    from ..plot.table import rows
+
     if not path.exists() or not path.stat().st_size:
         return None
-    return pictures.rows_of(path, label, _describe(what, outcome, path.name))
+    return rows(path, label, json.loads(json.dumps(_describe(what, outcome, path.name))))
 
 
 def _some_rows(path: Path) -> str:
@@ -143,7 +145,9 @@ def _pictures(
     if wanted.plot is not None and table is None:
         say(f"{wanted.plot}: not written: there are no rows")
     elif wanted.plot is not None:
-        pictures.draw(wanted, [table])
+        from ..plot import compose
+
+        pictures.write(compose.picture(wanted.view, [table]), wanted.plot, wanted.width)
     if wanted.report is not None:
         from ..system.files import replace
 

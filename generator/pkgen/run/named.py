@@ -123,10 +123,6 @@ def states(compilation: Compilation) -> frozenset[str]:
     return frozenset(q.name for q in compilation.equations.states)
 
 
-def with_attitudes(compilation: Compilation) -> bool:
-    return not compilation.looped and bool(compilation.equations.attitudes)
-
-
 def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
     """Returns keys by which names are sorted: coordinates and rotations come first, then rates,
     each in the order of declarations. The components of a quaternion come where its rotation is

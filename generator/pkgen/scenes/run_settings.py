@@ -149,7 +149,7 @@ def _recorded(
         _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:
         show = [values.shown(name) for name in scene_model.columns(chosen)]
-    if not show and named.with_attitudes(compilation):
+    if not show and getattr(compilation.equations, "attitudes", ()):
         show = values.standard()
     if options.at is not None:
         at = options.at
