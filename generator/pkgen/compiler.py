@@ -96,6 +96,11 @@ class Compilation:
     plan: CompilePlan = CompilePlan()
 
     @property
+    def blocks(self) -> list[tuple[str, tuple[int, ...]]]:
+        """The names of the parts, and the indices of their coordinates."""
+        return [(part.name, part.coordinates) for part in self.parts]
+
+    @property
     def looped(self) -> bool:
         """Whether the families are loops in C."""
         return isinstance(self.equations, LoopEquations)
@@ -124,24 +129,25 @@ def stages(
     declared, warnings = check.check(file, sizes)
     methods = {method.name: method for method in (*declared.methods, *own)}
     declared = replace(declared, methods=tuple(methods.values()))
-    declared = use.declared(declared) if use else declared
-    model, lines = use.model(declared) if use else (declared, ())
+    use = use or Use()
+    declared = use.declared(declared)
+    model, lines = use.model(declared)
     yield declared, model, warnings
-    needs = use.needs(model) if use else None
+    needs = use.needs(model)
 
     def planned(*made: Any) -> CompilePlan:
         """Returns the plan for (equations, structure); without these, for all possible kernels."""
-        plan = use.plan(model, made or None) if use else CompilePlan()
+        plan = use.plan(model, made or None)
         return plan if kernels is None else replace(plan, kernels=kernels)
 
     called = planned().kernels
     with _no_collection():
-        some = kernels is not None and not plain
-        equations = _equations(model, some, called, self_test or canonical, unroll, needs)
+        flat = self_test or canonical or (kernels is not None and not plain)
+        equations = _equations(model, flat, called, unroll, needs)
         if isinstance(equations, LoopEquations):
             from .middle.loops.proofs import with_proofs
 
-            equations = with_proofs(equations, file, use.of if use else None, symmetric)
+            equations = with_proofs(equations, file, use.of, symmetric)
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts
@@ -173,38 +179,30 @@ def stages(
 
         left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
     plan = planned(left.equations, left.structure)
+    plans = [planned(part.equations, part.structure) for part in left.parts]
+    plans = [replace(one, kernels=reduce.of_a_part(one.kernels)) for one in plans]
     of_whole = reduce.of_the_whole(plan.kernels) if left.parts else plan.kernels
-    reads = use.reads(model) if use else None
+    of_each = [of_whole, *(one.kernels for one in plans)]
+    reads = use.reads(model)
     with _no_collection(), _in_range(model):
-        in_c = states.as_rates(left.equations, left.structure, of_whole)
-        of_parts = []
-        for part in left.parts:
-            one = planned(part.equations, part.structure)
-            one = replace(one, kernels=reduce.of_a_part(one.kernels))
-            in_parts = states.as_rates(part.equations, part.structure, one.kernels)
-            of_parts.append((part, in_parts, one))
+        systems = zip((left, *left.parts), of_each, strict=True)
+        in_c = [states.as_rates(x.equations, x.structure, of) for x, of in systems]
         kept = None
         if reads is not None:
-            made = [(in_c[0], of_whole), *((e, one.kernels) for _, (e, _), one in of_parts)]
+            made = [(e, of) for (e, _), of in zip(in_c, of_each, strict=True)]
             kept = _kept(made, reads | {*report.starts.values()})
-            report = report.unread(in_c[0].parameters, kept)
+            report = report.unread(in_c[0][0].parameters, kept)
     yield left.equations, left.structure, report
     from .back.c import lower, render  # late: `pkgen check` does not need it
 
     how = {"libm": libm or plain, "kept": kept, "plain": plain}
     with _no_collection(), _in_range(model):
-        program = lower.lower(*in_c, of_whole, **how)
-        parts = tuple(
-            CompiledPart(
-                part.equations.model.name,
-                part.coordinates,
-                part.equations,
-                part.structure,
-                lower.lower(*part_in_c, one.kernels, **how),
-                one,
-            )
-            for part, part_in_c, one in of_parts
-        )
+        each = [lower.lower(*x, of, **how) for x, of in zip(in_c, of_each, strict=True)]
+    program, *of_parts = each
+    parts = tuple(
+        CompiledPart(x.equations.model.name, x.coordinates, x.equations, x.structure, *more)
+        for x, *more in zip(left.parts, of_parts, plans, strict=True)
+    )
     yield program, parts, plan
     with _no_collection():
         files = render.render(program, self_test=self_test, report=report)
@@ -278,16 +276,15 @@ PAIRS = 1.5  # models with sums over pairs are unrolled up to PAIRS * `unroll` c
 
 def _equations(
     model: Model,
-    some: bool,
+    flat: bool,
     called: frozenset[str] | None,
-    whole: bool,
     unroll: int | None,
     needs: Needs | None,
 ) -> Equations | LoopEquations:
     """Returns LoopEquations, or unrolled Equations with the reason in their field `unrolled`."""
     declared = (*model.coordinates, *model.states)
     count = sum(f.count for f in families(model, declared).values())
-    if some or whole:
+    if flat:
         reason = "asked for are some kernels, a self-test or the canonical form"
     elif unroll is None:
         reason = "single coordinates are looked at"

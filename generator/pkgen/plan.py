@@ -35,9 +35,8 @@ class RunNumbers:
 
     def else_of(self, other: RunNumbers) -> RunNumbers:
         """Returns these numbers; a number that is not set is replaced by that of `other`."""
-        names = (f.name for f in fields(RunNumbers))
-        pairs = ((name, getattr(self, name), getattr(other, name)) for name in names)
-        return RunNumbers(**{name: b if a is None else a for name, a, b in pairs})
+        pairs = ((f.name, getattr(self, f.name)) for f in fields(RunNumbers))
+        return RunNumbers(**{k: getattr(other, k) if x is None else x for k, x in pairs})
 
 
 DEFAULTS = RunNumbers(until=UNTIL, rtol=RTOL)
@@ -56,16 +55,31 @@ class CompilePlan:
 
 @record
 class Use:
-    """How a scene restricts a model. `model` fixes parameters and holds coordinates. `needs`
-    returns the needed outputs (None: all). `plan` takes (equations, structure), or None while they
-    are unknown, and then plans all kernels that may be needed. `reads` returns the parameters that
-    a run reads (None: all). `declared` adds declarations from options."""
+    """The parts of a model that are used: here the whole model, in subclasses what a scene needs.
+    `more_declared` adds declarations."""
 
-    model: Callable[[Model], tuple[Model, tuple[ReportLine, ...]]]
-    needs: Callable[[Model], Needs | None]
-    plan: Callable[[Model, Made | None], CompilePlan] = lambda *_: CompilePlan()
-    reads: Callable[[Model], frozenset[str] | None] = lambda _: None
-    declared: Callable[[Model], Model] = lambda declared: declared
+    more_declared: Callable[[Model], Model] = lambda declared: declared
+
+    def declared(self, declared: Model) -> Model:
+        """Returns the model with the declarations that options add."""
+        return self.more_declared(declared)
+
+    def model(self, declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
+        """Returns the model with parameters that are fixed and coordinates that are held."""
+        return declared, ()
+
+    def needs(self, used: Model) -> Needs | None:
+        """Returns the needed outputs (None: all)."""
+        return None
+
+    def plan(self, used: Model, made: Made | None) -> CompilePlan:
+        """Returns the plan; while (equations, structure) are unknown, with all kernels that may be
+        needed."""
+        return CompilePlan()
+
+    def reads(self, used: Model) -> frozenset[str] | None:
+        """Returns the parameters that a run reads (None: all)."""
+        return None
 
     def of(self, declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         return self.model(self.declared(declared))

@@ -53,6 +53,10 @@ class Source:
         more = "\n".join(("", f"scene {scene}", *clauses, "end", ""))
         return Source(self.path, self.text + more, len(self.text))
 
+    def written(self, span: Span) -> str:
+        """Returns the text of a span, on one line."""
+        return " ".join(self.text[span.start : span.end].split())
+
     def is_option(self, offset: int) -> bool:
         return self.own is not None and offset > self.own
 

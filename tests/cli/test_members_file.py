@@ -10,7 +10,7 @@ import pytest
 
 from conftest import seeds
 from pkgen.compiler import Compilation, compile_model
-from pkgen.run import members_file, plain_csv
+from pkgen.run import members_file
 from pkgen.source import Source
 from pkgen.system.exits import UsageError
 
@@ -46,7 +46,7 @@ def found(path: Path, compilation: Compilation) -> object:
 
 
 def both(path: Path, compilation: Compilation, monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """By blocks where that can be, and cell by cell."""
+    """By NumPy where that can be, and cell by cell."""
     quick = found(path, compilation)
     monkeypatch.setattr(members_file._Reader, "plain", lambda self: None)
     return [quick, found(path, compilation)]
@@ -91,7 +91,7 @@ def test_rows_of_other_lengths(
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 27))
-def test_blocks_are_cells(
+def test_plain_rows_are_cells(
     seed: int, compilation: Compilation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rng = random.Random(seed)
@@ -111,12 +111,11 @@ def test_blocks_are_cells(
     text = end.join([",".join(names), *(row() for _ in range(rng.choice([0, 1, 7, 40])))])
     path = tmp_path / "members.csv"
     path.write_bytes(rng.choice(["", "\ufeff"]).encode() + (text + rng.choice(["", end])).encode())
-    monkeypatch.setattr(plain_csv, "BLOCK", rng.choice([16, 100, 1 << 22]))
     quick, slow = both(path, compilation, monkeypatch)
     assert quick == slow
 
 
-def test_plain_numbers_are_read_in_blocks(compilation: Compilation, tmp_path: Path) -> None:
+def test_plain_numbers_are_read_by_numpy(compilation: Compilation, tmp_path: Path) -> None:
     path = tmp_path / "members.csv"
     path.write_text("x,m\n" + "-1.5e-3,2\n" * 3)
     assert members_file._Reader(str(path), compilation).plain() is not None

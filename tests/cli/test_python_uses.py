@@ -59,6 +59,12 @@ def test_equations_are_those_of_the_kernels() -> None:
     assert text.count(r"\ddot{\theta}_{1}") == 2 and text.count("&=") == 2
 
 
+def test_an_expression_that_is_too_long_is_refused(monkeypatch) -> None:
+    monkeypatch.setattr("pkgen.api.symbols._LONGEST", 9)
+    with pytest.raises(api.UsageError, match="double_pendulum: .*operations, and SymPy gets 9"):
+        api.load(DOUBLE).sympy()
+
+
 def test_an_ensemble_in_xarray() -> None:
     xarray = pytest.importorskip("xarray")
     table = {"theta1": [0.1, 0.2, 0.3]}

@@ -287,7 +287,7 @@ def test_killed_at_any_step_a_result_is_never_of_two_runs(tmp_path: Path) -> Non
 WRITES = re.compile(r"\bopen\([^)]*, \"[wax]b?\"|write_text\(|write_bytes\(|savefig\(|\.save\(")
 # Into folders of pkgen's own, which nobody sees before they are whole, or beside, under a name of
 # its own until it is whole.
-OWN = {"__main__.py", "cli/chart.py", "cli/run.py", "cli/stability.py", "run/build.py"}
+OWN = {"__main__.py", "cli/pictures.py", "cli/run.py", "run/build.py"}
 OWN |= {"run/simulate.py", "run/runtime.py", "system/cache.py", "system/files.py"}
 OWN |= {"plot/style.py"}  # of pictures
 OWN |= {"back/wasm/build.py", "back/library.py"}

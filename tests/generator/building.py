@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from fractions import Fraction
 
+from pkgen.middle.reduce.reduction import Needs
 from pkgen.model import (
     Bounds,
     Coordinate,
@@ -21,6 +22,8 @@ from pkgen.model import (
     Size,
     Start,
 )
+from pkgen.plan import Use
+from pkgen.record import record
 from pkgen.source import Source, Span
 from pkgen.tree import (
     Add,
@@ -182,3 +185,13 @@ def links(count: int, own: bool = False) -> Model:
         potential=f"S('k', 1, N, {m}*g*y[k])",
         name="links",
     )
+
+
+@record(kw_only=True)
+class Needing(Use):
+    """The whole model, of which these columns alone are needed."""
+
+    columns: frozenset[str]
+
+    def needs(self, used: Model) -> Needs:
+        return Needs(self.columns)

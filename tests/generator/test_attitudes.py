@@ -12,14 +12,14 @@ import random
 import numpy
 import pytest
 import sympy as sp
+from building import Needing
 from c_harness import COMPILERS, Loaded
 
 from conftest import case
 from pkgen.back.c.lower import lower
-from pkgen.compiler import Use, compile_model
+from pkgen.compiler import compile_model
 from pkgen.middle.analyze.analyze import analyze
 from pkgen.middle.derive.states import as_rates
-from pkgen.middle.reduce.reduction import Needs
 from pkgen.source import Source
 
 # A body that hangs off its centre on a moving support, with a potential of its attitude, a torque
@@ -268,7 +268,7 @@ def test_the_reference_of_states_is_not_needed():
 def test_a_state_in_the_energy_is_seen_where_the_attitude_is_gone():
     """The first of the states is a quaternion's number only while there is one."""
     text = case("leaking")
-    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset({"x", "omega(R).x"})))
+    use = Needing(columns=frozenset({"x", "omega(R).x"}))
     made = compile_model(Source("model.lag", text), use=use)
     assert made.equations.attitudes and not made.equations.quaternions
     assert not made.structure.conservative
@@ -287,6 +287,6 @@ PAIR = case("attitudes_pair")
     ],
 )
 def test_the_quaternions_that_are_left(more, columns, left):
-    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset(columns)))
+    use = Needing(columns=frozenset(columns))
     made = compile_model(Source("model.lag", PAIR + more), use=use)
     assert made.equations.quaternions == left

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 import sympy as sp
+from building import Needing
 from c_harness import STRICT, run
 
 import pkgen
 from conftest import case, seeds
-from pkgen.compiler import Use, compile_model
+from pkgen.compiler import compile_model
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
-from pkgen.middle.reduce.reduction import Needs
 from pkgen.source import ModelError, Source
 
 # M, V, D and a force depend on the states, their rates on momenta, the energy, t and each other.
@@ -151,15 +151,15 @@ def test_states_that_nothing_reads_are_left_out_of_newtons_equations(seed, tmp_p
 
 def test_what_nothing_recorded_needs_is_left_out() -> None:
     """The action goes; with it alone recorded the Maxwell element stays, for it moves q."""
-    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset({"s"})))
+    use = Needing(columns=frozenset({"s"}))
     c = compiled(MAXWELL, use=use)
     assert [q.name for q in c.equations.states] == ["s"] and len(c.equations.coordinates) == 1
     assert "S: nothing recorded depends on it" in map(str, c.report.lines)
-    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset({"S"})))
+    use = Needing(columns=frozenset({"S"}))
     assert [q.name for q in compiled(MAXWELL, use=use).equations.states] == ["s", "S"]
     # A state that only reads its model's coordinate needs it; one that does not does without.
     alone = without(MAXWELL, "force").replace("rate s = q'", "rate s = (0.3 [m/s])")
-    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset({"s"})))
+    use = Needing(columns=frozenset({"s"}))
     c = compiled(alone, use=use)
     assert not c.equations.coordinates and c.program.kernel("energy") is None
 
@@ -167,7 +167,7 @@ def test_what_nothing_recorded_needs_is_left_out() -> None:
 def test_a_cyclic_coordinate_goes_unless_a_rate_has_it() -> None:
     text = "model m\ncoord r, phi\nstate z\nkinetic (r'^2 + r^2*phi'^2)/2\npotential -1/r + z*r\n"
     text += "rate z = {}\nstart r = 1, phi' = 1.1, z = 0.1\n"
-    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset({"r", "z"})))
+    use = Needing(columns=frozenset({"r", "z"}))
     c = compiled(text.format("-z + phi'/9"), use=use)
     assert [q.name for q in c.equations.coordinates] == ["r"]
     c = compiled(text.format("-z + sin(phi)/9"), use=use)

@@ -116,21 +116,16 @@ def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Comp
 def _values(exact: Exact, options: argparse.Namespace, settings) -> tuple[dict, dict, dict]:
     """Returns parameters, coordinates and rates by index, equal to the written decimals."""
     parameters = {k: decimal(x) for k, x in settings.parameters}
-    known, inputs = named.parameters(exact.compilation), named.inputs(exact.compilation)
-    sets = exact.read([assignment("--set", text) for text in options.set if _number(text)])
-    parameters |= dict(exact.assigned("--set", sets, known, inputs))
-    starts, of_parameters = exact.starts(options.start)
+    sets = [assignment("--set", text) for text in options.set if _number(text)]
+    parameters |= exact.assigned(sets)[0]
+    start_q, start_v, of_parameters = exact.starts(options.start)
     _refuse_beyond(exact, {k: float(x) for k, x in parameters.items()})
-    return (
-        parameters | of_parameters,
-        {s.index: s.value for s in starts if not s.order},
-        {s.index: s.value for s in starts if s.order},
-    )
+    return parameters | of_parameters, start_q, start_v
 
 
 def _refuse_beyond(exact: Exact, values: dict[int, float]) -> None:
     declared = {p.name: p for p in exact.model.parameters}
-    keys = exact.by_key(named.parameters(exact.compilation), values)
+    keys = named.by_key(named.parameters(exact.compilation), values)
     for (name, index), x in keys.items():
         item = declared.get(name)
         if item and not within_bounds(exact.model, item, index, x, keys):

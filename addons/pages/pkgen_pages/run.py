@@ -158,7 +158,7 @@ def _pictures(table: Table | None, view: View) -> Iterable[str]:
     yield page.heading("Pictures")
     for name, kind in (*asked, *PICTURES):
         try:
-            made = compose.picture(kind, [table]) if kind.kind else compose.suggested(table)
+            made = compose.picture(kind if kind.kind else View("varying"), [table])
         except UsageError:
             continue
         svg = encoded(made, "svg", dpi=DPI).decode()

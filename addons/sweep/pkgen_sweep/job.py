@@ -204,8 +204,6 @@ def _make(
             settings, every=run_rows.interval(settings.until, settings.step, numbers)
         )
     keeping, settings = kept(plan, compilation, settings, prepared.scene)
-    methods = settings.compiled_for or (settings.method, *(x.method for x in settings.parts))
-    parts = [(part.name, tuple(part.coordinates)) for part in compilation.parts]
     own: tuple[Own, ...] = compilation.model.methods
     model = compilation.model
     made_of = (__version__, plan.source.text, model.source.sha256, repr(own), options.size)
@@ -213,8 +211,8 @@ def _make(
         name=model.name,
         digest=hashlib.sha256(json.dumps(made_of).encode()).hexdigest(),
         files=compilation.files,
-        methods=methods,
-        build={"ensemble": True, "parts": parts, "own": own},
+        methods=settings.methods,
+        build={"ensemble": True, "parts": compilation.blocks, "own": own},
         settings=settings,
         starts=found["starts"],
         kept=keeping,

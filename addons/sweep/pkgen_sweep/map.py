@@ -34,7 +34,7 @@ MOST = 800  # Most pixels along an axis.
 # If members are drawn at random, pixels are so large that about this many members are in each.
 PER_PIXEL = 8
 FAILED = "failed"
-GOOD = STATUSES[:2]  # the two successful statuses; failures have negative codes
+GOOD = {name for code, name in STATUSES.items() if code >= 0}
 
 
 @record(eq=False)

@@ -109,8 +109,9 @@ class _Writer:
 
     def _array(self, field: pyarrow.Field, x: np.ndarray) -> pyarrow.Array:
         if self.pa.types.is_dictionary(field.type):
-            statuses = self.pa.array(STATUSES)
-            return self.pa.DictionaryArray.from_arrays(1 - x.astype(np.int8), statuses)
+            codes = sorted(STATUSES, reverse=True)
+            names = self.pa.array([STATUSES[code] for code in codes])
+            return self.pa.DictionaryArray.from_arrays(codes[0] - x.astype(np.int8), names)
         if self.pa.types.is_integer(field.type):
             return self.pa.array(x.astype(np.int64))
         return self.pa.array(x, mask=np.isnan(x))
@@ -154,7 +155,7 @@ def _failed(members: np.ndarray, begin: int, failures: dict[str, dict]) -> None:
     ended = members[:, 0]
     for code in np.unique(ended[ended < 0]):
         which = np.flatnonzero(ended == code)
-        name = STATUSES[1 - int(code)]
+        name = STATUSES[int(code)]
         one = {"status": name, "count": len(which), "member": begin + 1 + int(which[0])}
         added(failures, [{**one, "t": float(members[which[0], 1]), "reason": ""}])
 

@@ -167,7 +167,7 @@ class Cut:
         found = {}
         for k in range(first, first + count):
             if self.status[k] < 0:
-                name = parts.STATUSES[1 - self.status[k]]
+                name = parts.STATUSES[self.status[k]]
                 one = {"status": name, "count": 0, "member": k + 1 + self.before}
                 one = {**one, "t": self.members[k, 1], "reason": f"why {k}"}
                 found.setdefault(name, one)["count"] += 1
@@ -199,7 +199,7 @@ def test_parts_are_cut_by_members(monkeypatch, tmp_path: Path, seed: int) -> Non
     found = pq.read_table(tmp_path / "data").to_pydict()
     assert found["member"] == list(range(of.before + 1, of.before + of.n + 1))
     assert found["x(0)"] == of.job.starts.values(0, of.n)[:, 0].tolist()
-    assert found["status"] == [parts.STATUSES[1 - code] for code in of.status]
+    assert found["status"] == [parts.STATUSES[code] for code in of.status]
     assert found["t"] == of.members[:, 1].tolist()
     assert found["y"] == [None if math.isnan(y) else y for y in of.members[:, 2]]
     rows = pq.read_table(tmp_path / "rows").to_pydict()

@@ -30,9 +30,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
     shared.of_a_motion(parser)
     shared.own_methods(parser)
-    parser.add_argument("-o", dest="page", metavar="FILE.html", help="default: NAME.html, here")
-    shared.of_a_map(parser)
-    parser.add_argument("--member", type=int, metavar="N", help="the motion of one of a sweep's")
+    add = parser.add_argument
+    add("-o", dest="page", metavar="FILE.html", help="default: NAME.html, here")
+    add("--map", metavar="a,b", help="the axes of a sweep's map (default: the first two)")
+    add("--columns", metavar="NAME", help="what is kept that it shows (default: the first)")
+    add("--member", type=int, metavar="N", help="the motion of one of a sweep's")
 
 
 def run(options: argparse.Namespace) -> int:

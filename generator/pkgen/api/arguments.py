@@ -9,15 +9,14 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy
 
 from ..defaults import ITERATIONS, OPTIONS
 from ..source import ModelError
 from ..system.exits import BuildError, NumericsFailed, UsageError
 from .errors import ArrayError
-
-if TYPE_CHECKING:
-    import numpy
 
 Value = str | float  # a text such as "2 [kg]", or a number in SI units
 Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
@@ -119,8 +118,6 @@ def text(value: Value) -> str:
 
 def arrays(**given: object) -> list[numpy.ndarray]:
     """Returns the arguments as arrays of floats. Raises ArrayError."""
-    import numpy
-
     made = []
     for name, x in given.items():
         try:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from ctypes import POINTER, c_double
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy
 
 from ..methods import known
 from ..record import record
@@ -13,9 +15,6 @@ from ..run.library import COMPUTE
 from ..system.exits import UsageError
 from . import arguments
 from .prepare import Prepared
-
-if TYPE_CHECKING:
-    import numpy
 
 Function = Callable[[float, Any, Any], float]
 Table = tuple[Any, ...]
@@ -58,8 +57,6 @@ class Computed:
     def settings(self, prepared: Prepared, errors: list[BaseException]) -> dict[str, Any]:
         """Returns members of pk_run_settings for inputs. Exceptions in functions are appended to
         `errors`. Raises UsageError."""
-        import numpy
-
         compilation, settings = prepared.compilation, prepared.settings
         index = {name: i for i, name in enumerate(named.inputs(compilation).names())}
         for name in self.given.keys() - index.keys():
@@ -106,8 +103,6 @@ class Computed:
 
     def _law(self, name: str, until: float) -> Law:
         """Returns the input `name` as a Law. Raises UsageError."""
-        import numpy
-
         x = self.given[name]
         if callable(x):
             every = self.hold or self.linear
@@ -136,8 +131,6 @@ class Computed:
 
 
 def _joined(t: numpy.ndarray, values: numpy.ndarray) -> Law:
-    import numpy
-
     return Law(lambda at, _q, _v: numpy.interp(at, t, values), t)
 
 

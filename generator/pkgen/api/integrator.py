@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy
+
 from ..run import named
 from ..run.header import STATUSES
 from ..run.library import Run
@@ -21,8 +23,6 @@ class Integrator:
     model has stopped the motion."""
 
     def __init__(self, prepared: Prepared, run: Run):
-        import numpy
-
         compilation, self._run = prepared.compilation, run
         n = named.coordinates(compilation).count
         m = named.coordinates(compilation, rates=True).count
@@ -53,5 +53,5 @@ class Integrator:
 
     def _told(self, status: int) -> None:
         if status < 0:
-            raise RunError(self._run.said().strip(), STATUSES[1 - status], self.t, None)
+            raise RunError(self._run.said().strip(), STATUSES[status], self.t, None)
         self.stopped = True

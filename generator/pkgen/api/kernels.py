@@ -9,6 +9,8 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy
+
 from ..compiler import Compilation
 from ..run import named
 from ..run.library import Run, load
@@ -52,8 +54,6 @@ class Kernels:
 
     def _inputs(self, u: U) -> NDArray[Any]:
         """Returns the inputs as an array of shape (..., inputs). Inputs that u lacks are 0."""
-        import numpy
-
         names = self.inputs
         if not isinstance(u, Mapping):
             (given,) = arguments.arrays(u=u)
@@ -66,8 +66,6 @@ class Kernels:
         return numpy.stack(numpy.broadcast_arrays(*columns), -1)
 
     def _kernel(self, what: str, q: ArrayLike, v: ArrayLike, t: ArrayLike, u: U) -> NDArray[Any]:
-        import numpy
-
         n, m = len(self.coordinates), len(self.rates)
         places, rates, times = arguments.arrays(q=q, v=v, t=t)
         if places.shape[-1:] != (n,) or rates.shape[-1:] != (m,):
@@ -124,16 +122,12 @@ class Kernels:
     @property
     def start(self) -> NDArray[Any]:
         """The initial coordinates, then the initial rates: the initial y for `rhs`."""
-        import numpy
-
         given = self._handle.given()
         return numpy.array([*given["q"], *given["v"]])
 
     def rhs(self, t: float, y: ArrayLike) -> NDArray[Any]:
         """The time derivative of y = (q, v), for solvers such as `solve_ivp(m.rhs, ...)`. y has
         the shape (n,), or (n, count) for `vectorized=True`."""
-        import numpy
-
         state, times = arguments.arrays(y=y, t=t)
         n, m = len(self.coordinates), len(self.rates)
         if state.shape[:1] != (n + m,) or state.ndim > 2 or times.ndim:

@@ -10,6 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy
+
 from ..compiler import Compilation, compile_model
 from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.read import allowing, read
@@ -245,30 +247,19 @@ class Model(Kernels):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickles path, scene, sizes and parameters. Unpickling reads the model's file again."""
-        given = self.path, self.scene, self._sizes, self._allowed, dict(self.params._set)
-        return _again, given
+        given = self.path, self.scene, self._sizes, self._allowed
+        return Model, given, dict(self.params._set)
+
+    def __setstate__(self, values: Mapping[str, float]) -> None:
+        self.params.update(values)
 
     def __repr__(self) -> str:
         scene = f", scene {self.scene}" if self.scene else ""
         return f"<pkgen model {self.name}: {', '.join(self.coordinates)}{scene}>"
 
 
-def _again(
-    path: str,
-    scene: str | None,
-    sizes: Mapping[str, int],
-    allowed: Sequence[str],
-    values: Mapping[str, float],
-) -> Model:
-    made = Model(path, scene, sizes, allowed)
-    made.params.update(values)
-    return made
-
-
 def _members(compilation: Compilation, table: Any) -> Ensemble:
     """Returns an ensemble from a table in memory with named columns. Raises UsageError."""
-    import numpy
-
     from ..run import members_file
 
     structured = isinstance(table, numpy.ndarray)

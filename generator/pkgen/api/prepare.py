@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ..compiler import Compilation
@@ -76,24 +77,20 @@ def prepare(
     if chosen is not None:
         scene_check.refuse(options, compilation, chosen)
     threads = parsing.threads(options, several)
-    of_swarm = chosen if swarm else None
-    if of_swarm is not None:
-        scene_run.refuse_swarm(options, compilation.declared, of_swarm)
-    ensemble = None
-    if options.ensemble is not None:
-        if table:
-            ensemble = table(compilation)
-        else:
-            from ..run import members_file  # imports NumPy
+    ensemble, count = None, None
+    if chosen is not None and swarm:
+        scene_run.refuse_swarm(options, compilation.declared, chosen)
+        count = scene_run.count(compilation.declared, chosen)
+    elif options.ensemble is not None:
+        from ..run import members_file  # imports NumPy
 
-            ensemble = members_file.read(options.ensemble, compilation)
-    count = scene_run.count(compilation.declared, of_swarm) if of_swarm is not None else None
-    settings = parsing.settings(
-        options, compilation, len(ensemble.lines) if ensemble else count, chosen
-    )
-    if of_swarm is not None:
-        ensemble = scene_run.members(options, compilation, of_swarm, settings)
+        read = table or partial(members_file.read, options.ensemble)
+        ensemble = read(compilation)
+        count = len(ensemble.lines)
+    settings = parsing.settings(options, compilation, count, chosen)
     if chosen is not None:
+        if swarm:
+            ensemble = scene_run.members(options, compilation, chosen, settings)
         expected = scene_run.watched(compilation, chosen, settings, several)
         settings = replace(settings, watched=expected)
     if several:

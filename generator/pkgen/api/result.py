@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy
+
 from ..equations import Quantity
 from ..system.exits import UsageError
 
 if TYPE_CHECKING:
-    import numpy
     import pandas
     import xarray
     from matplotlib.figure import Figure
@@ -98,8 +99,6 @@ class Result:
 
     def by_member(self, name: str) -> numpy.ndarray:
         """A column, of shape (members, rows of a member); NaN after the end of a member."""
-        import numpy
-
         members, counts = numpy.unique(self.member, return_counts=True)
         found = numpy.full((len(members), counts.max(initial=0)), numpy.nan)
         for k, member in enumerate(members):
@@ -117,7 +116,6 @@ class Result:
     def to_xarray(self) -> xarray.Dataset:
         """The columns as variables of dimension `t`, with units. The dimensions of an ensemble are
         `member` and `t`, or `member` and `row` if members differ in times. Needs xarray."""
-        import numpy
         import xarray
 
         of = {n: ("t", self[n], {"units": self.units[n]}) for n in self}

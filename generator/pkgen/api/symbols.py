@@ -47,7 +47,7 @@ class Typeset:
 
 def symbolic(compilation: Compilation) -> Symbolic:
     """Returns the equations as SymPy objects. Raises UsageError for a model with constraints or
-    rotations, or without coordinates."""
+    rotations, without coordinates, or with an expression that is too long."""
     import sympy as sp
 
     e = compilation.equations
@@ -59,7 +59,13 @@ def symbolic(compilation: Compilation) -> Symbolic:
         )
 
     def made(nodes: Iterable[Node]) -> list[sp.Expr]:
-        return [expression(e, node, _LONGEST) for node in nodes]
+        found = [expression(e, node, _LONGEST) for node in nodes]
+        if size := max((x for x in found if isinstance(x, int)), default=0):
+            raise UsageError(
+                f"{compilation.model.name}: an expression has {size:,} operations, and SymPy gets "
+                f"{_LONGEST:,} at most: pkgen explain shows what is shorter"
+            )
+        return found
 
     def numbered(kind: str) -> list[Node]:
         return [e.graph.symbol(Symbol(kind, i)) for i in range(e.own)]

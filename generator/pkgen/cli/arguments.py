@@ -92,13 +92,6 @@ def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
     add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
 
 
-def of_a_map(parser: argparse.ArgumentParser) -> None:
-    """Adds options that draw a result of a parameter sweep over two of the parameters."""
-    add = parser.add_argument
-    add("--map", metavar="a,b", help="the axes of a sweep's map (default: the first two)")
-    add("--columns", metavar="NAME", help="what is kept that it shows (default: the first)")
-
-
 def of_a_look(parser: argparse.ArgumentParser) -> None:
     """Adds options for the width, format and colours of pictures."""
     add = parser.add_argument

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import sys
 import time
 from pathlib import Path
 
 from ..analysis.chart import chart as charts
 from ..analysis.chart import table
+from ..analysis.chart.answer import Answer
 from ..analysis.chart.chart import Chart
 from ..analysis.chart.errors import KINDS
 from ..analysis.chart.points import ChartedMethod
@@ -26,11 +25,11 @@ from ..scenes import scene
 from ..scenes.compile_plan import whole
 from ..system import children
 from ..system.exits import DONE, INTERRUPTED, NumericsFailed, UsageError
-from ..system.files import moved, scratch
-from ..system.progress import progress, say, took, unseen
+from ..system.files import scratch
+from ..system.progress import progress, say, unseen
 from . import arguments as shared
 from .compilation import compile_within_limits
-from .pictures import look_of, page_of
+from .pictures import look_of, page_of, show_result, with_texts
 
 STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
@@ -84,8 +83,7 @@ def run(options: argparse.Namespace) -> int:
     stops = [event.name for event in compilation.model.events if event.stop]
     if stops:
         shown = ", ".join(stops[:3]) + f" and {len(stops) - 3} more" * (len(stops) > 3)
-        note = f"event {shown} would stop a run; a chart goes on until {settings.until:g}"
-        print(f"pkgen: {note}", file=sys.stderr)
+        say(f"event {shown} would stop a run; a chart goes on until {settings.until:g}")
     if options.long:
         return _long(options, compilation, settings, chosen, look, directory, began)
     with progress(compilation.model.name) as show:
@@ -104,11 +102,9 @@ def run(options: argparse.Namespace) -> int:
             raise KeyboardInterrupt
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
     files = _write(directory, chart, options, look)
-    if options.json:
-        print(json.dumps(_record(chart, files), indent=1))
-    else:
-        print(report(chart, options.model, _given(options)), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
+    show_result(
+        options, _record(chart), report(chart, options.model, _given(options)), files, began
+    )
     if chart.interrupted:
         say(interrupted(chart))
     return INTERRUPTED if chart.interrupted else DONE
@@ -131,14 +127,8 @@ def _long(
     with scratch() as folder:
         stem = folder / f"{found.model}_long"
         files = long_report.write(found, stem, look)
-        stem.with_suffix(".csv").write_text(long_report.as_csv(found), encoding="utf-8")
-        files = moved([*files, stem.with_suffix(".csv")], directory)
-    if options.json:
-        told = {**long_report.record(found), "files": [str(file) for file in files]}
-        print(json.dumps(told, indent=1))
-    else:
-        print(long_report.text(found), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
+        files = with_texts(files, directory, stem, {".csv": long_report.as_csv(found)})
+    show_result(options, long_report.record(found), long_report.text(found), files, began)
     if children.ended():
         say("interrupted: drifts are of the methods measured until then")
     return INTERRUPTED if children.ended() else DONE
@@ -182,11 +172,8 @@ def _effort(options: argparse.Namespace) -> Effort:
 def _given(options: argparse.Namespace) -> list[str]:
     """Returns the options by which `pkgen run` repeats a run of the chart."""
     words = [("--scene", options.scene)] if options.scene else []
-    words += [("--set", text) for text in options.set]
-    words += [("--start", text) for text in options.start]
-    words += [("--tableau", path) for path in options.tableau]
-    words += [("--composition", text) for text in options.composition]
-    words += [("--size", text) for text in options.size]
+    for name in ("set", "start", "tableau", "composition", "size"):
+        words += [(f"--{name}", text) for text in getattr(options, name)]
     return [word for pair in words for word in pair]
 
 
@@ -203,13 +190,15 @@ def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Loo
         if html:
             text = report(chart, options.model, _given(options))
             contents[".html"] = html(chart, text, [f for f in files if f.suffix == ".svg"])
-        for suffix, content in contents.items():
-            stem.with_suffix(suffix).write_text(content, encoding="utf-8")
-            files.append(stem.with_suffix(suffix))
-        return moved(files, directory)
+        return with_texts(files, directory, stem, contents)
 
 
-def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
+def _answer(a: Answer) -> dict[str, object]:
+    point = table.record(a.method, a.point) if a.method and a.point else {"method": None}
+    return {"accuracy": a.accuracy, "reason": a.reason, **point}
+
+
+def _record(chart: Chart) -> dict[str, object]:
     """Returns the chart as data for JSON."""
     reference = chart.reference
     return {
@@ -230,23 +219,10 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
             if (limit := chart.spectrum.limit(track.method)) is not None
         },
         "answers": [
-            {
-                "accuracy": a.accuracy,
-                "cheapest_in": a.axis,
-                "reason": a.reason,
-                "unmeasured": a.unmeasured,
-                **(table.record(a.method, a.point) if a.method and a.point else {"method": None}),
-            }
-            for a in chart.answers
+            {"cheapest_in": a.axis, "unmeasured": a.unmeasured, **_answer(a)} for a in chart.answers
         ],
         "against": [
-            {
-                "package": b.version,
-                "accuracy": a.accuracy,
-                "reason": a.reason,
-                "times": chart.times(a),
-            }
-            | (table.record(a.method, a.point) if a.method and a.point else {"method": None})
+            {"package": b.version, "times": chart.times(a), **_answer(a)}
             for b in chart.beside
             for a in b.answers
         ],
@@ -254,5 +230,4 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
         "interrupted": chart.interrupted,
         "unmeasured": chart.unmeasured,
         "points": table.rows(chart.tracks),
-        "files": [str(file) for file in files],
     }

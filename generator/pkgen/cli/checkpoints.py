@@ -140,9 +140,8 @@ def note(path: Path) -> dict[str, object]:
         folder = Path(found["folder"])
     except (ValueError, KeyError, TypeError):
         raise UsageError(f"{path}: it is of a program that pkgen has built: run that") from None
-    if not (isinstance(words, list) and all(isinstance(word, str) for word in words)):
-        raise UsageError(f"{path}: it says nothing that pkgen run understands")
+    good = isinstance(words, list) and all(isinstance(word, str) for word in words)
     of_choice = chosen.get("said") if isinstance(chosen, dict) else None
-    if chosen is not None and not (isinstance(of_choice, list) and of_choice):
+    if not good or (chosen is not None and not (isinstance(of_choice, list) and of_choice)):
         raise UsageError(f"{path}: it says nothing that pkgen run understands")
     return {"words": words, "built": built, "folder": folder, "chosen": chosen}

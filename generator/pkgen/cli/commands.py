@@ -57,10 +57,6 @@ class Command:
     group: str
 
     @property
-    def takes_model(self) -> bool:
-        return self.form.split()[:1] == ["MODEL.lag"]
-
-    @property
     def module(self) -> ModuleType:
         """The module of the command, imported on demand."""
         if self.name in OWN:
@@ -153,7 +149,7 @@ def parser_of(name: str, whole: bool = True) -> Parser:
         formatter_class=_Help,
         allow_abbrev=False,
     )
-    if command.takes_model:
+    if command.form.split()[:1] == ["MODEL.lag"]:
         from .arguments import of_a_model
 
         parser.add_argument("model", metavar="MODEL.lag", help="- is the standard input")

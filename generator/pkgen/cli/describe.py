@@ -51,9 +51,7 @@ def _lines(found: dict) -> list[str]:
     lines += [f"{'':13} not {m['name']}: {m['why']}" for m in found["methods"] if not m["applies"]]
     kinds = [shape["kind"] for shape in found["drawing"]["shapes"]]
     counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    lines.append(f"{'drawing:':13} {counted} in {_view(found['drawing']['view'])}")
+    view = found["drawing"]["view"]
+    where = "space" if view["kind"] == "space" else f"the plane {''.join(view['axes'])}"
+    lines.append(f"{'drawing:':13} {counted} in {where}")
     return lines
-
-
-def _view(view: dict) -> str:
-    return "space" if view["kind"] == "space" else f"the plane {''.join(view['axes'])}"

@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 
 from ..front.read import read
-from ..methods import Own
 from ..own.given import given
 from ..own.made import facts, fit
 from ..own.tableau import read_tableau
@@ -52,8 +51,6 @@ def _own(options: argparse.Namespace) -> list[dict[str, object]]:
         else:
             found.append({"name": fit(Path(path).stem), "facts": facts(tableau), "runs": False})
     own = given(argparse.Namespace(tableau=run, composition=options.composition))
-    return [*found, *map(_told, own, own_methods(own))]
-
-
-def _told(own: Own, described: dict[str, object]) -> dict[str, object]:
-    return {**described, "facts": dict(own.facts), "runs": True}
+    for one, described in zip(own, own_methods(own), strict=True):
+        found.append({**described, "facts": dict(one.facts), "runs": True})
+    return found

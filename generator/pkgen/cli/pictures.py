@@ -19,13 +19,13 @@ from ..run import named
 from ..scenes.run_settings import unknown
 from ..system import addons
 from ..system.exits import UsageError
-from ..system.files import place
+from ..system.files import moved, place, replace
 from ..system.near import near
-from ..system.progress import say
+from ..system.progress import say, took
 from .messages import needs
 
 if TYPE_CHECKING:
-    from ..plot.table import Table
+    from ..plot.picture import Picture
 
 MILLIMETRES = 25.4
 WIDTHS = (40.0, 1000.0)  # smallest and largest --width in mm
@@ -104,6 +104,28 @@ def page_of(command: str) -> Callable[..., str] | None:
     return addons.load("pages", command).html
 
 
+def with_texts(files: list[Path], directory: Path, stem: Path, texts: dict[str, str]) -> list[Path]:
+    """Writes texts beside pictures in a scratch folder, by suffix, and copies all files to a
+    directory; returns their new paths."""
+    for suffix, content in texts.items():
+        stem.with_suffix(suffix).write_text(content, encoding="utf-8")
+    return moved([*files, *map(stem.with_suffix, texts)], directory)
+
+
+def show_result(
+    options: argparse.Namespace,
+    record: dict[str, object],
+    text: str,
+    files: list[Path],
+    began: float,
+) -> None:
+    """Prints the result of a chart or a map as text, or as JSON, with the written files."""
+    if options.json:
+        print(json.dumps({**record, "files": [str(file) for file in files]}, indent=1))
+    else:
+        print(f"{text}\nwritten: {', '.join(map(str, files))}; {took(began)}")
+
+
 def recorded(
     options: argparse.Namespace, view: View, prepared: Callable[[argparse.Namespace], Prepared]
 ) -> Prepared:
@@ -114,7 +136,9 @@ def recorded(
     missing = [name for name in view.columns if not _has(names, name)]
     rows = names[1 + (made.ensemble is not None) :]
     if view.kind == "drift" and not view.names and options.scene is None:
-        more = [n for n in _constants(made) if not _has(names, n)]
+        of = made.compilation
+        constants = [] if of.looped else [n for n, _ in found(of.equations, of.structure)]
+        more = [n for n in constants if not _has(names, n)]
         with suppress(UsageError):  # Not every constant can be a column.
             return _with(options, [*rows, *more], prepared) if more else made
     if not missing:
@@ -137,10 +161,10 @@ def _has(names: list[str], name: str) -> bool:
 
 def _members(made: Prepared, name: str) -> list[str]:
     """Returns the names of all members if `name` is a family of quantities, else [name]."""
-    primes = name.count("'")
+    stem, primes = name.rstrip("'"), "'" * name.count("'")
     for item in named.declared(made.compilation).declared:
-        if item.lo is not None and item.quantity.name == name.rstrip("'"):
-            return [item.member(k).name + "'" * primes for k in range(item.lo, item.hi + 1)]
+        if item.lo is not None and item.quantity.name == stem:
+            return [quantity.name + primes for quantity in item.members()]
     return [name]
 
 
@@ -150,26 +174,11 @@ def _with(
     return prepared(argparse.Namespace(**{**vars(options), "record": ",".join(rows)}))
 
 
-def _constants(made: Prepared) -> list[str]:
-    compilation = made.compilation
-    if compilation.looped:
-        return []
-    return [name for name, _ in found(compilation.equations, compilation.structure)]
+def write(made: Picture, file: Path | None, width: float | None) -> None:
+    """Prints messages about a picture, and writes it to a file, if there is one."""
+    for note in made.notes:
+        say(note)
+    if file is not None:
+        from ..plot.draw import encoded
 
-
-def rows_of(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """Returns the rows of a run as a table, or None if it has less than two rows."""
-    from ..plot.table import rows
-
-    return rows(path, label, json.loads(json.dumps(told)))
-
-
-def draw(what: Wanted, tables: list[Table], file: Path) -> list[str]:
-    """Draws the tables, writes the picture to `file`, and returns messages about it."""
-    from ..plot import compose
-    from ..plot.draw import encoded
-    from ..system.files import replace as write
-
-    made = compose.picture(what.view, tables)
-    write({file: encoded(made, file.suffix[1:], what.width)})
-    return list(made.notes)
+        replace({file: encoded(made, file.suffix[1:] or "svg", width)})

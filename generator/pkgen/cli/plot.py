@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +15,7 @@ from ..run.rows import interval
 from ..system import addons
 from ..system.exits import DONE, UsageError
 from ..system.files import PARTIAL, ROWS, STANDARD, scratch
+from ..system.progress import say
 from . import arguments as shared
 from . import pictures
 from .messages import needs, refuse_both
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
         tables += [] if table is None else [table]
         codes.append(code)
     if not tables:
-        print("pkgen: no rows to draw", file=sys.stderr)
+        say("no rows to draw")
         return max(codes)
     from ..plot import compose
 
@@ -179,13 +179,7 @@ def _closer(what: Prepared, outcome: Outcome, table: Table | None) -> float | No
 def _show(
     options: argparse.Namespace, made: Picture, file: Path | None, width: float | None
 ) -> None:
-    for note in made.notes:
-        print(f"pkgen: {note}", file=sys.stderr)
-    if file is not None:
-        from ..plot.draw import encoded
-        from ..system import files
-
-        files.replace({file: encoded(made, file.suffix[1:] or "svg", width)})
+    pictures.write(made, file, width)
     if options.json:
         print(json.dumps(_record(made, file), indent=1))
     elif file is None:

@@ -23,7 +23,7 @@ from ..scenes import run_settings as parsing
 from ..system import addons, children
 from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
-from ..system.progress import progress
+from ..system.progress import progress, say
 from . import arguments as shared
 from . import checkpoints, pictures
 from .compilation import compile_within_limits
@@ -60,35 +60,35 @@ def run(options: argparse.Namespace) -> int:
     what = prepared(options, wanted.view if wanted else None)
     more = checkpoints.settings(options, what)
     alone = output is None and not options.json and wanted is None
-    if alone and not more and options.output is None and sys.stdout.isatty():
-        with scratch() as folder:
-            outcome, left = to_scratch(what, folder / "rows.csv"), None
-            print(_some_rows(folder / "rows.csv"))
-    elif alone:
-        sys.stdout.flush()
-        outcome, left = _simulate(what, sys.stdout.fileno(), **more), None
-        _finishing(outcome)
-    elif output is None:
-        with scratch() as folder:
-            outcome = to_scratch(what, folder / "rows.csv")
-            if options.json:
-                print(json.dumps(_result(what, outcome, folder / "rows.csv"), indent=1))
-            elif options.output == "-":
-                with open(folder / "rows.csv", "rb") as file:
-                    shutil.copyfileobj(file, sys.stdout.buffer)
-            if wanted:
-                _pictures(options, wanted, what, outcome, folder / "rows.csv")
-        left = None
-    else:
-        outcome, left = _to_file(options, what, output, wanted)
+    shown = alone and not more and options.output is None and sys.stdout.isatty()
+    left = None
+    if output is not None:
+        outcome, left = _to_file(options, what, output, wanted is None, more)
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
+    elif alone and not shown:
+        sys.stdout.flush()
+        outcome = _simulate(what, sys.stdout.fileno(), **more)
+        _finishing(outcome)
+    else:
+        with scratch() as folder:
+            path = folder / "rows.csv"
+            outcome = to_scratch(what, path)
+            if shown:
+                print(_some_rows(path))
+            elif options.json:
+                print(json.dumps(_result(what, outcome, path), indent=1))
+            elif options.output == "-":
+                with open(path, "rb") as file:
+                    shutil.copyfileobj(file, sys.stdout.buffer)
+            if wanted:
+                _pictures(options, wanted, what, outcome, path)
     checkpoints.over(options, outcome)
     if outcome.code == DONE and not outcome.whole:  # e.g. in `pkgen run MODEL | head`
         return DONE
     tell(options, what, outcome)
     if left is not None and not options.json:
-        print(f"pkgen: rows as far as they came: {left}", file=sys.stderr)
+        say(f"rows as far as they came: {left}")
     if outcome.code == DONE and not options.diagnose:
         _hint(options, what.compilation.declared)
     return LEFT if outcome.code == LEFT else judge(options, what, outcome)
@@ -116,9 +116,11 @@ def to_scratch(what: Prepared, path: Path) -> Outcome:
 
 def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table | None:
     """Returns the rows of a finished run as a table, or None if it has less than two rows."""
+    from ..plot.table import rows
+
     if not path.exists() or not path.stat().st_size:
         return None
-    return pictures.rows_of(path, label, _describe(what, outcome, path.name))
+    return rows(path, label, json.loads(json.dumps(_describe(what, outcome, path.name))))
 
 
 def _some_rows(path: Path) -> str:
@@ -141,10 +143,11 @@ def _pictures(
     """Writes the files of --plot and --report after a run, even if the run failed."""
     table = table_of(what, outcome, path, what.compilation.model.name)
     if wanted.plot is not None and table is None:
-        print(f"pkgen: {wanted.plot}: not written: there are no rows", file=sys.stderr)
+        say(f"{wanted.plot}: not written: there are no rows")
     elif wanted.plot is not None:
-        for note in pictures.draw(wanted, [table], wanted.plot):
-            print(f"pkgen: {note}", file=sys.stderr)
+        from ..plot import compose
+
+        pictures.write(compose.picture(wanted.view, [table]), wanted.plot, wanted.width)
     if wanted.report is not None:
         from ..system.files import replace
 
@@ -163,19 +166,18 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
 
 
 def _to_file(
-    options: argparse.Namespace, asked: Prepared, output: Path, wanted: Wanted | None
+    options: argparse.Namespace, asked: Prepared, output: Path, alone: bool, more: dict[str, object]
 ) -> tuple[Outcome, Path | None]:
-    """Runs a model with the rows written to `output`. Returns the outcome, and the path of the rows
-    if the run did not finish, else None."""
+    """Runs a model with the rows written to `output`, and the settings `more`. Returns the outcome,
+    and the path of the rows if the run did not finish, else None."""
     left = None
     unfinished = Outcome(INTERRUPTED, {}, "")  # what the JSON file says if pkgen is killed
-    more = checkpoints.settings(options, asked)
     npy = output.suffix == ".npy"
     kept = "begun" if options.resume else "all" if more else ""
     description = _text(_describe(asked, unfinished, output.name))
     with Result(output, description, kept if not npy else kept and "all") as result:
         outcome = _simulate(asked, result.file, npy, **more)
-        if wanted is None:
+        if alone:
             _finishing(outcome)
         description = _describe(asked, outcome, output.name)
         if outcome.whole:
@@ -254,46 +256,42 @@ def _length(report: dict) -> str:
 
 def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
     """Prints messages and a summary of the run."""
-    time = "" if what.compilation.model.dimensionless else "s"
-    if outcome.messages:
-        print(outcome.messages.rstrip("\n"), file=sys.stderr)
-    report = outcome.report
-    if options.json or not _whole(outcome):
-        return
-    if "members" in report:
-        print(
-            f"{report['method']}: {report['done']} members by {report['threads']} threads, "
-            f"{1000 * report['seconds']:.3g} ms with their rows",
-            file=sys.stderr,
-        )
-        for line in diagnostics_text.lines(report.get("diagnostics", {}), time):
-            print(line, file=sys.stderr)
-        return
-    evaluations = report["evaluations"]
-    print(
-        f"{report['method']}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
+    lines = outcome.messages.splitlines()
+    if not options.json and _whole(outcome):
+        report = outcome.report
+        lines += _of_members(report) if "members" in report else _summary(report, options.verbose)
+        time = "" if what.compilation.model.dimensionless else "s"
+        lines += diagnostics_text.lines(report.get("diagnostics", {}), time)
+    for line in lines:
+        print(line, file=sys.stderr)
+
+
+def _of_members(report: dict) -> list[str]:
+    return [
+        f"{report['method']}: {report['done']} members by {report['threads']} threads, "
+        f"{1000 * report['seconds']:.3g} ms with their rows"
+    ]
+
+
+def _summary(report: dict, verbose: bool) -> list[str]:
+    method, evaluations = report["method"], report["evaluations"]
+    lines = [
+        f"{method}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
         f"{report['rejections']} rejected, {evaluations} evaluation{'s' * (evaluations != 1)}, "
-        f"{1000 * report['seconds']:.3g} ms",
-        file=sys.stderr,
-    )
+        f"{1000 * report['seconds']:.3g} ms"
+    ]
     if report["held"] > HELD * report["steps"]:
-        print(
-            f"{report['method']}: its iteration, not its error, kept {report['held']} of "
-            f"{report['steps']} steps short: the model is stiff at this tolerance; --method gauss4 "
-            "(fixed steps, Newton) or dop853 may take less time",
-            file=sys.stderr,
+        lines.append(
+            f"{method}: its iteration, not its error, kept {report['held']} of {report['steps']} "
+            "steps short: the model is stiff at this tolerance; --method gauss4 (fixed steps, "
+            "Newton) or dop853 may take less time"
         )
     far = [event for event in report["events"] if "limit" in event and not event["count"]]
-    for event in report["events"]:
-        if event not in far:
-            print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
-    if far:
-        print(f"limits not met: {len(far)}", file=sys.stderr)
-    drifts = diagnostics_text.drift_lines if options.verbose else diagnostics_text.kept_line
-    said = drifts(report["drifts"])
-    said += diagnostics_text.lines(report.get("diagnostics", {}), time)
-    for line in said:
-        print(line, file=sys.stderr)
+    met = [event for event in report["events"] if event not in far]
+    lines += [f"event {event['name']}: {_crossings(event)}" for event in met]
+    lines += [f"limits not met: {len(far)}"] if far else []
+    drifts = diagnostics_text.drift_lines if verbose else diagnostics_text.kept_line
+    return lines + drifts(report["drifts"])
 
 
 def _whole(outcome: Outcome) -> bool:

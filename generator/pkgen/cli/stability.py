@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from dataclasses import asdict
 from pathlib import Path
@@ -23,12 +22,12 @@ from ..plot.style import Look
 from ..scenes import run_settings as parsing
 from ..scenes.compile_plan import planned, whole
 from ..system.exits import DONE, INTERRUPTED, UsageError
-from ..system.files import moved, scratch
-from ..system.progress import progress, say, took
+from ..system.files import scratch
+from ..system.progress import progress, say
 from ..system.toolchain import BuildError, find_toolchain
 from . import arguments as shared
 from .compilation import compile_within_limits
-from .pictures import look_of, page_of
+from .pictures import look_of, page_of, show_result, with_texts
 
 EXAMPLES = """
 pkgen stability models/elastic_pendulum.lag -o maps
@@ -71,11 +70,7 @@ def run(options: argparse.Namespace) -> int:
     with progress(compilation.model.name) as show:
         made = maps.make(compilation, asked, show)
     files = _write(directory, made, look)
-    if options.json:
-        print(json.dumps(record(made, files), indent=1))
-    else:
-        print(text.report(made), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
+    show_result(options, record(made), text.report(made), files, began)
     if made.interrupted:
         say(made.interrupted)
     return INTERRUPTED if made.interrupted else DONE
@@ -139,10 +134,7 @@ def _write(directory: Path, made: StabilityMap, look: Look) -> list[Path]:
         stem = folder / f"{made.compilation.model.name}_stability"
         files = draw.pictures(made, stem, look)
         contents = {".csv": text.as_csv(made)} | ({".html": html(made, files[0])} if html else {})
-        for suffix, content in contents.items():
-            files.append(stem.with_suffix(suffix))
-            files[-1].write_text(content, encoding="utf-8")
-        return moved(files, directory)
+        return with_texts(files, directory, stem, contents)
 
 
 def orbit(one: Orbit) -> dict[str, object]:
@@ -159,7 +151,7 @@ def cycle(one: Cycle | None) -> dict[str, object] | None:
     return one and {"period": one.period, "driven": one.driven, **orbit(one.orbit)}
 
 
-def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
+def record(made: StabilityMap) -> dict[str, object]:
     """Returns the map as data for JSON."""
     return {
         "model": made.compilation.model.name,
@@ -195,5 +187,4 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
         "interrupted": bool(made.interrupted),
         "remarks": text.remarks(made),
         "points": [{"x": row.x, **asdict(p)} for row in made.rows for p in row.points],
-        "files": [str(file) for file in files],
     }

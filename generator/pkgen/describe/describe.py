@@ -29,6 +29,7 @@ from .scenes import LISTED, described_scene, members_of
 SCHEMA = 1
 
 Given = dict[str, list[float]]  # parameters and initial values, from Run.given()
+Entries = Iterator[dict[str, object]]
 
 
 def described(
@@ -41,7 +42,7 @@ def described(
     """Returns the description of a model. `draw` says that the model was compiled with the outputs
     that drawn() adds. `given` has the parameters and the start, as the compiled library computed
     them."""
-    model = compilation.declared
+    model, of = compilation.declared, _Description(compilation, settings, given)
     return {
         "schema": SCHEMA,
         "pkgen": __version__,
@@ -54,32 +55,28 @@ def described(
         "scene": None if scene is None else scene.name,
         "looped": compilation.looped,
         "run": {
-            "until": settings.until,
-            "every": settings.every,
-            "method": settings.method,
-            "step": settings.step,
-            "rtol": settings.rtol,
+            name: getattr(settings, name) for name in ("until", "every", "method", "step", "rtol")
         },
-        "parameters": list(_parameters(compilation, settings, given)),
+        "parameters": list(of.parameters()),
         "inputs": [
-            {**_named(q, k), "value": dict(settings.inputs).get(k, 0.0)}
-            for k, q in enumerate(_each(named.inputs(compilation)))
+            {**_named(item.quantity, k), "value": dict(settings.inputs).get(k, 0.0)}
+            for k, item in enumerate(named.inputs(compilation).declared)
         ],
-        "coordinates": list(_coordinates(compilation, settings, given)),
-        "states": list(_states(compilation, settings, given)),
-        "rotations": list(_rotations(compilation, settings, given)),
+        "coordinates": list(of.coordinates()),
+        "states": list(of.states()),
+        "rotations": list(of.rotations()),
         "outputs": [
             {**_named(q, k), "hidden": hidden(q.name)}
             for k, q in enumerate(named.observed(compilation))
         ],
-        "whole": _whole(compilation),
-        "switches": _switches(compilation),
+        "whole": of.whole(),
+        "switches": of.switches(),
         "constants": list(constants(compilation)),
-        "events": list(_events(compilation)),
+        "events": list(of.events()),
         "constraints": [
             {"name": c.name, "holonomic": c.holonomic, "unit": c.unit} for c in model.constraints
         ],
-        "methods": list(_methods(compilation, settings)),
+        "methods": list(of.methods()),
         "scenes": [described_scene(compilation, s) for s in model.scenes if not hidden(s.name)],
         "drawing": drawing(compilation) if draw else None,
     }
@@ -99,11 +96,6 @@ def _named(q: Quantity, index: int) -> dict[str, object]:
     return {"name": q.name, "index": index, "unit": q.unit, "description": q.description}
 
 
-def _each(found: named.Named) -> Iterator:
-    for item in found.declared:
-        yield item.quantity
-
-
 def _flat(found: named.Named) -> Iterator[tuple[int, int, int, named.Declared, object]]:
     """Yields the members of all families, and the single names, as (flat index, number of the
     declaration, position in the family, declaration, quantity). Members of families with more than
@@ -115,26 +107,129 @@ def _flat(found: named.Named) -> Iterator[tuple[int, int, int, named.Declared, o
                 yield item.first + position, k, position, item, item.member(index)
 
 
-def _parameters(
-    compilation: Compilation, settings: Settings, given: Given
-) -> Iterator[dict[str, object]]:
-    model = compilation.declared
-    chosen = {*dict(settings.parameters), *((k, j) for k, j, _ in settings.members)}
-    declared = {p.name: p for p in model.parameters}
-    values = Values(model, {})
-    for flat, k, position, item, quantity in _flat(named.parameters(compilation)):
-        place = flat if not compilation.looped else k if item.lo is None else (k, position)
-        name, index = parted(quantity.name)
-        own = declared.get(name)
-        found: dict[str, object] = {
-            **_named(quantity, flat),
-            "value": _number(given["parameters"], flat),
-            **_bounds(values, own, index),
-            "follows": own is not None and own.follows and place not in chosen,
+class _Description:
+    """The parts of a description that depend on the settings and the start."""
+
+    def __init__(self, compilation: Compilation, settings: Settings, given: Given):
+        self.compilation, self.settings, self.given = compilation, settings, given
+        self.declared = compilation.declared
+        self.of_places = named.coordinates(compilation)
+        self.of_rates = named.coordinates(compilation, rates=True)
+        self.follow = _following(compilation.model)
+        self.set_q, self.set_v = dict(settings.start_q), dict(settings.start_v)
+
+    def parameters(self) -> Entries:
+        looped = self.compilation.looped
+        chosen = {
+            *dict(self.settings.parameters),
+            *((k, j) for k, j, _ in self.settings.members),
         }
-        if compilation.looped:
-            found["place"] = [k, position]
-        yield found
+        declared = {p.name: p for p in self.declared.parameters}
+        values = Values(self.declared, {})
+        for flat, k, position, item, quantity in _flat(named.parameters(self.compilation)):
+            place = flat if not looped else k if item.lo is None else (k, position)
+            name, index = parted(quantity.name)
+            own = declared.get(name)
+            found: dict[str, object] = {
+                **_named(quantity, flat),
+                "value": _number(self.given["parameters"], flat),
+                **_bounds(values, own, index),
+                "follows": own is not None and own.follows and place not in chosen,
+            }
+            if looped:
+                found["place"] = [k, position]
+            yield found
+
+    def whole(self) -> bool:
+        """Whether every family is short enough to be listed in full."""
+        every = named.parameters(self.compilation), named.inputs(self.compilation), self.of_places
+        return all(item.count <= LISTED for of in every for item in of.declared)
+
+    def switches(self) -> int:
+        """Returns the number of arguments of step, abs etc. at whose zeros the equations change."""
+        e = self.compilation.equations
+        return switch_count(e) if self.compilation.looped else len(e.switches)
+
+    def coordinates(self) -> Entries:
+        units = {q.name: q.unit for *_, q in _flat(self.of_rates)}
+        declared = {c.name: c for c in self.declared.coordinates}
+        for flat, _, _, item, quantity in _flat(self.of_places):
+            own, rate = declared.get(parted(quantity.name)[0]), f"{quantity.name}'"
+            yield {
+                **_named(quantity, flat),
+                "rate": rate,
+                "rate_unit": units.get(rate, own.rate_unit if own else ""),
+                "momentum": f"p_{quantity.name}",
+                "momentum_unit": own.momentum_unit if own else "",
+                "q": _number(self.given["q"], flat),
+                "v": _number(self.given["v"], flat),
+                "q_follows": flat not in self.set_q and self.follow(quantity.name, 0),
+                "v_follows": flat not in self.set_v and self.follow(quantity.name, 1),
+                "periodic": own is not None and own.unit == "rad",
+                "family": item.quantity.name if item.lo is not None else None,
+            }
+
+    def states(self) -> Entries:
+        """Yields the first-order variables; their indices follow the indices of the rates."""
+        known = named.states(self.compilation)
+        for flat, *_, quantity in _flat(self.of_rates):
+            if quantity.name in known:
+                yield {
+                    **_named(quantity, flat),
+                    "value": _number(self.given["v"], flat),
+                    "follows": flat not in self.set_v and self.follow(quantity.name, 0),
+                }
+
+    def rotations(self) -> Entries:
+        indices = {q.name: k for k, *_, q in _flat(self.of_rates)}
+        for r in single_rotations(self.declared):
+            found = [indices.get(name) for name in r.rates]
+            follows = [self.follow(name, 1) for name in r.turns]
+            yield {
+                "name": r.name,
+                "quaternion": list(r.quaternion),
+                "rates": list(r.rates),
+                "rate_indices": found,
+                "rate_values": [None if k is None else _number(self.given["v"], k) for k in found],
+                "rates_follow": [
+                    f and k not in self.set_v for f, k in zip(follows, found, strict=True)
+                ],
+                "rate_unit": r.rate_unit,
+                "description": r.description,
+            }
+
+    def events(self) -> Entries:
+        declared = {event.name: event for event in self.declared.events}
+        for k, name in enumerate(named.events(self.compilation)):
+            own = declared[name]
+            yield {
+                **_named(Quantity(name, own.unit, own.description), k),
+                "direction": own.direction,
+                "stop": own.stop,
+            }
+
+    def methods(self) -> Entries:
+        """Yields the model's own methods, then those of the runtime and GSL, with the reason why a
+        method does not apply."""
+        own = self.compilation.model.methods
+        all_methods = known(own)
+        made = self.compilation.equations, self.compilation.structure
+        default = default_method(made, self.settings.rtol, exact=False)
+        for item in [*own_methods(own), *runtime_methods()]:
+            name = str(item["name"])
+            why = _why_not(self.compilation, all_methods.get(name), item)
+            yield {
+                "name": name,
+                "order": item["order"] or None,
+                "stages": item["stages"] or None,
+                **{flag: flag in item["flags"] for flag in ("adaptive", "exact", "symplectic")},
+                "own": name in {method.name for method in own},
+                "gsl": name.startswith("gsl_"),
+                "applies": not why,
+                "why": why,
+                "default": name == default,
+                "doc": item["doc"],
+            }
 
 
 def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[str, object]:
@@ -155,45 +250,8 @@ def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[s
     return found
 
 
-def _whole(compilation: Compilation) -> bool:
-    """Whether every family is short enough to be listed in full."""
-    kinds = (named.parameters, named.inputs, named.coordinates)
-    return all(item.count <= LISTED for kind in kinds for item in kind(compilation).declared)
-
-
-def _switches(compilation: Compilation) -> int:
-    """Returns the number of arguments of step, abs etc. at whose zeros the equations change."""
-    e = compilation.equations
-    return switch_count(e) if compilation.looped else len(e.switches)
-
-
 def _number(row: list[float], k: int) -> float | None:
     return row[k] if k < len(row) and math.isfinite(row[k]) else None
-
-
-def _coordinates(
-    compilation: Compilation, settings: Settings, given: Given
-) -> Iterator[dict[str, object]]:
-    rates = [q for *_, q in _flat(named.coordinates(compilation, rates=True))]
-    momenta = {c.name: c for c in compilation.declared.coordinates}
-    follow = _following(compilation.model)
-    set_q, set_v = dict(settings.start_q), dict(settings.start_v)
-    for flat, _, _, item, quantity in _flat(named.coordinates(compilation)):
-        own = momenta.get(parted(quantity.name)[0])
-        rate = next((r for r in rates if r.name == f"{quantity.name}'"), None)
-        yield {
-            **_named(quantity, flat),
-            "rate": f"{quantity.name}'",
-            "rate_unit": rate.unit if rate else (own.rate_unit if own else ""),
-            "momentum": f"p_{quantity.name}",
-            "momentum_unit": own.momentum_unit if own else "",
-            "q": _number(given["q"], flat),
-            "v": _number(given["v"], flat),
-            "q_follows": flat not in set_q and follow(quantity.name, 0),
-            "v_follows": flat not in set_v and follow(quantity.name, 1),
-            "periodic": own is not None and own.unit == "rad",
-            "family": item.quantity.name if item.lo is not None else None,
-        }
 
 
 def _following(model: Model) -> Callable[[str, int], bool]:
@@ -211,84 +269,9 @@ def _following(model: Model) -> Callable[[str, int], bool]:
     return lambda name, order: found.get((*parted(name), order), False)
 
 
-def _states(
-    compilation: Compilation, settings: Settings, given: Given
-) -> Iterator[dict[str, object]]:
-    """Yields the first-order variables; their indices follow the indices of the rates."""
-    known = named.states(compilation)
-    follow, set_v = _following(compilation.model), dict(settings.start_v)
-    for flat, _, _, _, quantity in _flat(named.coordinates(compilation, rates=True)):
-        if quantity.name in known:
-            yield {
-                **_named(quantity, flat),
-                "value": _number(given["v"], flat),
-                "follows": flat not in set_v and follow(quantity.name, 0),
-            }
-
-
-def _rotations(
-    compilation: Compilation, settings: Settings, given: Given
-) -> Iterator[dict[str, object]]:
-    follow, set_v = _following(compilation.model), dict(settings.start_v)
-    indices = {q.name: k for k, *_, q in _flat(named.coordinates(compilation, rates=True))}
-    for r in single_rotations(compilation.declared):
-        found = [indices.get(name) for name in r.rates]
-        follows = [follow(name, 1) for name in r.turns]
-        yield {
-            "name": r.name,
-            "quaternion": list(r.quaternion),
-            "rates": list(r.rates),
-            "rate_indices": found,
-            "rate_values": [None if k is None else _number(given["v"], k) for k in found],
-            "rates_follow": [f and k not in set_v for f, k in zip(follows, found, strict=True)],
-            "rate_unit": r.rate_unit,
-            "description": r.description,
-        }
-
-
-def _events(compilation: Compilation) -> Iterator[dict[str, object]]:
-    declared = {event.name: event for event in compilation.declared.events}
-    for k, name in enumerate(named.events(compilation)):
-        own = declared[name]
-        yield {
-            **_named(Quantity(name, own.unit, own.description), k),
-            "direction": own.direction,
-            "stop": own.stop,
-        }
-
-
-def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str, object]]:
-    """Yields the model's own methods, then those of the runtime and GSL, with the reason why a
-    method does not apply."""
-    own = compilation.model.methods
-    all_methods = known(own)
-    made = compilation.equations, compilation.structure
-    default = default_method(made, settings.rtol, exact=False)
-    for item in [*own_methods(own), *runtime_methods()]:
-        name = str(item["name"])
-        why = _why_not(compilation, all_methods.get(name), item)
-        yield {
-            "name": name,
-            "order": item["order"] or None,
-            "stages": item["stages"] or None,
-            "adaptive": "adaptive" in item["flags"],
-            "exact": "exact" in item["flags"],
-            "symplectic": "symplectic" in item["flags"],
-            "own": name in {method.name for method in own},
-            "gsl": name.startswith("gsl_"),
-            "applies": not why,
-            "why": why,
-            "default": name == default,
-            "doc": item["doc"],
-        }
-
-
 # For a flag of a method: the kernels that the method needs, and that models compiled to loops do
 # not have. The runtime refuses such a method too.
-_NOT_OF_LOOPS = {
-    "holonomic": "M",
-    "jacobians": "Jacobians",
-}
+_NOT_OF_LOOPS = {"holonomic": "M", "jacobians": "Jacobians"}
 
 
 def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str:

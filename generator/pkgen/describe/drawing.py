@@ -49,10 +49,7 @@ def with_drawing(model: Model) -> Model:
 def drawn(use: Use | None) -> Use:
     """Returns the transformation `use` of models, extended so that the transformed model also has
     the outputs of its drawing. None stands for the identity."""
-    if use is None:
-        return Use(lambda model: (model, ()), lambda _: None, declared=with_drawing)
-    before = use.declared
-    return replace(use, declared=lambda model: with_drawing(before(model)))
+    return replace(use or Use(), more_declared=with_drawing)
 
 
 def drawing(compilation: Compilation) -> dict[str, object]:
@@ -93,15 +90,11 @@ def _entries(compilation: Compilation) -> dict[str, Entry]:
 def shown(model: Model) -> tuple[str, ...]:
     """Returns lines of text that describe the drawing."""
     if model.drawings:
-        return tuple(_line(model, item) for item in model.drawings)
+        return tuple(model.source.written(item.span) for item in model.drawings)
     found = [item.name for item in _defaults(model)]
     if found:
         return (f"places that it names, as bobs: {', '.join(found)}",)
     return ("its coordinates over time: it names no place in a plane or in space",)
-
-
-def _line(model: Model, item: Drawing) -> str:
-    return " ".join(model.source.text[item.span.start : item.span.end].split())
 
 
 def _drawings(model: Model) -> tuple[Drawing, ...]:
@@ -114,7 +107,6 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
     known = lengths(model)
     items: list[tuple[Name, tuple]] = []
     vectors: dict[tuple, dict[str, Span]] = {}
-    used: dict[tuple, Definition] = {}
     found: dict[str, Drawing] = {}
     for item in (*model.coordinates, *model.definitions, *model.observed):
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
@@ -127,16 +119,14 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
                 found[stem] = _bob(stem, at, item.span)
             continue
         for index in _members(model, item):
-            if "." in item.name or _is_vector(item):
-                name = (item.name.partition(".")[0], index)
-                vectors.setdefault(name, {})[item.name.partition(".")[2]] = item.span
-                used[name] = item
-                continue
-            at = None if index is None else Number(Fraction(index), item.span)
-            items.append((Name(item.name, at, item.span), tuple(keys(item.name, index))))
+            if part or isinstance(getattr(item, "value", None), Vector):
+                vectors.setdefault((stem, index), {})[part] = item.span
+            else:
+                name = Name(item.name, _place(index, item.span), item.span)
+                items.append((name, tuple(keys(item.name, index))))
     for (name, index), parts in vectors.items():
-        span = used[name, index].span
-        at = None if index is None else Number(Fraction(index), span)
+        *_, span = parts.values()
+        at = _place(index, span)
         whole = Name(name, at, span)
         by_axis = tuple(
             Name(f"{name}.{axis}", at, span) if axis in parts else Component(whole, k, span)
@@ -151,16 +141,16 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
     return tuple(found.values())[: limits.DRAWN]
 
 
+def _place(index: int | None, span: Span) -> Number | None:
+    return None if index is None else Number(Fraction(index), span)
+
+
 def _written(name: Name) -> str:
     return name.id if name.index is None else f"{name.id}[{name.index.value}]"
 
 
 def _bob(name: str, at: tuple[Expr, ...], span: Span) -> Drawing:
     return Drawing("bob", (("at", at),), None, name, "", span)
-
-
-def _is_vector(item: object) -> bool:
-    return isinstance(item, Definition) and isinstance(item.value, Vector)
 
 
 def _members(model: Model, item: object) -> Iterator[int | None]:
@@ -202,15 +192,13 @@ class _Outputs:
         yield from made
 
     def _of_members(self, item: Drawing) -> Iterator[dict[str, tuple[Expr, ...]]]:
-        if item.range is None:
+        if (of := item.range) is None:
             yield dict(item.parts)
             return
-        variable = item.range.variable
-        last = ends(self.model, item.range)[1]
-        for value in self._indices(item.range):
-            index = self._index(item.range, value, last - value)
+        for value in self._indices(of):
+            index = self._index(of, value, ends(self.model, of)[1] - value)
             yield {
-                word: tuple(of_member(x, variable, index) for x in found)
+                word: tuple(of_member(x, of.variable, index) for x in found)
                 for word, found in item.parts
             }
 
@@ -228,19 +216,14 @@ class _Outputs:
         return Add((range.hi, Number(Fraction(behind), range.span)), (1, -1), range.span)
 
     def _shape(self, item: Drawing, parts: dict[str, tuple[Expr, ...]]) -> dict[str, object]:
-        made: dict[str, object] = {"kind": item.shape, **_labels(item)}
+        made = {"kind": item.shape, **_labels(item), **_MORE.get(item.shape, {})}
         for word, found in parts.items():
             entries = [self._entry(x, item.span) for x in found]
             made[word] = entries[0] if len(entries) == 1 and word != "sizes" else entries
         if item.shape == "arrow" and not item.description and self.model.drawings:
             made["says"] = _said(self.model, dict(item.parts)["vector"])
         if item.shape == "body":
-            made.setdefault("turn", None)
             made["form"] = item.form
-        if item.shape == "bob":
-            made.setdefault("radius", None)
-        if item.shape == "circle":
-            made["normal"] = [0.0, 0.0, 1.0]
         if item.shape == "ground":
             made["axis"] = item.axes[0]
         return made
@@ -255,6 +238,12 @@ class _Outputs:
         return self.names[key]
 
 
+# Parts of shapes that statements may leave out.
+_MORE: dict[str, dict[str, object]] = {
+    "body": {"turn": None},
+    "bob": {"radius": None},
+    "circle": {"normal": [0.0, 0.0, 1.0]},
+}
 # Keys of a shape whose values are not outputs.
 _WORDS = ("kind", "name", "label", "form", "axis", "caption", "says", "times", "member")
 
@@ -284,8 +273,7 @@ def _times(model: Model, item: Drawing) -> float | None:
 def _said(model: Model, parts: tuple[Expr, ...]) -> str:
     """Returns the label of an arrow whose statement has no comment: "velocity" if its vector
     consists of rates, otherwise the text of its vector."""
-    whole = parts[0].span.to(parts[-1].span)
-    text = model.source.text[whole.start : whole.end]
+    text = model.source.written(parts[0].span.to(parts[-1].span))
     return "velocity" if re.fullmatch(r"\[\w+'(, (\w+'|0))*\]|\w+'|\[0, \w+', 0\]", text) else text
 
 

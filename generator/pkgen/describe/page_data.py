@@ -33,14 +33,13 @@ class Described:
 def describe(
     options: argparse.Namespace,
     compiled: Callable[..., Compilation],
-    unroll: int = lengths.UNROLL,
     draw: bool = True,
 ) -> Described:
     """Compiles a model, by `compiled(options, **how)`, and describes it. If `draw` is false, the
     compiled C has no outputs for the drawing. Raises UsageError, ModelError, BuildError, or
     NumericsFailed if the runtime refuses the parameters."""
     use = scene_use.whole(options)
-    compilation = compiled(options, unroll=unroll, use=drawn(use) if draw else use)
+    compilation = compiled(options, unroll=lengths.UNROLL, use=drawn(use) if draw else use)
     chosen = scene.of(options, compilation.declared)
     settings = asked.settings(options, compilation, chosen=chosen)
     library = build(compilation, settings, None)

@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from ..compiler import Compilation
 from ..front.check.scene_numbers import WrongValue
-from ..indices import NotAnInteger, integer
+from ..indices import NotAnInteger, indexed, integer
 from ..middle.quantities import ends, sizes
 from ..model import Model, Scene, Start
 from ..run.ensemble import Settable
@@ -36,7 +36,7 @@ def described_scene(compilation: Compilation, scene: Scene) -> dict[str, object]
         numbers = scenes.numbers(model, scene, {})
         found |= {key: getattr(numbers, key) for key in keys}
         found["method"] = scene.method or None
-        found["set"] = {_member(key): x for key, x in numbers.parameters.items()}
+        found["set"] = {indexed(*key): x for key, x in numbers.parameters.items()}
         found["set"] |= numbers.inputs
         found["start"] = _starts(model, scene)
         if scene.swarm is not None:
@@ -60,11 +60,6 @@ def _members_of(compilation: Compilation, scene: Scene) -> dict[str, object]:
     return {"columns": [column.name for column in found.columns], "values": values}
 
 
-def _member(key: tuple[str, int | None]) -> str:
-    name, index = key
-    return name if index is None else f"{name}[{index}]"
-
-
 def _starts(model: Model, scene: Scene) -> dict[str, float]:
     """Returns the start values of a scene, computed with the scene's parameter values. Starts that
     differ between the members of a swarm are left out."""
@@ -74,6 +69,6 @@ def _starts(model: Model, scene: Scene) -> dict[str, float]:
         for index in members_of(model, item):
             loop = {item.range.variable: index} if item.range else {}
             with suppress(WrongValue):
-                name = _member((item.name, index)) + "'" * item.order
+                name = indexed(item.name, index) + "'" * item.order
                 found[name] = values.number(item.name, item.value, {**sizes(model), **loop})
     return found

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from fractions import Fraction
 from itertools import islice
 
 from ..back.c.program import LoopProgram, Program
 from ..compiler import STAGES, stages
 from ..equations import Equations
-from ..graph.graph import Graph, Op
+from ..graph.graph import Graph
 from ..source import Diagnostic, Source, Span
 
 
@@ -40,17 +39,9 @@ def equations_text(equations: Equations) -> str:
 
 
 def _node_text(graph: Graph, node: int) -> str:
-    arguments = " ".join(f"%{a}" for a in graph.args[node])
-    data = graph.data[node]
-    match graph.op[node]:
-        case Op.SYMBOL:
-            return f"{data.kind} {data.index}"
-        case Op.NUMBER:
-            return str(data)
-        case Op.CALL:
-            return f"{data} {arguments}"
-        case op:
-            return f"{op} {arguments}" + (f" {data}" if data is not None else "")
+    arguments = (f"%{a}" for a in graph.args[node])
+    words = graph.op[node], graph.data[node], *arguments
+    return " ".join(str(word) for word in words if word is not None)
 
 
 def as_text(value: object, source: Source, indent: int = 0) -> str:
@@ -68,7 +59,7 @@ def as_text(value: object, source: Source, indent: int = 0) -> str:
         case Span():
             line, column = source.position(value.start)
             return f"{line}:{column}"
-        case Program() | Fraction() | str() | int() | float() | None:
+        case Program():
             return str(value)
         case dict():
             head, empty, rows = "", "{}", [(f"{k}:", v) for k, v in value.items()]
@@ -78,6 +69,6 @@ def as_text(value: object, source: Source, indent: int = 0) -> str:
             rows = [(f"{f.name}:", getattr(value, f.name)) for f in fields(value)]
             head = empty = type(value).__name__
         case _:
-            return repr(value)
+            return str(value)
     lines = [f"{pad}  {name} {as_text(part, source, indent + 1)}" for name, part in rows]
     return "\n".join([head, *lines]) if lines else empty

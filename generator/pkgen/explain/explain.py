@@ -55,7 +55,11 @@ def record(compilation: Compilation) -> dict[str, object]:
         "model": compilation.model.name,
         "description": compilation.model.description,
         **c.record,
-        "structure": structure_record(compilation.structure),
+        "structure": {
+            k: list(v) if isinstance(v, tuple) else v
+            for k, v in vars(compilation.structure).items()
+            if k not in ("claims", "symmetries")
+        },
         **proofs_record(compilation.structure),
         "outputs": {
             f"{name} for {span}" if span else name: c.text(node)
@@ -69,12 +73,6 @@ def record(compilation: Compilation) -> dict[str, object]:
         ],
         "drawing": list(shown(compilation.declared)),
     }
-
-
-def structure_record(structure: Facts) -> dict[str, object]:
-    """Returns the facts about the structure; coordinates are given by index."""
-    shown = {k: v for k, v in vars(structure).items() if k not in ("claims", "symmetries")}
-    return {k: list(v) if isinstance(v, tuple) else v for k, v in shown.items()}
 
 
 def proofs_record(structure: Facts) -> dict[str, object]:

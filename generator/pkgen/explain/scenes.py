@@ -64,16 +64,12 @@ def _text(scene: SceneShown) -> str:
         width = max(map(len, scene.after))
         lines.append("  operations of a kernel, in the scene and in the model:")
         lines += [
-            f"    {name:<{width}}  {scene.after[name]:>6}  {_count(scene.before, name):>6}"
+            f"    {name:<{width}}  {scene.after[name]:>6}  {scene.before.get(name, '-'):>6}"
             for name in scene.after
         ]
         gone = [name for name in scene.before if name not in scene.after]
         lines += [f"    not called, so not there: {', '.join(gone)}"] if gone else []
     return "\n".join([title, *lines])
-
-
-def _count(operations: Mapping[str, int], name: str) -> str:
-    return str(operations[name]) if name in operations else "-"
 
 
 def record(scenes: list[SceneShown]) -> list[dict[str, object]]:

@@ -15,7 +15,7 @@ from .methods import mark
 from .names import label, shown
 from .picture import Axis, Image, Line, Panel, Picture
 from .style import PALETTE
-from .table import COARSE, CONSTANT, Table, base
+from .table import COARSE, CONSTANT, Table, base, ends, finite
 from .view import View
 
 PANELS = 6  # Most panels of a picture.
@@ -38,19 +38,11 @@ def picture(view: View, tables: Sequence[Table]) -> Picture:
     return Picture(title, panels, made.shared, made.wide, (*notes, *made.notes))
 
 
-def suggested(table: Table) -> Picture:
-    """Returns a phase plane plot of the table: the points of a Poincaré section, or of many
-    members, or a curve of a coordinate and its rate."""
-    return picture(View("section"), [table])
-
-
 def _usual(view: View, tables: Sequence[Table]) -> str:
     if view.names:
         return "time"
-    if any(table.event is not None for table in tables):
-        return "section"
-    several = any(table.several and few_times(table) for table in tables)
-    return "cloud" if several else "time"
+    plane = any(table.at_events or (table.several and few_times(table)) for table in tables)
+    return "varying" if plane else "time"
 
 
 def _title(tables: Sequence[Table]) -> str:
@@ -70,8 +62,7 @@ def _title(tables: Sequence[Table]) -> str:
 
 
 def _method(table: Table) -> str:
-    report = table.told.get("report")
-    return str(report.get("method", "")) if isinstance(report, dict) else ""
+    return str(table.part("report").get("method", ""))
 
 
 def _by_method(panel: Panel, tables: Sequence[Table]) -> Panel:
@@ -86,22 +77,11 @@ def _by_method(panel: Panel, tables: Sequence[Table]) -> Panel:
     return replace(panel, lines=tuple(replace(x, colour=own[x.colour]) for x in panel.lines))
 
 
-def axis(table: Table, name: str) -> Axis:
-    quantity = table.quantity(name)
-    return Axis(label(quantity.name, quantity.unit))
-
-
-def time_axis(table: Table) -> Axis:
-    quantity = table.columns[table.abscissa]
-    return Axis(label(quantity.name, quantity.unit))
-
-
 # -- plots over time -------------------------------------------------------------------------------
 
 
 def _over_time(view: View, tables: Sequence[Table]) -> Picture:
-    names = [n for (one,) in view.names for n in _in_all(view.option, one, tables)]
-    names = names or _chosen(tables)
+    names = _columns(view, tables) or _chosen(tables)
     one = len(tables) == 1 and not tables[0].several
     groups = _groups(tables[0], names) if one else [[name] for name in names]
     left = sum(len(group) for group in groups[PANELS:])
@@ -116,11 +96,15 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
 def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]:
     """Returns a note that rows are drawn as points, if the rows are too far apart in time for lines
     between them."""
-    if any(table.several or table.event is not None for table in tables):
+    if any(table.several or table.at_events for table in tables):
         return ()
     if all(line.kind == "line" for panel in panels for line in panel.lines):
         return ()
     return ("rows are too far apart in time to be joined: --every with less makes them lines",)
+
+
+def _columns(view: View, tables: Sequence[Table]) -> list[str]:
+    return [name for (one,) in view.names for name in _in_all(view.option, one, tables)]
 
 
 def _in_all(option: str, name: str, tables: Sequence[Table]) -> list[str]:
@@ -174,10 +158,8 @@ def _groups(table: Table, names: list[str]) -> list[list[str]]:
 
 def _size(x: numpy.ndarray) -> float:
     """Returns max - min of a column; for a constant column, its absolute value."""
-    x = x[numpy.isfinite(x)]
-    if not len(x):
-        return 1.0
-    return float(numpy.ptp(x) or abs(x[0]) or 1.0)
+    low, high = ends(x)
+    return high - low or abs(low) or 1.0
 
 
 def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
@@ -185,24 +167,23 @@ def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
     (table,) = tables
     if len(names) > FAMILY and len({base(n) for n in names}) == 1:
         what = shown(base(names[0])).rstrip("′")
-        return Panel(time_axis(table), Axis(f"index of {what}"), image=_image(table, names))
+        return Panel(table.axis(), Axis(f"index of {what}"), image=_image(table, names))
     lines = [
         Line(shown(n), table.time, table[n], k, joined(table, table[n]))
         for k, n in enumerate(names)
     ]
     y = Axis(_together(table, names), limits=_flat([table[n] for n in names]))
-    return Panel(time_axis(table), y, tuple(lines), tight=True)
+    return Panel(table.axis(), y, tuple(lines), tight=True)
 
 
 def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
     """Returns limits of the axis if all columns are constant, so wide that rounding noise looks
     flat; otherwise None."""
-    good = [x[numpy.isfinite(x)] for x in columns]
-    good = [x for x in good if len(x)]
-    largest = max((float(numpy.abs(x).max()) for x in good), default=0.0)
-    if not largest or any(numpy.ptp(x) > CONSTANT * largest for x in good):
+    found = [ends(x) for x in columns if len(finite(x))]
+    largest = max((abs(x) for pair in found for x in pair), default=0.0)
+    if not largest or any(high - low > CONSTANT * largest for low, high in found):
         return None
-    low, high = min(float(x.min()) for x in good), max(float(x.max()) for x in good)
+    low, high = min(low for low, _ in found), max(high for _, high in found)
     return low - 0.05 * largest, high + 0.05 * largest
 
 
@@ -242,17 +223,16 @@ def _overlaid(tables: Sequence[Table], names: list[str]) -> Panel:
     for table in tables:
         found, colours = bundle(table, table.time, table[name], len(lines), len(tables) > 1)
         lines += found
-    own = replace(axis(tables[0], name), limits=_flat([table[name] for table in tables]))
-    return Panel(time_axis(tables[0]), own, tuple(lines), colours=colours, tight=True)
+    own = replace(tables[0].axis(name), limits=_flat([table[name] for table in tables]))
+    return Panel(tables[0].axis(), own, tuple(lines), colours=colours, tight=True)
 
 
 # -- plots of two or three columns -----------------------------------------------------------------
 
 
 def _plane(view: View, tables: Sequence[Table]) -> Picture:
-    option, pairs = view.option, []
-    for names in view.names:
-        pairs.append(_pair(option, names, tables))
+    option = view.option
+    pairs = [_pair(option, names, tables) for names in view.names]
     units = {tuple(tables[0].quantity(n).unit for n in names) for names in pairs}
     if len({len(names) for names in pairs}) > 1 or len(units) > 1:
         raise UsageError(f"{option}: what is drawn together has the same units and axes")
@@ -263,7 +243,7 @@ def _plane(view: View, tables: Sequence[Table]) -> Picture:
         for table in tables:
             count, more = len(lines), len(tables) * len(pairs) > 1
             x, y, *z = (table[name] for name in names)
-            if table.several and table.event is None and few_times(table):
+            if table.several and not table.at_events and few_times(table):
                 found = clouds(table, x, y, z, count)
             else:
                 found, colours = bundle(table, x, y, count, more, z[0] if z else None)
@@ -305,12 +285,8 @@ def _pair(option: str, names: tuple[str, ...], tables: Sequence[Table]) -> tuple
     return tuple(found)
 
 
-def _section(view: View, tables: Sequence[Table]) -> Picture:
-    return _plane(View("phase", (_varying(tables),)), tables)
-
-
-def _cloud(view: View, tables: Sequence[Table]) -> Picture:
-    """Draws a cloud of many members at a few times."""
+def _varied(view: View, tables: Sequence[Table]) -> Picture:
+    """Draws points of a Poincaré section, many members at a few times, or a curve."""
     return _plane(View("phase", (_varying(tables),)), tables)
 
 
@@ -332,26 +308,15 @@ def _turns(rate: numpy.ndarray) -> bool:
 
 
 def _varies(x: numpy.ndarray) -> bool:
-    x = x[numpy.isfinite(x)]
-    return bool(len(x)) and bool(numpy.ptp(x) > 1e-9 * max(1e-300, numpy.abs(x).max()))
-
-
-def _spectrum(view: View, tables: Sequence[Table]) -> Picture:
-    names = [n for (one,) in view.names for n in _in_all(view.option, one, tables)]
-    return spectrum.picture(tables, names)
-
-
-def _drift(view: View, tables: Sequence[Table]) -> Picture:
-    names = [n for (one,) in view.names for n in _in_all(view.option, one, tables)]
-    return drift.picture(tables, names)
+    low, high = ends(x)
+    return bool(len(finite(x))) and high - low > 1e-9 * max(1e-300, abs(low), abs(high))
 
 
 _MAKERS = {
     "time": _over_time,
     "phase": _plane,
     "path": _plane,
-    "section": _section,
-    "cloud": _cloud,
-    "spectrum": _spectrum,
-    "drift": _drift,
+    "varying": _varied,
+    "spectrum": lambda view, tables: spectrum.picture(tables, _columns(view, tables)),
+    "drift": lambda view, tables: drift.picture(tables, _columns(view, tables)),
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import matplotlib
@@ -15,11 +14,11 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from . import style
 from .picture import Axis, Image, Line, Panel, Picture
+from .table import ends
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
 
 # Panels whose lines have more points than this are rasterized, even in vector files.
 HEAVY = 40_000
@@ -33,7 +32,7 @@ def draw(picture: Picture, width: float | None = None) -> Figure:
     """Renders a picture. `width` is in inches; by default it is the width of a page for wide
     pictures, and of a column for others."""
     width = width or (style.PAGE if picture.wide else style.COLUMN)
-    with looks():
+    with matplotlib.rc_context(style.LOOK):
         figure = Figure(figsize=(width, _height(picture, width)), layout="constrained")
         FigureCanvasAgg(figure)
         space = {"projection": "3d"} if any(p.z for p in picture.panels) else {}
@@ -60,16 +59,9 @@ def encoded(
 ) -> bytes:
     """Returns the content of a file of the picture, in one of style.FORMATS."""
     figure = draw(picture, width)
-    with looks():
-        return style.encoded(
-            figure, kind, dpi or (style.DPI if kind == "png" else style.DPI_WITHIN)
-        )
-
-
-@contextmanager
-def looks() -> Iterator[None]:
     with matplotlib.rc_context(style.LOOK):
-        yield
+        usual = style.DPI if kind == "png" else style.DPI_WITHIN
+        return style.encoded(figure, kind, dpi or usual)
 
 
 def _height(picture: Picture, width: float) -> float:
@@ -93,12 +85,7 @@ def _of_plane(panel: Panel, width: float) -> float:
 
 
 def _span(lines: tuple[Line, ...], name: str) -> tuple[float, float]:
-    values = [getattr(line, name) for line in lines]
-    values = [v[numpy.isfinite(v)] for v in values]
-    values = [v for v in values if len(v)]
-    if not values:
-        return 0.0, 0.0
-    return float(min(v.min() for v in values)), float(max(v.max() for v in values))
+    return ends(numpy.concatenate([getattr(line, name) for line in lines] or [numpy.zeros(0)]))
 
 
 def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
@@ -112,13 +99,9 @@ def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
         _line(axes, panel, line, heavy)
     if panel.colours is not None:
         low, high, what = panel.colours
-        shown = matplotlib.cm.ScalarMappable(
-            matplotlib.colors.Normalize(low, high), style.SEQUENTIAL
-        )
-        bar = figure.colorbar(shown, ax=axes, pad=0.01, aspect=28, fraction=0.05)
-        bar.outline.set_visible(False)
-        bar.ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-        bar.ax.set_ylabel(what, parse_math=False)
+        range_ = matplotlib.colors.Normalize(low, high)
+        bar = _bar(figure, axes, matplotlib.cm.ScalarMappable(range_, style.SEQUENTIAL), what)
+        bar.yaxis.set_major_locator(MaxNLocator(5, integer=True))
     _axis(axes, "x", panel.x, last)
     _axis(axes, "y", panel.y, True)
     if panel.z is not None:
@@ -128,6 +111,13 @@ def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
     if panel.equal and panel.z is None:
         axes.set_aspect("equal", adjustable="box", anchor="W")
     _legend(axes, panel)
+
+
+def _bar(figure: Figure, axes: Axes, shown: ScalarMappable, label: str) -> Axes:
+    bar = figure.colorbar(shown, ax=axes, pad=0.01, aspect=28, fraction=0.05)
+    bar.outline.set_visible(False)
+    bar.ax.set_ylabel(label, parse_math=False)
+    return bar.ax
 
 
 def _heavy(panel: Panel) -> bool:
@@ -148,27 +138,29 @@ def _axis(axes: Axes, which: str, axis: Axis, named: bool) -> None:
 
 
 def _line(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
-    colour = style.colour(line.colour)
-    if panel.z is not None:
-        _line_in_space(axes, line, colour)
-        return
+    colour, space = style.colour(line.colour), panel.z is not None
+    points = numpy.stack([line.x, line.y, line.z] if space else [line.x, line.y])
     if line.kind == "points":
         many = len(line.x)
         size = 9.0 if many < 60 else 4.0 if many < 1000 else 1.2 if many < 20000 else 0.3
+        look = {"s": 2.0, "depthshade": False} if space else {"s": size, "rasterized": heavy}
         colours = {"color": colour}
         if line.strands is not None and panel.colours is not None:
             colours = {"c": _numbers(line, panel), "cmap": style.SEQUENTIAL}
-        axes.scatter(line.x, line.y, s=size, lw=0, rasterized=heavy, **colours)
-    elif line.strands is not None:
+        axes.scatter(*points, lw=0, **look, **colours)
+    elif line.strands is not None and not space:
         _strands(axes, panel, line, heavy)
     else:
-        back = {"lw": 0.5, "alpha": 0.45, "zorder": 1.5} if line.kind == "back" else {}
-        dashes = style.dashes(line.colour, _over(panel) and not back)
-        axes.plot(line.x, line.y, color=colour, ls=dashes, rasterized=heavy, **back)
+        look = {"lw": 0.9} if space else {"rasterized": heavy}
+        look |= {"lw": 0.5, "alpha": 0.45, "zorder": 1.5} if line.kind == "back" else {}
+        dashes = style.dashes(line.colour, _over(panel) and line.kind != "back")
+        ends = () if line.strands is None else line.strands[1:]
+        axes.plot(*numpy.insert(points, ends, numpy.nan, axis=1), color=colour, ls=dashes, **look)
     if line.marked:
-        good = numpy.flatnonzero(numpy.isfinite(line.x + line.y))[[0, -1]] if len(line.x) else []
-        for at, face in zip(good, ("white", colour), strict=True):
-            axes.plot(line.x[at], line.y[at], "o", ms=3.6, mec=colour, mfc=face, mew=0.9, zorder=4)
+        good = numpy.flatnonzero(numpy.isfinite(points.sum(axis=0)))
+        for at, face in zip(good[[0, -1]] if len(good) else (), ("white", colour), strict=False):
+            look = {"ms": 3.6, "mec": colour, "mfc": face, "mew": 0.9, "zorder": 4}
+            axes.plot(*points[:, [at]], "o", **look)
 
 
 def _numbers(line: Line, panel: Panel) -> numpy.ndarray:
@@ -180,34 +172,14 @@ def _numbers(line: Line, panel: Panel) -> numpy.ndarray:
 
 
 def _strands(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
-    ends = [*line.strands[1:], len(line.x)]
-    parts = [
-        numpy.column_stack([line.x[a:b], line.y[a:b]])
-        for a, b in zip(line.strands, ends, strict=True)
-    ]
-    count = len(parts)
+    points = numpy.column_stack([line.x, line.y])
+    parts = numpy.split(points, line.strands[1:])
+    count, colours = len(parts), style.colour(line.colour)
     look = {"lw": 0.9 if count < 30 else 0.5, "alpha": max(0.06, min(0.9, 12 / count**0.75))}
     if panel.colours is not None:
         colours = matplotlib.colormaps[style.SEQUENTIAL](numpy.linspace(0, 1, count))
-        bundle = LineCollection(parts, colors=colours, rasterized=heavy, **look)
-    else:
-        bundle = LineCollection(parts, colors=style.colour(line.colour), rasterized=heavy, **look)
-    axes.add_collection(bundle)
+    axes.add_collection(LineCollection(parts, colors=colours, rasterized=heavy, **look))
     axes.autoscale_view()
-
-
-def _line_in_space(axes: Axes, line: Line, colour: str) -> None:
-    if line.kind == "points":
-        axes.scatter(line.x, line.y, line.z, s=2, lw=0, color=colour, depthshade=False)
-        return
-    ends = [len(line.x)] if line.strands is None else [*line.strands[1:], len(line.x)]
-    begins = [0] if line.strands is None else line.strands
-    for a, b in zip(begins, ends, strict=True):
-        axes.plot(line.x[a:b], line.y[a:b], line.z[a:b], color=colour, lw=0.9)
-    if line.marked and len(line.x):
-        for at, face in ((0, "white"), (-1, colour)):
-            spot = [[v[at]] for v in (line.x, line.y, line.z)]
-            axes.plot(*spot, "o", ms=3.6, mec=colour, mfc=face, mew=0.9)
 
 
 def _space(axes: Axes, panel: Panel) -> None:
@@ -239,8 +211,7 @@ def _at_least(a: float, b: float, length: float) -> tuple[float, float]:
 
 def coloured(values: numpy.ndarray) -> tuple[str, float, float]:
     """Returns the name of an image's colour map, and the values at its lower and upper end."""
-    finite = values[numpy.isfinite(values)]
-    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+    low, high = ends(values)
     most = max(abs(low), abs(high)) or 1.0
     if min(-low, high) > 0.1 * most:
         return style.DIVERGING, -most, most
@@ -259,14 +230,12 @@ def _image(figure: Figure, axes: Axes, image: Image) -> None:
         shading="nearest",
         rasterized=True,
     )
-    bar = figure.colorbar(shown, ax=axes, pad=0.01, aspect=28, fraction=0.05)
-    bar.outline.set_visible(False)
-    bar.ax.set_ylabel(image.label, parse_math=False)
+    _bar(figure, axes, shown, image.label)
     axes.yaxis.set_major_locator(MaxNLocator(6, integer=True))
 
 
 def _legend(axes: Axes, panel: Panel) -> None:
-    named = [line for line in panel.lines if line.label and line.kind != "back"]
+    named = panel.named
     if len(named) < 2 and not (named and panel.z is None and named[0].kind == "points"):
         named = [] if len(panel.lines) < 3 else named
     if not named:

@@ -5,14 +5,15 @@ loss, and 0 for the bounded error of a symplectic method."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy
 
 from ..system.exits import UsageError
 from .members import FEW
-from .names import label, shown
+from .names import shown
 from .picture import Axis, Line, Panel, Picture
-from .table import Table
+from .table import Table, finite
 
 SHORT = 24  # A longer description of how the drift grows is left out of the legend.
 LEAST = 1e-19  # Smallest relative drift that is drawn.
@@ -38,13 +39,10 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
         raise UsageError(f"--drift: {'; '.join(notes)}")
     if len(tables) == 1:
         lines = lines[: 2 * FEW]
-    first = tables[0]
-    time = first.columns[first.abscissa]
-    x = Axis(label(time.name, time.unit), log=True)
     said = f"relative drift of {shown(*drawn)}" if len(drawn) == 1 else "relative drift"
     if not any(table.several for table in tables):
         said += "\n(strong: the largest so far)"
-    panel = Panel(x, Axis(said, log=True), tuple(lines), tight=True)
+    panel = Panel(tables[0].axis(log=True), Axis(said, log=True), tuple(lines), tight=True)
     return Picture("", (panel,), notes=tuple(notes))
 
 
@@ -62,15 +60,12 @@ def constants(table: Table) -> list[str]:
 def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:
     """Returns a line of |x - x(0)| for the column x, relative to the scale in the run's report, or
     else to max |x|. Returns None if all drifts are too small to be drawn."""
-    x, member = table[name], table.member
-    order = numpy.argsort(member, kind="stable")
-    x, t, member = x[order], table.time[order], member[order]
-    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
-    first = x[begins][member]
-    finite = numpy.abs(x[numpy.isfinite(x)])
+    order, begins = table.by_member()
+    x, t = table[name][order], table.time[order]
+    first = x[begins][table.member[order]]
     scale = told.get("scale")
     if not isinstance(scale, int | float) or not scale > 0:
-        scale = finite.max(initial=0.0)
+        scale = numpy.abs(finite(x)).max(initial=0.0)
     # The report has no other scale than the drift itself.
     if told.get("first") == 0 and told.get("max") == 1:
         return None
@@ -86,7 +81,6 @@ def _both(table: Table, line: Line, words: str) -> list[Line]:
     """Returns two lines: the running maximum of the drift, and behind it the drift itself as a pale
     line."""
     if table.several:
-        strong = Line(words, line.x, line.y, line.colour, "line", None, line.strands)
+        strong = replace(line, label=words, kind="line")
         return [strong, Line("", line.x[:0], line.y[:0], line.colour, "back")]
-    largest = numpy.fmax.accumulate(line.y)
-    return [Line(words, line.x, largest, line.colour), line]
+    return [Line(words, line.x, numpy.fmax.accumulate(line.y), line.colour), line]

@@ -22,7 +22,7 @@ def joined(table: Table, *columns: numpy.ndarray) -> str:
     """Returns "line" if rows are so close in time that lines between them do not mislead, else
     "points"."""
     sparse = table.sparse or (not table.several and any(map(table.rough, columns)))
-    return "points" if sparse or table.event is not None else "line"
+    return "points" if sparse or table.at_events else "line"
 
 
 def bundle(
@@ -43,23 +43,21 @@ def bundle(
     if not table.several:
         mark = kind == "line" and not along
         return [Line(table.label if more else "", x, y, first, kind, z, marked=mark)], None
-    # Rows of several members may be sorted by time, not by member.
-    order = numpy.argsort(table.member, kind="stable")
-    member = table.member[order]
-    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
+    order, begins = table.by_member()
     numbers = table.data[order, 0][begins]
     x, y, z = x[order], y[order], None if z is None else z[order]
     word = table.columns[0].name
     if len(begins) <= FEW and not more:
-        ends = [*begins[1:], len(member)]
-        spans = [slice(a, b) for a, b in zip(begins, ends, strict=True)]
+        parts = [
+            numpy.split(v, begins[1:]) if v is not None else len(begins) * [v] for v in (x, y, z)
+        ]
         return [
-            Line(f"{word} {n:g}", x[s], y[s], first + k, kind, None if z is None else z[s])
-            for k, (n, s) in enumerate(zip(numbers, spans, strict=True))
+            Line(f"{word} {n:g}", x, y, first + k, kind, z)
+            for k, (n, x, y, z) in enumerate(zip(numbers, *parts, strict=True))
         ], None
     line = Line(table.label if more else "", x, y, first, kind, z, begins)
     # No colour bar if there is one row per member (a cloud at a single time).
-    if more or len(numbers) == len(member):
+    if more or len(numbers) == len(order):
         return [line], None
     return [line], (float(numbers[0]), float(numbers[-1]), f"member {word}")
 

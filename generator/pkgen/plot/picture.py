@@ -56,6 +56,11 @@ class Panel:
     colours: tuple[float, float, str] | None = None
     tight: bool = False  # Whether the x axis ends where the lines end.
 
+    @property
+    def named(self) -> list[Line]:
+        """The lines of the legend."""
+        return [line for line in self.lines if line.label and line.kind != "back"]
+
 
 @record(eq=False)
 class Picture:

@@ -41,9 +41,8 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
         label("angular frequency", f"rad/{time}" if time else ""),
         limits=(0, min(most, 1.25 * reach)),
     )
-    said = label("amplitude", units.pop() if len(units) == 1 else "")
-    if len(names) == 1:
-        said = label(f"amplitude of {names[0]}", first.quantity(names[0]).unit)
+    of = f" of {names[0]}" if len(names) == 1 else ""
+    said = label(f"amplitude{of}", units.pop() if len(units) == 1 else "")
     limits = (DEPTH * highest, 3 * highest)
     return Picture("", (Panel(x, Axis(said, log=True, limits=limits), tuple(lines), tight=True),))
 

@@ -127,10 +127,6 @@ def written(make: Callable[[Look], Figure], stem: Path, look: Look) -> list[Path
     return files
 
 
-def palette(dark: bool = False) -> tuple[str, ...]:
-    return tuple(LIGHTER.get(c, c) for c in PALETTE) if dark else PALETTE
-
-
 def colour(k: int) -> str:
     return PALETTE[k % len(PALETTE)]
 

@@ -10,18 +10,19 @@ import csv
 import json
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy
+from numpy.lib.recfunctions import structured_to_unstructured
 
 from ..equations import Quantity
 from ..record import record
 from ..system.exits import UsageError
 from ..system.files import PARTIAL, beside
 from ..system.near import near
-
-if TYPE_CHECKING:
-    import numpy
+from .names import label
+from .picture import Axis
 
 # For a column with eight rows per period: RMS of the change between rows, relative to the standard
 # deviation.
@@ -62,11 +63,15 @@ class Table:
     @property
     def member(self) -> numpy.ndarray:
         """The trajectory of each row, numbered from 0."""
-        import numpy
-
         if not self.several:
             return numpy.zeros(len(self.data), int)
         return numpy.unique(self.data[:, 0], return_inverse=True)[1]
+
+    def by_member(self) -> tuple[numpy.ndarray, numpy.ndarray]:
+        """Returns the order of rows by which each member's are together (they may be sorted by
+        time), and where in this order each member begins."""
+        order = numpy.argsort(self.member, kind="stable")
+        return order, numpy.flatnonzero(numpy.diff(self.member[order], prepend=-1))
 
     @property
     def quantities(self) -> list[Quantity]:
@@ -81,6 +86,11 @@ class Table:
     def quantity(self, name: str) -> Quantity:
         return self.columns[self.names.index(name)]
 
+    def axis(self, name: str = "", log: bool = False) -> Axis:
+        """Returns an axis with the name and unit of a column, by default of the abscissa."""
+        quantity = self.quantity(name) if name else self.columns[self.abscissa]
+        return Axis(label(quantity.name, quantity.unit), log)
+
     def found(self, option: str, name: str) -> list[str]:
         """Returns the columns that a name denotes: a column, members of a family, or components."""
         names = self.names
@@ -93,29 +103,35 @@ class Table:
             raise UsageError(f"{option} {name}: {self.label} has no such column; {meant}")
         return of
 
+    def part(self, key: str) -> dict[str, object]:
+        """Returns a dictionary in the run's metadata, "report" or "settings"; {} if it has none."""
+        found = self.told.get(key)
+        return found if isinstance(found, dict) else {}
+
     @property
     def drifts(self) -> dict[str, dict[str, object]]:
         """The drifts in the run's report, by name of the conserved quantity."""
-        report = self.told.get("report")
-        found = report.get("drifts") if isinstance(report, dict) else None
+        found = self.part("report").get("drifts")
         items = found if isinstance(found, list) else []
         return {d["name"]: d for d in items if isinstance(d, dict) and "name" in d}
 
     @property
     def sparse(self) -> bool:
         """Whether an adaptive method made more steps than there are rows."""
-        report = self.told.get("report")
-        if not isinstance(report, dict) or report.get("step") is not None or self.several:
-            return False
-        steps = report.get("steps")
+        report = self.part("report")
+        steps = 0 if self.several or report.get("step") is not None else report.get("steps")
         return isinstance(steps, int) and steps > len(self.data)
+
+    @property
+    def at_events(self) -> bool:
+        """Whether rows were recorded only when an event occurred."""
+        settings = self.part("settings")
+        return settings.get("at") is not None and settings.get("every") is None
 
     def rough(self, x: numpy.ndarray) -> bool:
         """Whether a column has fewer than eight rows per period, so that lines between rows would
         mislead. A column of rounding noise is not rough."""
-        import numpy
-
-        x, rest = x[numpy.isfinite(x)], numpy.delete(self.data, self.abscissa, axis=1)
+        x, rest = finite(x), numpy.delete(self.data, self.abscissa, axis=1)
         if len(x) < FEWEST:
             return False
         noise = max(CONSTANT * numpy.abs(x).max(), NOISE * numpy.nanmax(numpy.abs(rest)))
@@ -123,21 +139,15 @@ class Table:
             return False
         return bool(numpy.sqrt(numpy.mean(numpy.diff(x) ** 2)) > COARSE * x.std())
 
-    @property
-    def event(self) -> str | None:
-        """The name of the event, if rows were recorded only when that event occurred; "" if its
-        name is unknown. None if rows were recorded at other times."""
-        settings = self.told.get("settings")
-        if not isinstance(settings, dict) or settings.get("at") is None:
-            return None
-        if settings.get("every") is not None:
-            return None
-        report = self.told.get("report")
-        events = report.get("events") if isinstance(report, dict) else None
-        at = settings["at"]
-        if isinstance(events, list) and isinstance(at, int) and at < len(events):
-            return str(events[at].get("name", "")) if isinstance(events[at], dict) else ""
-        return ""
+
+def finite(x: numpy.ndarray) -> numpy.ndarray:
+    return x[numpy.isfinite(x)]
+
+
+def ends(x: numpy.ndarray) -> tuple[float, float]:
+    """Returns the smallest and the largest finite number; 0 and 1 if there is none."""
+    x = finite(x)
+    return (float(x.min()), float(x.max())) if len(x) else (0.0, 1.0)
 
 
 def base(name: str) -> str:
@@ -186,11 +196,9 @@ def _table(
 ) -> Table:
     known = {c.name: c for c in quantities(told.get("columns", ()))}
     columns = [known.get(c.name, c) if not c.unit else c for c in columns]
-    names = [c.name for c in columns]
-    settings = told.get("settings")
-    several = isinstance(settings, dict) and "ensemble" in settings
-    several = several or names[1:2] == ["t"]
-    return Table(label, tuple(columns), data, several, told, notes)
+    made = Table(label, tuple(columns), data, False, told, notes)
+    several = "ensemble" in made.part("settings") or made.names[1:2] == ["t"]
+    return replace(made, several=several)
 
 
 def quantities(told: object) -> list[Quantity]:
@@ -216,16 +224,14 @@ def _told(path: Path, names: Iterable[str]) -> tuple[dict[str, object], str]:
 
 
 def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
-    import numpy
-    from numpy.lib.recfunctions import structured_to_unstructured
-
     try:
         # A memory map allocates nothing if the header claims more rows than the file has.
         found = numpy.load(path, mmap_mode="r", allow_pickle=False)
     except Exception as error:  # NumPy's header parser raises exceptions of any type
         if isinstance(error, OSError) and error.errno is not None:
             raise
-        raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
+        said = str(error).partition("\n")[0]
+        raise UsageError(f"{path}: no file of NumPy's: {said}") from None
     names = getattr(getattr(found, "dtype", None), "names", None)
     if not names or found.ndim != 1:
         raise UsageError(
@@ -234,15 +240,13 @@ def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
     try:
         data = structured_to_unstructured(found).astype(float)
     except (TypeError, ValueError):
-        raise UsageError(f"{path}: its columns are not all of numbers") from None
-    if data.ndim != 2 or data.shape[1] != len(names):
+        data = numpy.zeros(0)
+    if data.shape[1:] != (len(names),):
         raise UsageError(f"{path}: its columns are not all of numbers")
     return [Quantity(name, "", "") for name in names], data
 
 
 def _csv(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
-    import numpy
-
     try:
         with open(path, encoding="utf-8-sig", newline="") as file:
             head = next(csv.reader(file, strict=True), None)
@@ -299,7 +303,3 @@ def _number(text: str) -> float | None:
         return float(text)
     except ValueError:
         return None
-
-
-def _first(error: Exception) -> str:
-    return (str(error).splitlines() or [""])[0]

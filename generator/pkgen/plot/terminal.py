@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 import sys
 import unicodedata
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator
 
 import numpy
 from rich.console import Console
@@ -17,12 +16,13 @@ from rich.text import Text
 
 from ..front.words import greek
 from .picture import Axis, Image, Line, Panel, Picture
+from .table import ends
 
 COLOURS = ("bright_blue", "red", "green", "magenta", "yellow", "cyan", "white")
 MARKS = "*+ox#%@"
 SHADES = " .:-=+*#%@"
-# Bits of the dots of a Braille character, by row and column.
-DOTS = numpy.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
+# Braille characters with one dot, by row and column.
+DOTS = 0x2800 | numpy.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 _ASCII = {
     "′": "'",
     "·": "*",
@@ -34,6 +34,7 @@ _ASCII = {
     "┤": "|",
     "━": "=",
 }
+Ends = tuple[float, float]
 HIGH, LOW = 22, 8  # most and fewest lines of text per panel
 MARGIN = 10
 FINE = 4000  # most interpolated points between two rows
@@ -51,24 +52,14 @@ def lines(picture: Picture, console: Console) -> list[Text]:
     width = max(40, min(console.width, 160))
     count = len(picture.panels)
     height = max(LOW, min(HIGH, (max(24, console.height) - 4) // count - 3))
-    found = [Text(_ascii(picture.title) if plain else picture.title, "bold")]
+    found = [Text(picture.title, "bold")]
     for panel in picture.panels:
-        found += _panel(_spelt(panel) if plain else panel, width, height, coloured, plain)
+        marks = plain or (not coloured and len({line.colour for line in panel.lines}) > 1)
+        # ASCII labels come first, since widths are measured.
+        found += _panel(panel, width, height, marks, _ascii if plain else str)
     if plain:
         found = [Text(_ascii(text.plain)) for text in found]
     return found if picture.title else found[1:]
-
-
-def _spelt(panel: Panel) -> Panel:
-    """Returns the panel with ASCII labels, before widths are measured."""
-
-    def axis(one: Axis | None) -> Axis | None:
-        return one and replace(one, label=_ascii(one.label))
-
-    named = tuple(replace(line, label=_ascii(line.label)) for line in panel.lines)
-    image = panel.image and replace(panel.image, label=_ascii(panel.image.label))
-    axes = {"x": axis(panel.x), "y": axis(panel.y), "z": axis(panel.z)}
-    return replace(panel, lines=named, image=image, **axes)
 
 
 def _ascii(text: str) -> str:
@@ -77,23 +68,21 @@ def _ascii(text: str) -> str:
     return unicodedata.normalize("NFKD", text).encode("ascii", "replace").decode()
 
 
-def _panel(panel: Panel, width: int, height: int, coloured: bool, plain: bool) -> list[Text]:
+def _panel(
+    panel: Panel, width: int, height: int, marks: bool, spelt: Callable[[str], str]
+) -> list[Text]:
     if panel.z is not None:
         panel = _seen(panel)
     columns = width - MARGIN - 2
-    head = Text(panel.y.label, "bold")
     if panel.image is not None:
-        body, x, y = _image(panel.image, columns, height)
-        head = Text(f"{panel.image.label}: {_range(panel.image)}", "bold")
+        head, body, x, y = _image(panel.image, columns, height)
+        found = [Text(spelt(head), "bold")]
     else:
         x, y = _span(panel, "x"), _span(panel, "y")
         if panel.equal:
             x, y = _equal(x, y, columns * 2, height * 4)
-        marks = plain or (not coloured and _several(panel))
-        draw = _marked if marks else _dotted
-        body = draw(panel, x, y, columns, height)
-        head.append_text(_legend(panel, coloured, marks))
-    found = [head]
+        body = _drawn(panel, x, y, columns, height, marks)
+        found = [Text(spelt(panel.y.label), "bold").append_text(_legend(panel, marks, spelt))]
     ticks = {0: y[1], height // 2: (y[0] + y[1]) / 2, height - 1: y[0]}
     for row, text in enumerate(body):
         mark = _number(ticks[row], panel.y) if row in ticks else ""
@@ -101,23 +90,17 @@ def _panel(panel: Panel, width: int, height: int, coloured: bool, plain: bool) -
         found.append(Text.assemble((f"{mark:>{MARGIN}}{edge}", "dim"), text))
     found.append(Text(" " * MARGIN + "└" + "─" * columns, "dim"))
     low, high = _number(x[0], panel.x), _number(x[1], panel.x)
-    middle = panel.x.label.center(max(0, columns - len(low) - len(high)))
+    middle = spelt(panel.x.label).center(max(0, columns - len(low) - len(high)))
     found.append(Text(" " * MARGIN + f" {low}{middle}{high}", "dim"))
     return found
 
 
-def _several(panel: Panel) -> bool:
-    return len({line.colour for line in panel.lines}) > 1
-
-
-def _legend(panel: Panel, coloured: bool, marks: bool) -> Text:
+def _legend(panel: Panel, marks: bool, spelt: Callable[[str], str]) -> Text:
     found = Text()
-    named = [line for line in panel.lines if line.label and line.kind != "back"]
-    for line in named if len(named) > 1 else []:
+    for line in panel.named if len(panel.named) > 1 else []:
         sign = MARKS[line.colour % len(MARKS)] if marks else "━"
-        found.append("   ")
-        found.append(sign, COLOURS[line.colour % len(COLOURS)] if coloured else "")
-        found.append(f" {line.label}")
+        found.append("   ").append(sign, COLOURS[line.colour % len(COLOURS)])
+        found.append(f" {spelt(line.label)}")
     return found
 
 
@@ -132,78 +115,56 @@ def _number(x: float, axis: Axis) -> str:
     return f"{10**x if axis.log else x:.3g}"
 
 
-def _span(panel: Panel, which: str) -> tuple[float, float]:
+def _span(panel: Panel, which: str) -> Ends:
     axis: Axis = getattr(panel, which)
     if axis.limits is not None:
         low, high = _on(axis, numpy.array(axis.limits, float))
         return float(low), float(high)
     values = numpy.concatenate([_on(axis, getattr(line, which)) for line in panel.lines] or [[]])
-    values = values[numpy.isfinite(values)]
-    if not len(values):
-        return 0.0, 1.0
-    low, high = float(values.min()), float(values.max())
+    low, high = ends(values)
     if not high > low:
         pad = abs(low) * 0.05 or 0.5
         return low - pad, high + pad
     return low, high
 
 
-def _equal(
-    x: tuple[float, float], y: tuple[float, float], across: int, up: int
-) -> tuple[tuple[float, float], tuple[float, float]]:
+def _equal(x: Ends, y: Ends, across: int, up: int) -> tuple[Ends, Ends]:
     """Widens the ranges of x and y so that both axes have equal scales. The dots of Braille
     characters in a terminal are about square."""
     size = max((x[1] - x[0]) / across, (y[1] - y[0]) / up)
 
-    def wide(span: tuple[float, float], dots: int) -> tuple[float, float]:
+    def wide(span: Ends, dots: int) -> Ends:
         middle = (span[0] + span[1]) / 2
         return middle - size * dots / 2, middle + size * dots / 2
 
     return wide(x, across), wide(y, up)
 
 
-def _dotted(
-    panel: Panel, x: tuple[float, float], y: tuple[float, float], columns: int, height: int
-) -> list[Text]:
-    bits = numpy.zeros((height, columns), int)
-    colours = numpy.full((height, columns), -1)
-    # The first line is drawn last, so that it is above the others.
-    for line in reversed(panel.lines):
-        i, j = _places(panel, line, x, y, 2 * columns, 4 * height)
-        numpy.bitwise_or.at(bits, (j // 4, i // 2), DOTS[j % 4, i % 2])
-        colours[j // 4, i // 2] = line.colour
-    found = []
-    for row, own in zip(bits, colours, strict=True):
-        text = Text()
-        for bit, colour in zip(row, own, strict=True):
-            sign = chr(0x2800 + int(bit)) if bit else " "
-            text.append(sign, COLOURS[colour % len(COLOURS)] if colour >= 0 else "")
-        found.append(text)
-    return found
-
-
-def _marked(
-    panel: Panel, x: tuple[float, float], y: tuple[float, float], columns: int, height: int
-) -> list[Text]:
-    rows = numpy.full((height, columns), " ")
-    for line in reversed(panel.lines):
-        i, j = _places(panel, line, x, y, columns, height)
-        rows[j, i] = "." if line.kind == "back" else MARKS[line.colour % len(MARKS)]
-    return [Text("".join(row)) for row in rows]
+def _drawn(panel: Panel, x: Ends, y: Ends, columns: int, height: int, marks: bool) -> list[Text]:
+    """Returns the lines of a panel as Braille dots, or as marks."""
+    across, up = (1, 1) if marks else DOTS.shape[::-1]
+    codes, colours = numpy.zeros((height, columns), int), numpy.zeros((height, columns), int)
+    for line in reversed(panel.lines):  # the first line is above the others
+        i, j = _places(panel, line, x, y, across * columns, up * height)
+        cells = j // up, i // across
+        colours[cells] = line.colour % len(COLOURS)
+        if marks:
+            codes[cells] = ord("." if line.kind == "back" else MARKS[line.colour % len(MARKS)])
+        else:
+            numpy.bitwise_or.at(codes, cells, DOTS[j % up, i % across])
+    return [
+        Text.assemble(*((chr(c), COLOURS[k]) if c else " " for c, k in zip(*row, strict=True)))
+        for row in zip(codes, colours, strict=True)
+    ]
 
 
 def _places(
-    panel: Panel,
-    line: Line,
-    x: tuple[float, float],
-    y: tuple[float, float],
-    across: int,
-    up: int,
+    panel: Panel, line: Line, x: Ends, y: Ends, across: int, up: int
 ) -> tuple[numpy.ndarray, numpy.ndarray]:
     """Returns the column and row indices of the dots of a line; row 0 is at the top."""
     a = (_on(panel.x, line.x) - x[0]) / (x[1] - x[0]) * (across - 1)
     b = (_on(panel.y, line.y) - y[0]) / (y[1] - y[0]) * (up - 1)
-    if line.kind != "points" and len(a) > 1:
+    if line.kind != "points" and len(a):
         a, b = _filled(a, b, line.strands)
     with numpy.errstate(invalid="ignore"):
         good = (a > -0.5) & (a < across - 0.5) & (b > -0.5) & (b < up - 0.5)
@@ -213,22 +174,15 @@ def _places(
 
 def _filled(
     a: numpy.ndarray, b: numpy.ndarray, strands: numpy.ndarray | None
-) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """Interpolates between points, so that lines have no gaps."""
-    gaps = numpy.maximum(numpy.abs(numpy.diff(a)), numpy.abs(numpy.diff(b)))
-    gaps = numpy.where(numpy.isfinite(gaps), gaps, 0)
-    if strands is not None:
-        gaps[strands[1:] - 1] = 0  # trajectories are not joined to each other
-    counts = numpy.minimum(numpy.ceil(gaps).astype(int) + 1, FINE)
-    begin = numpy.repeat(numpy.arange(len(counts)), counts)
-    part = numpy.arange(len(begin)) - numpy.repeat(numpy.cumsum(counts) - counts, counts)
-    part = part / numpy.repeat(counts, counts)
-    if strands is not None:
-        part[numpy.isin(begin, strands[1:] - 1)] = 0
+) -> Iterator[numpy.ndarray]:
+    """Interpolates between points, so that lines have no gaps, but for those between strands."""
+    ends = () if strands is None else strands[1:]
+    a, b = numpy.insert(a, ends, numpy.nan), numpy.insert(b, ends, numpy.nan)
     with numpy.errstate(invalid="ignore"):
-        more = (v[begin] + part * (v[begin + 1] - v[begin]) for v in (a, b))
-        x, y = (numpy.append(m, v[-1]) for m, v in zip(more, (a, b), strict=True))
-    return x, y
+        gaps = numpy.maximum(abs(numpy.diff(a)), abs(numpy.diff(b)))
+    counts = numpy.clip(numpy.ceil(numpy.nan_to_num(gaps)), 1, FINE)
+    places = numpy.append(0, numpy.cumsum(counts))
+    return (numpy.interp(numpy.arange(places[-1] + 1), places, v) for v in (a, b))
 
 
 def _seen(panel: Panel) -> Panel:
@@ -243,26 +197,17 @@ def _seen(panel: Panel) -> Panel:
         return Line(line.label, right, up, line.colour, line.kind, None, line.strands)
 
     names = f"{panel.x.label}, {panel.y.label}, {panel.z.label} seen from the side"
-    flat_lines: Sequence[Line] = [flat(line) for line in panel.lines]
-    return Panel(Axis(""), Axis(names), tuple(flat_lines), equal=True)
+    return Panel(Axis(""), Axis(names), tuple(map(flat, panel.lines)), equal=True)
 
 
-def _image(
-    image: Image, columns: int, height: int
-) -> tuple[list[Text], tuple[float, float], tuple[float, float]]:
+def _image(image: Image, columns: int, height: int) -> tuple[str, list[Text], Ends, Ends]:
     rows = numpy.linspace(0, len(image.y) - 1, min(height, len(image.y))).round().astype(int)[::-1]
     times = numpy.linspace(0, len(image.x) - 1, columns).round().astype(int)
-    values = image.values[rows][:, times]
-    finite = values[numpy.isfinite(values)]
-    low, high = (finite.min(), finite.max()) if len(finite) else (0.0, 1.0)
-    scaled = numpy.nan_to_num((values - low) / ((high - low) or 1.0)) * (len(SHADES) - 1)
-    found = [Text("".join(SHADES[int(k)] for k in row)) for row in scaled]
+    low, high = ends(image.values)
+    scaled = (image.values[rows][:, times] - low) / ((high - low) or 1.0)
+    shades = numpy.clip(numpy.nan_to_num(scaled), 0, 1) * (len(SHADES) - 1)
+    found = [Text("".join(SHADES[int(k)] for k in row)) for row in shades]
     found += [Text(" " * columns)] * (height - len(found))
-    return found, (float(image.x[0]), float(image.x[-1])), (float(image.y[0]), float(image.y[-1]))
-
-
-def _range(image: Image) -> str:
-    finite = image.values[numpy.isfinite(image.values)]
-    if not len(finite):
-        return "no number"
-    return f"{finite.min():.3g} ({SHADES[1]!r}) to {finite.max():.3g} ({SHADES[-1]!r})"
+    head = f"{image.label}: {low:.3g} ({SHADES[1]!r}) to {high:.3g} ({SHADES[-1]!r})"
+    x, y = ((float(of[0]), float(of[-1])) for of in (image.x, image.y))
+    return head, found, x, y

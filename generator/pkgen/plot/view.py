@@ -9,6 +9,11 @@ from ..record import record
 from ..system.exits import UsageError
 
 KINDS = ("phase", "path", "spectrum", "drift")
+# The most names along the axes of a curve, and what is said of more.
+_MOST = {
+    "phase": (2, "two names, or one, which is drawn against its rate"),
+    "path": (3, "two or three names, or that of a vector"),
+}
 _LIST = re.compile(r",(?![^\[\]()]*[\])])")  # not within q[1,2]
 
 
@@ -38,10 +43,8 @@ def asked(options: argparse.Namespace) -> View:
     kind = given[0] if given else ""
     if options.columns is not None and kind in ("phase", "path", "spectrum"):
         raise UsageError(f"--columns and --{kind}: one picture at a time")
-    if kind == "phase":
-        return View(kind, tuple(_phase(text) for text in options.phase))
-    if kind == "path":
-        return View(kind, tuple(_path(text) for text in options.path))
+    if kind in _MOST:
+        return View(kind, tuple(_curve(kind, text) for text in getattr(options, kind)))
     text = options.spectrum if kind == "spectrum" else options.columns
     option = "--spectrum" if kind == "spectrum" else "--columns"
     names = [] if text is None else split(option, text)
@@ -58,15 +61,8 @@ def split(option: str, text: str) -> list[str]:
     return names
 
 
-def _phase(text: str) -> tuple[str, ...]:
-    names = split("--phase", text)
-    if len(names) > 2:
-        raise UsageError(f"--phase {text}: two names, or one, which is drawn against its rate")
-    return (names[0], f"{names[0]}'") if len(names) == 1 else tuple(names)
-
-
-def _path(text: str) -> tuple[str, ...]:
-    names = split("--path", text)
-    if len(names) > 3:
-        raise UsageError(f"--path {text}: two or three names, or that of a vector")
-    return tuple(names)
+def _curve(kind: str, text: str) -> tuple[str, ...]:
+    names, (most, what) = split(f"--{kind}", text), _MOST[kind]
+    if len(names) > most:
+        raise UsageError(f"--{kind} {text}: {what}")
+    return (names[0], f"{names[0]}'") if kind == "phase" and len(names) == 1 else tuple(names)

@@ -71,15 +71,8 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
     said = []
     for name, result in found.items():
         if result["status"] == "PK_DONE":
-            words = _TEXTS.get(name)
-            said += words(result, time) if words else [_plainly(name, result)]
+            said += _TEXTS[name](result, time)
     return said
-
-
-def _plainly(name: str, found: dict) -> str:
-    """Returns the result of a diagnostic that has no formatter here: its keys and values."""
-    shown = (f"{key} {value}" for key, value in found.items() if key not in ("status", "reason"))
-    return f"{name}: {', '.join(shown)}"
 
 
 def _rad(time: str) -> str:

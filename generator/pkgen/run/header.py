@@ -61,8 +61,5 @@ for _header in ("run.h", "stability.h"):
         ((_, _made),) = _declared(f"{_result}result")
         FUNCTIONS[_name] = (_made, _arguments(_given))
 
-_ROWS = re.findall(
-    r"X\((PK_\w+), (-?\d+), ", (RUNTIME / "include/pk/status.h").read_text(encoding="utf-8")
-)
-_NAMES = {int(number): name for name, number in _ROWS}
-STATUSES = [_NAMES[n] for n in range(1, min(_NAMES) - 1, -1)]  # from value 1 downwards
+_text = (RUNTIME / "include/pk/status.h").read_text(encoding="utf-8")
+STATUSES = {int(n): name for name, n in re.findall(r"X\((PK_\w+), (-?\d+), ", _text)}

@@ -15,12 +15,9 @@ from ..system.exits import UsageError
 from .header import STATUSES
 from .library import Run
 
+TOO_MANY_STEPS = next(code for code, name in STATUSES.items() if name == "PK_TOO_MANY_STEPS")
 CONSTANTS, CONDITION = 1, 2  # flags of `watch`: PK_WATCH_* in C
 _CHUNK = 1 << 16  # most numbers that one call of C returns; look() runs between calls
-
-
-def status_name(status: int) -> str:
-    return STATUSES[1 - status] if status <= 1 else "PK_STOPPED_USER"
 
 
 def _pointer(x: numpy.ndarray) -> Array[c_double]:
@@ -58,7 +55,7 @@ class Integration:
 
     @property
     def status(self) -> str:
-        return status_name(self._status.value)
+        return STATUSES[self._status.value]
 
     @property
     def failed(self) -> bool:
@@ -89,7 +86,7 @@ class Integration:
         return self._c.pk_stability_steps(self._of, *given, self._status)
 
     def give_up(self) -> None:
-        self._status.value = 1 - STATUSES.index("PK_TOO_MANY_STEPS")
+        self._status.value = TOO_MANY_STEPS
 
     def restart(self, state: numpy.ndarray, t: float = 0.0, h: float = 0.0) -> None:
         if not self._of:
@@ -114,7 +111,7 @@ class Integration:
         if self.failed:
             return self.status, numpy.array(state)
         on = numpy.array(state, float)
-        return status_name(self._c.pk_stability_project(self._of, _pointer(on))), on
+        return STATUSES[self._c.pk_stability_project(self._of, _pointer(on))], on
 
     def report(self) -> dict:
         return {} if not self._of else json.loads(self._c.pk_stability_report(self._of))

@@ -164,25 +164,16 @@ class Run:
         """Returns the rows that the run has in memory, of shape (rows, columns). The first column
         is t; in an ensemble, the first column is the member and the second is t. With `low`,
         returns corrections, which added to the rows give more digits than a double has."""
-        import numpy
-
         high, rest, columns = POINTER(c_double)(), POINTER(c_double)(), c_size_t()
         count = self._c.pk_run_rows(self._run, high, rest, columns)
-        of = rest if low else high
-        if not count or not of:
-            return numpy.zeros((count, columns.value))
-        return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
+        return _array(rest if low else high, count, columns.value)
 
     def members(self) -> numpy.ndarray:
         """Returns a row for each member of the ensemble: its status, its last valid time, and the
         numbers that the setting `reduced` requests."""
-        import numpy
-
         numbers, columns = POINTER(c_double)(), c_size_t()
         count = self._c.pk_run_members(self._run, numbers, columns)
-        if not count:
-            return numpy.zeros((0, columns.value))
-        return numpy.ctypeslib.as_array(numbers, (count, columns.value)).copy()
+        return _array(numbers, count, columns.value)
 
     def laps(self, seconds: float) -> float:
         """Repeats the run without rows, for up to `seconds`. Returns the CPU seconds of one run, or
@@ -262,6 +253,15 @@ class Run:
             self._c.pk_run_free(run)
 
     __del__ = close
+
+
+def _array(numbers: ctypes._Pointer, rows: int, columns: int) -> numpy.ndarray:
+    """Returns a copy of an array in C; zeros if the pointer is NULL."""
+    import numpy
+
+    if not rows or not numbers:
+        return numpy.zeros((rows, columns))
+    return numpy.ctypeslib.as_array(numbers, (rows, columns)).copy()
 
 
 def _fill(s: Structure, name: str, values: Sequence[object]) -> None:

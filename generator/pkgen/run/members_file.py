@@ -9,13 +9,12 @@ a unit. A Parquet column may have a unit, as `unit` in the metadata of its field
 from __future__ import annotations
 
 import array
-import codecs
 import csv
-import difflib
 import math
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, TextIO
 
 import numpy
@@ -25,12 +24,14 @@ from ..compiler import Compilation
 from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..system.exits import UsageError
-from . import plain_csv
+from ..system.near import near
 from .ensemble import Column, Ensemble, Settable
 
 if TYPE_CHECKING:
     import pyarrow
 
+# A line with another character than those of plain numbers, with a number like .5 or 1., or blank.
+ODD = re.compile(r"[^-+0-9.eE,\n]|(?<!\d)\.|\.(?!\d)|^\n")
 PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
 
 
@@ -67,6 +68,14 @@ def of_columns(path: str, columns: Sequence[Column], values: Sequence[numpy.ndar
     return Ensemble(path, tuple(columns), members, numpy.stack(values, axis=1))
 
 
+def _plain(lines: Iterable[str]) -> Iterator[str]:
+    """Yields lines of plain numbers; raises ValueError at any other line."""
+    for line in lines:
+        if ODD.search(line):
+            raise ValueError
+        yield line
+
+
 class _Reader:
     def __init__(self, path: str, compilation: Compilation):
         self.path = path
@@ -78,19 +87,17 @@ class _Reader:
         rows = self._rows(file)
         line, header = next(rows, (1, None))
         if header is None:
+            some = ",".join(list(self.known)[-2:])
             raise UsageError(
-                f"{self.path}: the file is empty; its first line names columns, e.g. "
-                f"{','.join(list(self.known)[-2:])}"
+                f"{self.path}: the file is empty; its first line names columns, e.g. {some}"
             )
         columns = self._columns(f"{self.path}:{line}", header)
         values = array.array("d")
         lines = array.array("q")
         for line, row in rows:
             if len(row) != len(columns):
-                raise UsageError(
-                    f"{self.path}:{line}: {len(row)} values where the header has "
-                    f"{len(columns)} columns"
-                )
+                wrong = f"{len(row)} values where the header has {len(columns)} columns"
+                raise UsageError(f"{self.path}:{line}: {wrong}")
             values.extend(self._value(line, c, cell) for c, cell in zip(columns, row, strict=True))
             lines.append(line)
             self._bounded(line, len(lines), len(columns))
@@ -100,24 +107,23 @@ class _Reader:
 
     def plain(self) -> Ensemble | None:
         """Reads CSV whose cells are all plain numbers; returns None for any other CSV."""
-        with open(self.path, "rb") as file:
-            if file.read(3) != codecs.BOM_UTF8:
-                file.seek(0)
-            header = file.readline(limits.ENSEMBLE_LINE)
-            if not header.strip() or b'"' in header or b"\r" in header.removesuffix(b"\r\n"):
+        with open(self.path, encoding="utf-8-sig") as file:
+            lines = self._lines(file)
+            header, first = next(lines, ""), next(lines, "")
+            if not (header.strip() and first) or '"' in header:
                 return None
-            cells = [cell.strip() for cell in header.decode().split(",")]
-            columns = self._columns(f"{self.path}:1", cells)
-            values = array.array("d")
-            for block in plain_csv.blocks(file, limits.ENSEMBLE_LINE):
-                found = None if block is None else plain_csv.numbers(block, len(columns))
-                if found is None:
-                    return None
-                values.frombytes(found.view(numpy.uint8).data)
-                members = len(values) // len(columns)
-                self._bounded(members + 1, members, len(columns))
-        members = len(values) // len(columns)
-        return Ensemble(self.path, columns, range(2, members + 2), values) if members else None
+            columns = self._columns(f"{self.path}:1", [cell.strip() for cell in header.split(",")])
+            most = min(limits.SWARM, limits.SWARM_VALUES // len(columns)) + 1
+            rows, how = _plain(chain((first,), lines)), {"delimiter": ",", "comments": None}
+            try:
+                values = numpy.loadtxt(rows, max_rows=most, ndmin=2, **how)
+            except ValueError:
+                return None
+        if values.shape[1] != len(columns) or not numpy.isfinite(values).all():
+            return None
+        members = len(values)
+        self._bounded(members + 1, members, len(columns))
+        return Ensemble(self.path, columns, range(2, members + 2), values)
 
     def parquet(self) -> Ensemble:
         """Reads Parquet; members are numbered by row from 1."""
@@ -191,17 +197,9 @@ class _Reader:
             raise UsageError(f"{place}: column {text}: {error.text()}") from None
         name = side.text()
         if name not in self.known:
-            near = difflib.get_close_matches(name, self.known, n=1)
-            names = list(self.known)
-            hint = (
-                f"did you mean '{near[0]}'?"
-                if near
-                else f"it has: {', '.join(names[:12])}{', ...' if len(names) > 12 else ''}"
-            )
-            raise UsageError(
-                f"{place}: column {text}: the model has no such parameter, input, coordinate or "
-                f"rate; {hint}"
-            )
+            what = "the model has no such parameter, input, coordinate or rate"
+            hint = near(name, list(self.known), "quantity")
+            raise UsageError(f"{place}: column {text}: {what}; {hint}")
         return self.known[name]
 
     def _value(self, line: int, column: Column, text: str) -> float:
@@ -213,11 +211,7 @@ class _Reader:
 
     def _quantity(self, line: int, column: Column, text: str) -> float:
         """Parses a value with a unit; `line` is its line number for messages, or 0."""
-        place = (
-            f"{self.path}:{line}: column {column.name}"
-            if line
-            else f"{self.path}: column {column.name}"
-        )
+        place = f"{self.path}{f':{line}' if line else ''}: column {column.name}"
         if not text:
             raise UsageError(f"{place}: a value is missing; give one, or drop the column")
         try:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 from bisect import bisect
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import hidden, indexed, parted
 from ..middle.loops.indices import size_values
 from ..middle.quantities import families, single_rotations
-from ..model import Model, Parameter, State
+from ..model import Model, State
 from ..record import record
 from .settings import Shown
 
@@ -123,10 +123,6 @@ def states(compilation: Compilation) -> frozenset[str]:
     return frozenset(q.name for q in compilation.equations.states)
 
 
-def with_attitudes(compilation: Compilation) -> bool:
-    return not compilation.looped and bool(compilation.equations.attitudes)
-
-
 def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
     """Returns keys by which names are sorted: coordinates and rotations come first, then rates,
     each in the order of declarations. The components of a quaternion come where its rotation is
@@ -171,7 +167,9 @@ def parameters(compilation: Compilation) -> Named:
     loop, place() converts the flat index to those of the declaration and of the member."""
     if not compilation.looped:
         return Named(_each(slot.quantity for slot in compilation.program.equations.parameters))
-    return Named(_plain(compilation.model, compilation.model.parameters))
+    items = compilation.model.parameters
+    found = families(compilation.model, items)
+    return Named([_declared(Quantity(x.name, x.unit, x.description), found[x.name]) for x in items])
 
 
 def events(compilation: Compilation) -> list[str]:
@@ -213,28 +211,20 @@ def kinds(compilation: Compilation) -> dict[str, Named]:
     }
 
 
-def set_parameters(
-    compilation: Compilation,
-    values: Iterable[tuple[int, float]],
-    members: Iterable[tuple[int, int, float]],
-) -> dict[tuple[str, int | None], float]:
-    """Returns the values of the parameters that settings set, by (name, index); `members` holds
-    (number, position, value) for families kept as loops."""
-    declared = parameters(compilation).declared
-    found = {parted(declared[k].quantity.name): x for k, x in values}
-    for k, position, x in members:
-        found[declared[k].quantity.name, declared[k].lo + position] = x
+def by_key(parameters: Named, values: Mapping[int, float]) -> dict[tuple[str, int | None], float]:
+    """Converts values of parameters by flat index to values by (name, index in the family)."""
+    found = {}
+    for flat, x in values.items():
+        k, position = parameters.place(flat)
+        item = parameters.declared[k]
+        index = None if item.lo is None else item.lo + position
+        found[parted(item.member(index).name)] = x
     return found
 
 
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
     """Yields a separate declaration for each quantity, also for each member of a family."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
-
-
-def _plain(model: Model, items: Sequence[Parameter | State]) -> list[Declared]:
-    found = families(model, items)
-    return [_declared(Quantity(x.name, x.unit, x.description), found[x.name]) for x in items]
 
 
 def _declared(quantity: Quantity, family) -> Declared:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from ..compiler import Compilation
+from ..graph.differentiate import symbols_in
 from ..graph.evaluate import evaluate, value_of
-from ..graph.graph import VARIABLE, Kind, Op, Symbol
+from ..graph.graph import VARIABLE, Kind, Symbol
 from ..graph.wording import wording
 
 
@@ -19,24 +20,19 @@ def constant(compilation: Compilation, given: dict[int, float]) -> str:
     def quantity(symbol: Symbol) -> str:
         return slots[symbol.index].quantity.name
 
-    known: dict[int, float] = {}
-    below: dict[int, frozenset[int]] = {}
+    def written(symbol: Symbol) -> str:
+        unit = slots[symbol.index].quantity.unit
+        return f"{quantity(symbol)} = {values[symbol]:.12g}" + (f" [{unit}]" if unit else "")
+
     for index, slot in enumerate(slots):  # in order: a default may use earlier parameters
-        values[Symbol(Kind.PARAMETER, index)] = given.get(index, 0.0)
-        if index not in given:
-            (values[Symbol(Kind.PARAMETER, index)],) = evaluate(g, [slot.default], values)
+        (default,) = evaluate(g, [slot.default], values) if index not in given else (0.0,)
+        values[Symbol(Kind.PARAMETER, index)] = given.get(index, default)
+    known: dict[int, float] = {}
     for node in range(len(g)):
         if g.depends[node] & VARIABLE:
             continue
         known[node] = value_of(g, node, [known[a] for a in g.args[node]], values)
-        below[node] = frozenset().union(*(below[a] for a in g.args[node]))
-        if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.PARAMETER:
-            below[node] = frozenset((g.data[node].index,))
-        if not math.isfinite(known[node]) and below[node]:
-            at = ", ".join(
-                f"{slots[i].quantity.name} = {values[Symbol(Kind.PARAMETER, i)]:.12g}"
-                + (f" [{slots[i].quantity.unit}]" if slots[i].quantity.unit else "")
-                for i in sorted(below[node])
-            )
+        of = () if math.isfinite(known[node]) else symbols_in(g, [node])
+        if at := ", ".join(written(symbol) for symbol in of if symbol in values):
             return f"{wording(g, node, quantity)} is not finite at {at}"
     return ""

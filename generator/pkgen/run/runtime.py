@@ -68,8 +68,11 @@ def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
                 archives.setdefault(path.name.partition("-")[0], []).append(str(path))
             if (folder / LINK_WITH).exists():
                 shutil.copy(folder / LINK_WITH, new)
+        ar = shutil.which("ar")
+        if ar is None:
+            raise BuildError("'ar' is missing; install binutils")
         for archive, objects in archives.items():
-            run([_ar(), "rcs", archive, *objects], new)
+            run([ar, "rcs", archive, *objects], new)
 
     return cached("runtime", f"{runtime_name(tools)}-{'-'.join(names)}", make)
 
@@ -80,12 +83,6 @@ def runtime_name(tools: Toolchain) -> str:
     for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # flags in this file count too
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
-
-
-def _ar() -> str:
-    if found := shutil.which("ar"):
-        return found
-    raise BuildError("'ar' is missing; install binutils")
 
 
 def _compiled(tools: Toolchain, part: str) -> Path:

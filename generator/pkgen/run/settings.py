@@ -89,3 +89,8 @@ class Settings:
     compiled_for: tuple[str, ...] = ()  # methods with inlined steps; (): those that run
     parts: tuple[PartSettings, ...] = ()  # (): all coordinates are integrated together
     units: bool = False  # whether the CSV header has units
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The methods whose steps are inlined."""
+        return self.compiled_for or (self.method, *(part.method for part in self.parts))

@@ -43,10 +43,10 @@ def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | Non
     return build_library(
         compilation.files,
         compilation.model.name,
-        *(settings.compiled_for or (settings.method, *(part.method for part in settings.parts))),
+        *settings.methods,
         ensemble=ensemble is not None,
         diagnose=bool(settings.diagnose),
-        parts=[(part.name, part.coordinates) for part in compilation.parts],
+        parts=compilation.blocks,
         own=compilation.model.methods,
     )
 
@@ -85,8 +85,10 @@ def simulate(
         return told
     fd = output if isinstance(output, int) else output.fileno()
     units = run.settings.units
-    if units and not more.get("resume"):
-        _write_header(run.columns(), fd)
+    if units and not more.get("resume"):  # the runtime's header has no units of time and energy
+        with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
+            names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in run.columns()]
+            writer(file, lineterminator="\n").writerow(names)
     return followed(run, on_progress, csv=fd, header=not units, **more)[1]
 
 
@@ -116,14 +118,6 @@ def outcome(
         constant = not_finite.constant(compilation, dict(settings.parameters))
         messages = f"run: {constant}\n" if constant else messages
     return Outcome(done.code, done.report, ensemble.placed(messages) if ensemble else messages)
-
-
-def _write_header(columns: list[Quantity], fd: int) -> None:
-    """Writes the header of the CSV file. The header that the runtime would write has no units of
-    time and energy."""
-    with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
-        names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
-        writer(file, lineterminator="\n").writerow(names)
 
 
 def sidecar(run: Runnable, outcome: Outcome, data: str) -> dict[str, object]:

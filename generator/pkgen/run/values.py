@@ -17,21 +17,12 @@ from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
 from ..middle.quantities import single_rotations
 from ..model import Model, Parameter
-from ..plan import RunNumbers
-from ..record import record
+from ..plan import DEFAULTS, RunNumbers
 from ..system.exits import UsageError
 from ..system.near import unknown
 from . import named
 from .named import columns
 from .settings import Shown
-
-
-@record
-class _Start:
-    order: int  # 0: the start of a coordinate, 1: of a rate
-    index: int
-    value: float
-
 
 _NEXT = re.compile(r",\s*(?=[A-Za-z_]\w*(?:\[[^\]]*\])?'*\s*=)")
 
@@ -75,15 +66,12 @@ class Numbers:
 
     def of_run(self, options: argparse.Namespace) -> RunNumbers:
         """Parses the options of a run that are numbers, such as --until. Raises UsageError."""
-        found = RunNumbers(
-            **{
-                name: self.positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
-                for name, unit in (
-                    *((name, self.time) for name in ("until", "every", "step", "max_step")),
-                    *((name, "") for name in ("rtol", "atol")),
-                )
-            }
-        )
+        given = {}
+        for name in vars(DEFAULTS):
+            unit = "" if name in ("rtol", "atol") else self.time
+            option = f"--{name.replace('_', '-')}"
+            given[name] = self.positive(option, getattr(options, name), unit)
+        found = RunNumbers(**given)
         if found.rtol is not None and found.atol is None and (wrong := wrong_rtol(found.rtol)):
             raise UsageError(f"--rtol {options.rtol}: {wrong}")
         return found
@@ -107,25 +95,6 @@ class Values(Numbers):
         self.coordinates = named.coordinates(compilation)
         self.rates = named.coordinates(compilation, rates=True)
 
-    def assigned(
-        self,
-        option: str,
-        assignments: list[tuple[str, str]],
-        known: named.Named,
-        others: named.Named,
-    ) -> tuple[tuple[int, float], ...]:
-        """Parses assignments such as `m1=2`, whose names must be in `known`. Returns the flat index
-        of the quantity and the value for each."""
-        found = []
-        for left, text in assignments:
-            name = self.flat_name(option, left)
-            if name in known:
-                index, quantity = known[name]
-                found.append((index, self.value(option, text, quantity.unit, name)))
-            elif name not in others:
-                raise UsageError(unknown(option, name, [*known, *others], "parameter or input"))
-        return tuple(found)
-
     def unread(self, name: str) -> Parameter | None:
         """Returns the parameter `name` if the scene removed it from the model, else None."""
         if name not in self.compilation.report.unused:
@@ -133,28 +102,35 @@ class Values(Numbers):
         parameters = self.compilation.declared.parameters
         return next((p for p in parameters if p.name == parted(name)[0]), None)
 
-    def read(self, sets: list[tuple[str, str]]) -> list[tuple[str, str]]:
-        """Returns the assignments of `--set`, without parameters that the scene removed; checks the
-        values of removed parameters."""
-        found = []
+    def assigned(self, sets: list[tuple[str, str]]) -> tuple[dict[int, float], dict[int, float]]:
+        """Returns the values that `--set` gives to parameters and to inputs, by flat index, without
+        parameters that the scene removed; checks the values of those."""
+        kinds = named.parameters(self.compilation), named.inputs(self.compilation)
+        found: tuple[dict[int, float], dict[int, float]] = {}, {}
         for left, text in sets:
             name = self.flat_name("--set", left)
-            parameter = self.unread(name)
-            if parameter is None:
-                found.append((left, text))
+            if (gone := self.unread(name)) is not None:
+                value = self.value("--set", text, gone.unit, name)
+                if not within_bounds(self.compilation.declared, gone, parted(name)[1], value):
+                    raise UsageError(f"--set {name}={text}: outside its bounds: {name}")
                 continue
-            value = self.value("--set", text, parameter.unit, name)
-            if not within_bounds(self.compilation.declared, parameter, parted(name)[1], value):
-                raise UsageError(f"--set {name}={text}: outside its bounds: {name}")
+            k = next((k for k, known in enumerate(kinds) if name in known), None)
+            if k is None:
+                known = [*kinds[0], *kinds[1]]
+                raise UsageError(unknown("--set", name, known, "parameter or input"))
+            index, quantity = kinds[k][name]
+            found[k][index] = self.value("--set", text, quantity.unit, name)
         return found
 
-    def starts(self, given: list[str]) -> tuple[list[_Start], dict[int, float]]:
-        """Parses `--start`: returns initial values of coordinates and rates, and {index: value} of
-        those that became parameters."""
+    def starts(
+        self, given: list[str]
+    ) -> tuple[dict[int, float], dict[int, float], dict[int, float]]:
+        """Returns the values that `--start` gives, by flat index: to coordinates, to rates, and to
+        starts that became parameters."""
         report = self.compilation.report
         parameters = named.parameters(self.compilation)
         declared = named.declared(self.compilation)
-        found, of_parameters = [], {}
+        found, of_parameters = ({}, {}), {}
         for text in given:
             left, value = assignment("--start", text)
             side = self.left("--start", left)
@@ -172,8 +148,7 @@ class Values(Numbers):
                 order = side.order or int(name not in self.coordinates)
                 among = self.rates if order else self.coordinates
                 index, quantity = among[name + "'" * side.order]
-                number = self.value("--start", value, quantity.unit, left)
-                found.append(_Start(order, index, number))
+                found[order][index] = self.value("--start", value, quantity.unit, left)
             elif name in (numbers := self._numbers_of_rotations()):
                 each = ", ".join(numbers[name])
                 raise UsageError(f"--start {left}: one number an option, of {each}")
@@ -183,7 +158,7 @@ class Values(Numbers):
                 raise UsageError(
                     f"--start {left}: the scene holds {name}; change what it is held at"
                 )
-        return found, of_parameters
+        return *found, of_parameters
 
     def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
         """Returns, for each rotation and for its body rates omega(...), the names of the single
@@ -192,19 +167,6 @@ class Values(Numbers):
         return {r.name: r.quaternion for r in rotations} | {
             f"omega({r.name})": r.rates for r in rotations
         }
-
-    def by_key(
-        self, parameters: named.Named, values: dict[int, float]
-    ) -> dict[tuple[str, int | None], float]:
-        """Converts values of parameters, keyed by flat index, to values keyed by the pair (name,
-        index in the family)."""
-        found = {}
-        for item in parameters.declared:
-            for flat, x in values.items():
-                if item.first <= flat < item.first + item.count:
-                    index = None if item.lo is None else item.lo + flat - item.first
-                    found[parted(item.member(index).name)] = x
-        return found
 
     def shown(self, name: str, option: str = "--record") -> Shown:
         """Returns the column with the name `name` as the runtime identifies it: by kind and index.

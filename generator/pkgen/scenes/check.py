@@ -43,7 +43,7 @@ def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagn
     """Returns the errors that a scene has if it runs without options other than --size. `given` has
     the values of --size."""
     unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as in prepare()
-    use = scene_use.as_written(scene.name)
+    use = scene_use.CheckUse(scene=scene.name, apart=True)
     made = stages(declared.source, given, unroll=unroll, use=use)
     try:
         *_, (equations, structure, report) = islice(made, STAGES.index("reduce") + 1)

@@ -65,7 +65,7 @@ def events(scene: Scene) -> frozenset[str]:
 
 def written(source: Source, item: Expect) -> str:
     """Returns the text of an expectation in the model's file, on one line."""
-    text = " ".join(source.text[item.span.start : item.span.end].split())
+    text = source.written(item.span)
     return f"{text} ({item.component})" if item.component else text
 
 

@@ -23,15 +23,14 @@ class Verdict:
     span: Span
     met: bool
     said: str  # reason why the expectation is not met
-    value: float | None
-    bound: float | None
-    within: float | None
-    t: float | None
-    member: int | None
+    value: float | None = None
+    bound: float | None = None
+    within: float | None = None
+    t: float | None = None
+    member: int | None = None
 
     def record(self) -> dict[str, object]:
-        keys = ("text", "met", "said", "value", "bound", "within", "t", "member")
-        return {key: getattr(self, key) for key in keys}
+        return {key: x for key, x in vars(self).items() if key != "span"}
 
     def diagnostic(self) -> Diagnostic:
         return Diagnostic(f"expectation missed: {self.said}", self.span)
@@ -61,9 +60,7 @@ class Judge:
         ]
 
     def _verdict(self, item: Expect, met: bool, said: str, **found: float | int | None) -> Verdict:
-        text = written(self.model.source, item)
-        keys = ("value", "bound", "within", "t", "member")
-        return Verdict(text, item.span, met, said, *(found.get(key) for key in keys))
+        return Verdict(written(self.model.source, item), item.span, met, said, **found)
 
     def _compared(self, item: Expect, found: dict) -> Verdict:
         if found["count"] == 0:
@@ -99,15 +96,12 @@ class Judge:
         member = None
         for call in calls(item, "drift"):
             found = next(drifts)
-            numbers[call] = found["max"]
-            member = found["member"] if self.member is not None else None
+            numbers[call], member = found["max"], found["member"]
         times = {call: self._times(call.arguments[0].id) for call in calls(item, "time")}
-        if not times:
-            return self._worst(item, [(numbers, member)])
-        rows = zip(*times.values(), strict=True)
         first = self.report.get("first_member", 0)
-        found = (numbers | dict(zip(times, row, strict=True)) for row in rows)
-        cases = [(case, first + i) for i, case in enumerate(found)]
+        rows = enumerate(zip(*times.values(), strict=True), first)
+        cases = [(numbers | dict(zip(times, row, strict=True)), k) for k, row in rows]
+        cases = cases or [(numbers, member)]
         return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
 
     def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
@@ -143,8 +137,7 @@ class Judge:
     def _event(self, name: str) -> dict:
         """Returns what the run's report says about an event. If the run refused the initial state,
         the event has no times."""
-        none = {"name": name, "times": []}
-        return next((e for e in self.report["events"] if e["name"] == name), none)
+        return next((e for e in self.report["events"] if e["name"] == name), {"times": []})
 
     def _times(self, name: str) -> list[float | None]:
         """Returns the first time of an event, in the run or each member; None: it did not occur."""

@@ -18,7 +18,6 @@ from ..model import (
     Constraint,
     Coordinate,
     Definition,
-    Input,
     Model,
     Record,
     Scene,
@@ -172,11 +171,6 @@ def needed(scene: Scene) -> frozenset[str]:
     return frozenset(expects.outputs(scene)) | expects.columns(scene) | expects.drifting(scene)
 
 
-def events(scene: Scene) -> frozenset[str]:
-    """Returns the events of expectations; the event at which rows are recorded is not included."""
-    return expects.events(scene)
-
-
 def _held(model: Model, scene: Scene) -> set[str]:
     """Returns the coordinates whose motion the scene prescribes; they are recorded as outputs."""
     known = sizes(model)
@@ -221,18 +215,11 @@ def _claims(model: Model, value: Expr) -> Expr:
 
 def _driven(model: Model, scene: Scene, given: Collection[str]) -> Model:
     """Replaces inputs that are functions of t by definitions, which have time derivatives."""
-    driven = {
-        item.name: item
-        for item in scene.assignments
-        if item.name in {i.name for i in model.inputs} and item.name not in given
-    }
-    if not driven:
-        return model
-    inputs = {item.name: item for item in model.inputs}
-    lets = [_let(inputs[name], item.value, item.span) for name, item in driven.items()]
-    kept = tuple(item for item in model.inputs if item.name not in driven)
-    return with_definitions(replace(model, inputs=kept), lets)
-
-
-def _let(item: Input, value: Expr, span) -> Definition:
-    return Definition(item.name, None, None, value, item.units[0], item.description, span)
+    values = {item.name: item for item in scene.assignments if item.name not in given}
+    driven = [(x, values[x.name]) for x in model.inputs if x.name in values]
+    lets = [
+        Definition(x.name, None, None, by.value, x.units[0], x.description, by.span)
+        for x, by in driven
+    ]
+    kept = tuple(x for x in model.inputs if x.name not in values)
+    return with_definitions(replace(model, inputs=kept), lets) if lets else model

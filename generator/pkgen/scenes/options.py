@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ..front.check.check import check_text
@@ -36,32 +36,27 @@ def numbers(options: argparse.Namespace) -> list[str]:
     return [text for text in options.set if not is_motion(text)]
 
 
-def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callable[[Model], Model]:
-    """Returns a function that extends the chosen scene of a model by functions of t and columns in
-    options. If no scene is chosen, it adds a scene OPTIONS."""
-
-    def declared(model: Model) -> Model:
-        lets = {item.name for item in (*model.definitions, *model.inputs)}
-        named = [c for c in columns if lets & _stems(c) or _ACCELERATION.match(c)]
-        clauses = [f"set {text}" for text in options.set if is_motion(text)]
-        clauses += [f"record {', '.join(named)}"] if named else []
-        source = model.source
-        made = Scene(name=OPTIONS, span=model.span)
-        if clauses:
-            made, source = _made(model, clauses)
-        model = replace(model, source=source)
-        if options.scene is None:
-            return replace(model, scenes=(*model.scenes, replace(made, name=OPTIONS)))
-        chosen = scenes.chosen(model, options.scene)
-        record = chosen.record
-        if made.record is not None:
-            record = replace(record or made.record, columns=made.record.columns)
-        both = (*chosen.assignments, *made.assignments)
-        merged = replace(chosen, assignments=both, record=record)
-        kept = (merged if s is chosen else s for s in model.scenes)
-        return replace(model, scenes=tuple(kept))
-
-    return declared
+def with_options(model: Model, options: argparse.Namespace, columns: Iterable[str]) -> Model:
+    """Extends the chosen scene of a model by functions of t and columns in options. If no scene is
+    chosen, adds a scene OPTIONS."""
+    lets = {item.name for item in (*model.definitions, *model.inputs)}
+    named = [c for c in columns if lets & _stems(c) or _ACCELERATION.match(c)]
+    clauses = [f"set {text}" for text in options.set if is_motion(text)]
+    clauses += [f"record {', '.join(named)}"] if named else []
+    made, source = Scene(name=OPTIONS, span=model.span), model.source
+    if clauses:
+        made, source = _made(model, clauses)
+    model = replace(model, source=source)
+    if options.scene is None:
+        return replace(model, scenes=(*model.scenes, replace(made, name=OPTIONS)))
+    chosen = scenes.chosen(model, options.scene)
+    record = chosen.record
+    if made.record is not None:
+        record = replace(record or made.record, columns=made.record.columns)
+    both = (*chosen.assignments, *made.assignments)
+    merged = replace(chosen, assignments=both, record=record)
+    kept = (merged if s is chosen else s for s in model.scenes)
+    return replace(model, scenes=tuple(kept))
 
 
 def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:

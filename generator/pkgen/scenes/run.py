@@ -54,8 +54,10 @@ def count(model: Model, scene: Scene) -> int:
 
 def values(compilation: Compilation, scene: Scene, settings: Settings) -> Values:
     """Returns the values of parameters and constants in a run of the scene."""
-    given = named.set_parameters(compilation, settings.parameters, settings.members)
-    return scenes.values(compilation.declared, scene, given)
+    parameters = named.parameters(compilation)
+    given = {parameters.declared[k].first: x for k, x in settings.parameters}
+    given |= {parameters.declared[k].first + j: x for k, j, x in settings.members}
+    return scenes.values(compilation.declared, scene, named.by_key(parameters, given))
 
 
 def members(

@@ -67,18 +67,16 @@ def settings(
     """Returns the settings of `pkgen run` in SI units. Options override the scene, the scene
     overrides defaults. `members` is the size of an ensemble, None for one trajectory."""
     values, plan = Values(compilation), scene_use.planned(options, compilation)
-    starts, start_parameters = values.starts(options.start)
+    start_q, start_v, start_parameters = values.starts(options.start)
     sets = [assignment("--set", text) for text in scene_options.numbers(options)]
     _once("--set", (values.flat_name("--set", name) for name, _ in sets))
     lefts = (assignment("--start", text)[0] for text in options.start)
     _once("--start", (values.flat_name("--start", left) for left in lefts))
-    sets = values.read(sets)
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
-    parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
-    inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
+    parameters_set, inputs_set = values.assigned(sets)
     said = scene.Numbers()
     if chosen is not None:
-        at_run = values.by_key(parameters, parameters_set)
+        at_run = named.by_key(parameters, parameters_set)
         said = scene.numbers(compilation.declared, chosen, at_run)
         of_scene = {
             parameters[indexed(name, index)][0]: x
@@ -110,8 +108,8 @@ def settings(
         parameters=single,
         members=of_families,
         inputs=tuple(inputs_set.items()),
-        start_q=tuple((s.index, s.value) for s in starts if not s.order),
-        start_v=tuple((s.index, s.value) for s in starts if s.order),
+        start_q=tuple(start_q.items()),
+        start_v=tuple(start_v.items()),
         show=show,
         at=at,
         units=options.units,
@@ -151,7 +149,7 @@ def _recorded(
         _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:
         show = [values.shown(name) for name in scene_model.columns(chosen)]
-    if not show and named.with_attitudes(compilation):
+    if not show and getattr(compilation.equations, "attitudes", ()):
         show = values.standard()
     if options.at is not None:
         at = options.at

@@ -7,7 +7,6 @@ again.
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import os
 import shutil
@@ -16,9 +15,10 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 from .exits import BuildError
-from .files import MARK, scratch, sweep
+from .files import MARK, locked, scratch, sweep
 from .progress import say, trace
 
 DIGESTS = "digests"
@@ -123,24 +123,19 @@ def _refuse_foreign(folder: Path) -> None:
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
     """Holds an exclusive lock, the file `path`."""
-    while True:
-        fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
-        with suppress(OSError):  # Some file systems have no locks.
-            try:
-                fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                if path.parent.name == "runtime":
-                    say("waiting for another pkgen, which compiles the runtime")
-                fcntl.flock(fd, fcntl.LOCK_EX)
-        with suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(fd), path.stat()):
-                break
-        os.close(fd)  # The process that had the lock removed the file.
-    try:
-        yield
-    finally:
-        path.unlink(missing_ok=True)
-        os.close(fd)
+
+    def open_() -> IO[bytes]:
+        return os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600), "r+b")
+
+    def busy() -> None:
+        if path.parent.name == "runtime":
+            say("waiting for another pkgen, which compiles the runtime")
+
+    with locked(open_, path, busy):
+        try:
+            yield
+        finally:
+            path.unlink(missing_ok=True)
 
 
 def _prune(kinds: Path) -> None:

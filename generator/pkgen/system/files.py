@@ -17,7 +17,7 @@ import stat
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -208,16 +208,26 @@ class Result:
 
 def _locked(path: Path, end: Path) -> IO[bytes]:
     """Opens a file for writing and locks it. Raises UsageError if another command is writing it."""
+
+    def busy() -> None:
+        raise UsageError(f"{path}: another run is writing it")
+
+    return locked(lambda: _opened(path, end), path, busy)
+
+
+def locked(open_: Callable[[], IO[bytes]], path: Path, busy: Callable[[], None]) -> IO[bytes]:
+    """Opens the file `path` by `open_` and locks it. If another process has the lock, calls `busy`
+    and, if that returns, waits."""
     while True:
-        file = _opened(path, end)
+        file = open_()
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            file.close()
-            raise UsageError(f"{path}: another run is writing it") from None
+            busy()
+            fcntl.flock(file, fcntl.LOCK_EX)
         except OSError:  # The file system has no locks.
             return file
-        with suppress(FileNotFoundError):  # Another run may rename the file before the lock.
+        with suppress(FileNotFoundError):  # Another process may rename or remove the file.
             if os.path.samestat(os.fstat(file.fileno()), path.stat()):
                 return file
         file.close()
