@@ -1,4 +1,4 @@
-/* Makes the diagnostics of a run in the order of their list; see diagnose.h. */
+/* Makes the diagnostics of a run in the order of their list; see parts.h. */
 
 #include "parts.h"
 

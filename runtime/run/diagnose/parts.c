@@ -155,7 +155,7 @@ static void keep(struct pk_run *run, struct pk_keep *k)
     struct diagnostics *d = run->diagnostics;
     const size_t size = (1 + 2 * run->settings.n) * sizeof *d->rows;
     size_t count = d ? d->n_rows : 0;
-    pk_keep(k, &count, sizeof count);
+    PK_KEEP(k, count);
     if (!count || k->wrong)
         return;
     if (k->from && count > (k->size - k->used) / size) {

@@ -4,8 +4,27 @@
 
 #include "../base/json.h"
 #include "../observers/observers.h"
-#include "diagnose.h"
+#include "diagnostics.h"
 #include "motion.h"
+
+/* One flag per diagnostic. */
+#define DIAGNOSE_PLACE(name, of, kernels) DIAGNOSE_PLACE_##name,
+enum {
+    DIAGNOSTICS(DIAGNOSE_PLACE) DIAGNOSE_PLACES,
+    /* all diagnostics; inapplicable ones are no errors */
+    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1,
+    DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1) /* `area`, the only diagnostic of an ensemble */
+};
+
+void diagnose_report(const struct pk_run *run, struct json *j);
+void diagnose_free(struct pk_run *run);
+pk_real diagnose_exponent(struct pk_run *of);
+extern const struct observer diagnose_observer, area_observer;
+
+/* defined in area.c and area_find.c */
+enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count);
+void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
+enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone);
 
 struct diagnostics {
     pk_real *rows; /* t, q, v of each row kept during the run */
