@@ -35,21 +35,26 @@ static int open_search(struct search *s, const struct pk_problem *problem)
     s->problem = problem;
     s->n = s->rows = n;
     s->rows += problem->system->constraints.n_holonomic + problem->system->constraints.n;
-    const size_t wide = s->rows * n;
-    const struct pk_slot slots[] = {
-        {&s->q, n},    {&s->v, n},      {&s->kept, n},   {&s->box, n},     {&s->middle, n},
-        {&s->p, n},    {&s->pdot, n},   {&s->pivot, n},  {&s->step, n},    {&s->slope, n},
-        {&s->rest, n}, {&s->r_t, n},    {&s->along, n},  {&s->F, s->rows}, {&s->scale, s->rows},
-        {&s->M, wide}, {&s->p_q, wide}, {&s->F_q, wide}, {&s->F_v, wide},  {&s->J, wide}};
-    double *x = (double *)calloc(PK_LAY_OUT(NULL, slots), sizeof *x);
+    const size_t rows = s->rows;
+    double *x = (double *)calloc(13 * n + 2 * rows + 5 * rows * n, sizeof *x);
     s->turns = (unsigned char *)calloc(2 * n, 1);
     s->primes = (size_t *)calloc(n + 1, sizeof *s->primes);
     s->q = x;
     if (!x || !s->turns || !s->primes)
         return 0;
-    PK_LAY_OUT(x, slots);
     s->unread = s->turns + n;
     primes(s->primes, n + 1);
+    double **const vectors[] = {&s->q,    &s->v,    &s->kept,  &s->box,  &s->middle,
+                                &s->p,    &s->pdot, &s->pivot, &s->step, &s->slope,
+                                &s->rest, &s->r_t,  &s->along};
+    double **const equations_of[] = {&s->F, &s->scale};
+    double **const matrices[] = {&s->M, &s->p_q, &s->F_q, &s->F_v, &s->J};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        *vectors[k] = x, x += n;
+    for (size_t k = 0; k < sizeof equations_of / sizeof *equations_of; k++)
+        *equations_of[k] = x, x += rows;
+    for (size_t k = 0; k < sizeof matrices / sizeof *matrices; k++)
+        *matrices[k] = x, x += rows * n;
     return 1;
 }
 

@@ -17,7 +17,7 @@
 #include <pk/gsl.h>
 
 #include "../src/core/internal.h"
-#include "../src/core/root.h"
+#include <pk/root.h>
 
 enum { MOST = 2 + 3 * PK_LINES, TURNS = 12 };
 

@@ -3,7 +3,7 @@
  * vectors. A point where the determinant of the n displacements changes sign is conjugate to the
  * start. */
 #include "../../src/core/internal.h"
-#include "../../src/core/root.h"
+#include <pk/root.h>
 #include "motion.h"
 
 #include <pk/step/gauss_tables.h>

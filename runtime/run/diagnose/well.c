@@ -2,7 +2,7 @@
 #include "well.h"
 
 #include "../../src/core/internal.h"
-#include "../../src/core/root.h"
+#include <pk/root.h>
 
 enum { PANELS = 20000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
 #define FOLLOWED (1024 * PK_EPSILON) /* largest error of the work in a panel, relative to w->most */
