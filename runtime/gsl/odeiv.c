@@ -26,6 +26,7 @@
 struct foreign {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver;
+    gsl_odeiv2_control control; /* of the driver, by the tolerances of the integrator */
     /* GSL only knows whether the right-hand side failed; this is its status. */
     enum pk_status status;
     double h;       /* step size that GSL proposes; 0 before its first proposal */
@@ -81,8 +82,10 @@ static void release(struct pk_integrator *it)
 {
     struct foreign *f = (struct foreign *)it->own->extra;
     if (f) {
-        if (f->driver)
+        if (f->driver) {
+            f->driver->c = NULL;
             gsl_odeiv2_driver_free(f->driver);
+        }
         free(f->linear);
         free(f);
     }
@@ -121,29 +124,9 @@ static int hadjust(void *context, size_t dim, unsigned int order, const double y
     return GSL_ODEIV_HADJ_INC;
 }
 
-static void *control_alloc(void)
-{
-    static char none;
-    /* GSL takes NULL for a failed allocation, so this is the address of an unused byte. */
-    return &none;
-}
-
-static int control_init(void *context, double eps_abs, double eps_rel, double a_y, double a_dydt)
-{
-    (void)context, (void)eps_abs, (void)eps_rel, (void)a_y, (void)a_dydt;
-    return GSL_SUCCESS;
-}
-
-static int control_driver(void *context, const gsl_odeiv2_driver *driver)
-{
-    (void)context, (void)driver;
-    return GSL_SUCCESS;
-}
-
-static void control_free(void *context) { (void)context; }
-
+/* The control is part of struct foreign, so GSL allocates nothing for it. */
 static const gsl_odeiv2_control_type by_tolerance = {
-    "pk_tolerance", control_alloc, control_init, hadjust, errlevel, control_driver, control_free,
+    "pk_tolerance", NULL, NULL, hadjust, errlevel, NULL, NULL,
 };
 
 static enum pk_status init(struct pk_integrator *it)
@@ -168,16 +151,12 @@ static enum pk_status init(struct pk_integrator *it)
     f->h = it->options.h;
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     f->driver = gsl_odeiv2_driver_alloc_y_new(&f->system, *type, 1e-6, 1, it->options.rtol);
-    gsl_odeiv2_control *own = gsl_odeiv2_control_alloc(&by_tolerance);
     gsl_set_error_handler(handler);
-    if (!f->driver || !own) {
-        if (own)
-            gsl_odeiv2_control_free(own);
+    if (!f->driver)
         return PK_NO_MEMORY;
-    }
-    own->state = it;
+    f->control = (gsl_odeiv2_control){&by_tolerance, it};
     gsl_odeiv2_control_free(f->driver->c);
-    f->driver->c = own;
+    f->driver->c = &f->control;
     gsl_odeiv2_step_set_driver(f->driver->s, f->driver);
     return PK_DONE;
 }
@@ -258,10 +237,10 @@ static enum pk_status keep(struct pk_integrator *it, struct pk_keep *k)
     double *const numbers[] = {e->y0, e->yerr, e->dydt_in, e->dydt_out};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         pk_keep(k, numbers[i], e->dimension * sizeof *numbers[i]);
-    pk_keep(k, &e->last_step, sizeof e->last_step);
-    pk_keep(k, &e->count, sizeof e->count);
-    pk_keep(k, &e->failed_steps, sizeof e->failed_steps);
-    pk_keep(k, &f->h, sizeof f->h);
+    PK_KEEP(k, e->last_step);
+    PK_KEEP(k, e->count);
+    PK_KEEP(k, e->failed_steps);
+    PK_KEEP(k, f->h);
     return PK_DONE;
 }
 

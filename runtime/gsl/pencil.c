@@ -5,15 +5,7 @@
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 
-#include "pencil.h"
-
-double pk_gsl_largest(const double *x, size_t count)
-{
-    double most = 0;
-    for (size_t i = 0; i < count; i++)
-        most = fmax(most, fabs(x[i]));
-    return most;
-}
+#include <pk/gsl.h>
 
 /* Returns the factor by which u, column k of U of length 1, is scaled to u.M u = 1. */
 static double scale(size_t n, const double *M, const gsl_matrix *U, size_t k)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, case, ran
-from pkgen.run import build
+from pkgen.run import runtime
 from pkgen.system import toolchain
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
@@ -141,17 +141,19 @@ def test_the_example_in_c(pkgen, tmp_path: Path) -> None:
     text = (ROOT / "docs/lyapunov.c").read_text()
     assert text in (ROOT / "docs/diagnostics.md").read_text()
     assert pkgen(DOUBLE, "--runtime", "-o", tmp_path).returncode == 0
-    library = build.runtime_library(toolchain.find_toolchain()) / "libpk.a"
+    tools = toolchain.find_toolchain()
+    library = runtime.runtime_library(tools)
     flags = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
     include = [f"-I{tmp_path}", f"-I{ROOT / 'runtime/include'}", "-DPK_RUNTIME"]
-    sources = [ROOT / "docs/lyapunov.c", tmp_path / "double_pendulum.c", library]
+    sources = [ROOT / "docs/lyapunov.c", tmp_path / "double_pendulum.c", library / "librun.a"]
+    links = runtime.runtime_links(tools, library)
     subprocess.run(
-        ["gcc", *flags, *include, *sources, "-lm", "-o", tmp_path / "program"], check=True
+        ["gcc", *flags, *include, *sources, *links, "-o", tmp_path / "program"], check=True
     )
     done = subprocess.run([tmp_path / "program"], capture_output=True, text=True, check=True)
-    exponent, error = (float(x) for x in done.stdout.split(",")[0].split("+-"))
-    assert 0.01 < error < 0.1 and abs(exponent - 1.343) < 4 * error
-    assert done.stdout.endswith(": chaotic\n")
+    found = json.loads(done.stdout)["diagnostics"]["lyapunov"]
+    assert 0.01 < found["error"] < 0.1 and abs(found["exponent"] - 1.343) < 4 * found["error"]
+    assert found["motion"] == "chaotic"
 
 
 def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:

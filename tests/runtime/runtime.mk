@@ -49,7 +49,7 @@ $(RT_TESTS)/%.o: tests/runtime/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_TEST_CFLAGS) -Iruntime/src -c $< -o $@
 
-$(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
+$(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_TESTS)/librun.a $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	$(CC) $(RT_EXTRA) $(RT_OPENMP) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
 # The same tests over steps that are compiled together with their systems.
@@ -57,7 +57,7 @@ $(RT_TESTS)/inlined/%.o: tests/runtime/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_TEST_CFLAGS) $(RT_INLINE) -c $< -o $@
 $(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTEMS_INLINED) \
-                             $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
+                             $(RT_TESTS)/librun.a $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	$(CC) $(RT_EXTRA) $(RT_OPENMP) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
 # The layer of runs around a hand-written system, for its own tests.
@@ -69,6 +69,8 @@ comma = ,
 $(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_RUN_CFLAGS) -c $< -o $@
+$(RT_TESTS)/librun.a: $(RT_RUN)
+	rm -f $@ && ar rcsD $@ $^
 $(RT_TESTS)/run_%.so: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	printf '#include "run_model.h"\n%s\n%s\n' \
 	    'extern const struct pk_run_model pk_model; const struct pk_run_model pk_model =' \

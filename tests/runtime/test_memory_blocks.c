@@ -93,54 +93,6 @@ static void ensemble(const struct use *use, const struct pattern *with, struct t
     note_all(to, last_t, MEMBERS);
 }
 
-static void variations(const struct use *use, const struct pattern *with, struct trace *to)
-{
-    struct pk_lyapunov l;
-    struct pk_reversal r;
-    struct pk_integrator it;
-    struct pk_stepmap map;
-    const struct pk_problem *problem = use->problem;
-    if (!problem->system->linear)
-        return;
-    CU_ASSERT_FATAL(pk_lyapunov_size(problem, use->method) <= sizeof room);
-    poison(room, sizeof room, with);
-    note(to, pk_lyapunov_init(&l, problem, use->method, use->options, 0, use->q, use->v, 0.05, room,
-                              sizeof room));
-    for (int k = 0; k < 3 && to->x[to->count - 1] >= 0; k++) {
-        note(to, pk_lyapunov_step(&l));
-        note(to, l.growth);
-        note_all(to, l.it.q, l.it.n);
-    }
-    pk_lyapunov_free(&l);
-    poison(room, sizeof room, with);
-    note(to, pk_reversal_find(&r, &it, problem, use->method, use->options, 0, use->q, use->v, 0.1,
-                              1e-3, room, sizeof room));
-    for (size_t k = 0; k < r.count; k++)
-        note(to, r.at[k].t), note(to, r.at[k].error);
-    pk_integrator_free(&it);
-    poison(room, sizeof room, with);
-    note(to, pk_stepmap_find(&map, problem, use->method, use->options, 0.01, 0, use->q, use->v,
-                             NULL, room, sizeof room));
-    if (to->x[to->count - 1] >= 0)
-        note(to, map.defect), note(to, map.volume);
-}
-
-static void least_action(const struct use *use, const struct pattern *with, struct trace *to)
-{
-    struct pk_least_action found;
-    const size_t size = pk_least_action_size(use->problem, use->method, 4, 3);
-    if (!size || size > sizeof room || !use->problem->system->linear)
-        return;
-    poison(room, sizeof room, with);
-    note(to, pk_least_action_find(&found, use->problem, use->method, use->options, 0, use->q,
-                                  use->v, 0.3, 4, 3, room, sizeof room));
-    if (to->x[to->count - 1] >= 0) {
-        note(to, found.action);
-        note_all(to, found.C, 9 * found.n * found.n);
-    }
-    pk_least_action_free(&found);
-}
-
 static void residuals(const struct use *use, const struct pattern *with, struct trace *to)
 {
     struct pk_residuals found;
@@ -153,8 +105,8 @@ static void residuals(const struct use *use, const struct pattern *with, struct 
     note(to, pk_monitor_init(&monitor, use->problem, room, sizeof room));
 }
 
-static void (*const uses[])(const struct use *, const struct pattern *, struct trace *) = {
-    events, ensemble, variations, least_action, residuals};
+static void (*const uses[])(const struct use *, const struct pattern *,
+                            struct trace *) = {events, ensemble, residuals};
 
 static void every_block(void)
 {

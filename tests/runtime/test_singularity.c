@@ -1,6 +1,7 @@
 /* Where the equations end: a collision, a chart's pole, through every kind of method, and not where
  * a motion only passes near. Without singularities a fixed step steps over each of them.
  */
+#include "../../runtime/run/diagnose/motion.h"
 #include "fixture.h"
 
 static const double FALL = 1.1107207345395915; /* pi/(2 sqrt 2): from rest at 1, mu = 1 */
@@ -289,21 +290,26 @@ static void members(void)
 static void with_displacements(void)
 {
     static struct fixture f;
-    static struct pk_variation variation;
-    static double block[2000], more[100];
+    static struct variation variation;
+    static struct memory memory;
     struct pk_system system = guarded_kepler();
-    struct pk_integrator it;
-    const double q[4] = {0.6, 0.8, 1, 0}, v[4] = {0};
-    const struct pk_method *method = pk_method_find("rk4");
     fixture_set(&f, &system);
-    f.options.h = 0.01;
-    CU_ASSERT_FATAL(pk_variation_init(&variation, &f.problem, 1, more, sizeof more) == PK_DONE);
-    CU_ASSERT(pk_variation_integrator_size(&f.problem, 1, method) ==
-              pk_integrator_size(&variation.problem, method));
-    CU_ASSERT_FATAL(pk_integrator_init(&it, &variation.problem, method, &f.options, 0, q, v, block,
-                                       sizeof block) == PK_DONE);
-    CU_ASSERT(pk_integrator_to(&it, 3) == PK_SINGULAR_TIME);
-    CU_ASSERT(fabs(it.reason.time - FALL) < 0.01 && it.t < FALL);
+    const struct motion m = {.problem = &f.problem,
+                             .method = pk_method_find("rk4"),
+                             .options = f.options,
+                             .q = f.q0,
+                             .v = f.v0,
+                             .memory = &memory};
+    f.q0[0] = 0.6, f.q0[1] = 0.8;
+    f.v0[0] = f.v0[1] = 0;
+    CU_ASSERT_FATAL(variation_init(&variation, &m, 1) == PK_DONE);
+    variation.Q[2] = 1;
+    variation.motion.options.h = 0.01;
+    CU_ASSERT_FATAL(motion_begin(&variation.motion) == PK_DONE);
+    const struct pk_integrator *it = &variation.motion.it;
+    CU_ASSERT(pk_integrator_to(&variation.motion.it, 3) == PK_SINGULAR_TIME);
+    CU_ASSERT(fabs(it->reason.time - FALL) < 0.01 && it->t < FALL);
+    memory_end(&memory);
 }
 
 void add_singularity(void)

@@ -1,8 +1,7 @@
 /* States, x' = g(t, q, v, x), in v: each method has its order on them, and what stands in q beside
  * them, their integrals, changes no bit of a motion and no step.
  */
-#include <stdlib.h>
-
+#include "../../runtime/run/diagnose/motion.h"
 #include "fixture.h"
 
 #include <pk/gsl_equilibria.h>
@@ -99,22 +98,31 @@ static void unseen(void)
     CU_ASSERT(found >= 2 * 24);
 }
 
+static struct motion motion_from(const struct fixture *f, const char *method, double end)
+{
+    static struct memory memory;
+    memory_end(&memory);
+    return (struct motion){.problem = &f->problem,
+                           .method = pk_method_find(method),
+                           .options = f->options,
+                           .end = end,
+                           .q = f->q0,
+                           .v = f->v0,
+                           .memory = &memory};
+}
+
 /* There and back, the integrals' own round-off is nobody's. */
 static void reversed(void)
 {
     static struct fixture f;
-    struct pk_reversal r[2];
+    struct reversal r[2];
     for (int k = 0; k < 2; k++) {
         fixture_set(&f, &maxwell_system);
         f.options.h = 0.01;
         f.q0[1] = k ? 1e9 : 0;
-        const struct pk_method *gauss6 = pk_method_find("gauss6");
-        const size_t size = pk_reversal_size(&f.problem, gauss6);
-        void *block = malloc(size);
-        CU_ASSERT(pk_reversal_find(&r[k], &f.it, &f.problem, gauss6, &f.options, 0, f.q0, f.v0, 1,
-                                   0.01, block, size) == PK_DONE);
-        pk_integrator_free(&f.it);
-        free(block);
+        struct motion m = motion_from(&f, "gauss6", 1);
+        CU_ASSERT(reversal_find(&r[k], &m, 0.01) == PK_DONE);
+        pk_integrator_free(&m.it);
     }
     CU_ASSERT(r[0].count > 5 && r[0].count == r[1].count);
     CU_ASSERT(r[0].at[r[0].count - 1].error > 0);
@@ -129,34 +137,26 @@ static void exponents(void)
     fixture_set(&f, &maxwell_system);
     f.q0[0] = 1e-3, f.v0[1] = 1e-3;     /* linear: eigenvalues of s^3 + s^2 + 10.81 s + 9.81 */
     const double expected = -0.0429345; /* the real part of the pair */
-    const struct pk_method *method = pk_method_find("dop853");
     f.options.rtol = f.options.atol = 1e-10;
-    const size_t size = pk_lyapunov_size(&f.problem, method);
-    struct pk_lyapunov l;
-    void *block = malloc(size);
-    CU_ASSERT_FATAL(pk_lyapunov_init(&l, &f.problem, method, &f.options, 0, f.q0, f.v0, 0.2, block,
-                                     size) == PK_DONE);
+    const struct motion m = motion_from(&f, "dop853", 200);
+    struct lyapunov l;
+    CU_ASSERT_FATAL(lyapunov_begin(&l, &m, 0.2) == PK_DONE);
     for (int k = 0; k < 1000; k++)
-        CU_ASSERT_FATAL(pk_lyapunov_step(&l) == PK_DONE);
-    double error;
-    const double exponent = pk_lyapunov_exponent(&l, &error);
+        CU_ASSERT_FATAL(lyapunov_step(&l) == PK_DONE);
+    const double exponent = lyapunov_growth(&l).exponent;
     printf("\n    exponent %.6f, of the linear system %.6f", exponent, expected);
     CU_ASSERT(fabs(exponent - expected) < 5e-4);
-    pk_lyapunov_free(&l);
-    free(block);
+    pk_integrator_free(&l.variation.motion.it);
 }
 
 /* There are no momenta, so there is no form that a step could keep. */
 static void no_form(void)
 {
     static struct fixture f;
-    struct pk_stepmap map;
+    struct stepmap map;
     fixture_set(&f, &brusselator_system);
-    const struct pk_method *rk4 = pk_method_find("rk4");
-    const size_t size = pk_stepmap_size(&f.problem, rk4);
-    void *block = malloc(size);
-    CU_ASSERT(pk_stepmap_find(&map, &f.problem, rk4, &f.options, 0.1, 0, f.q0, f.v0, NULL, block,
-                              size) == PK_REFUSED);
+    const struct motion m = motion_from(&f, "rk4", 1);
+    CU_ASSERT(stepmap_begin(&map, &m) == PK_REFUSED);
     CU_ASSERT(fixture_run(&f, &brusselator_system, "verlet", 0.1, 1) == PK_REFUSED);
     double q[8], v[8];
     struct pk_equilibria found = {.most = 4, .q = q, .v = v};
@@ -165,7 +165,6 @@ static void no_form(void)
     CU_ASSERT_EQUAL_FATAL(found.count, 1);
     CU_ASSERT_DOUBLE_EQUAL(v[0], 1, 1e-12);
     CU_ASSERT_DOUBLE_EQUAL(v[1], 3, 1e-12);
-    free(block);
 }
 
 void add_states(void)

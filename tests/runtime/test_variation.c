@@ -1,10 +1,12 @@
 /* Variational equations against differences of the steps themselves, for every method; what they
  * say of the symplectic form against closed forms; each with a method that fails it.
  */
+#include "../../runtime/run/diagnose/motion.h"
 #include "fixture.h"
 
 enum { DOUBLES = 1 << 15 };
-static double block[DOUBLES], more[DOUBLES];
+static double block[DOUBLES];
+static struct memory memory;
 
 static struct pk_options one_step(const struct pk_method *method, double h)
 {
@@ -16,6 +18,17 @@ static struct pk_options one_step(const struct pk_method *method, double h)
         options.newton_tol = 1e-15;
     }
     return options;
+}
+
+static struct motion motion_from(const struct pk_problem *problem, const struct pk_method *method,
+                                 struct pk_options options, const double *q, const double *v)
+{
+    return (struct motion){.problem = problem,
+                           .method = method,
+                           .options = options,
+                           .q = q,
+                           .v = v,
+                           .memory = &memory};
 }
 
 /* x = (q, v) after two steps. */
@@ -33,16 +46,16 @@ static void map(const struct pk_problem *problem, const struct pk_method *method
 }
 
 /* Number i of (q, v) of displacement j. */
-static double *displaced(const struct pk_variation *w, double *Q, double *V, size_t j, size_t i)
+static double *displaced(const struct variation *w, size_t j, size_t i)
 {
-    return i < w->n_q ? Q + (1 + j) * w->n_q + i : V + pk_variation_place(w, 1 + j, i - w->n_q);
+    return i < w->n_q ? w->Q + (1 + j) * w->n_q + i : w->V + variation_place(w, 1 + j, i - w->n_q);
 }
 
 /* max over columns of |displacement - difference of fourth order|, and the largest displacement. */
 static double missed(const struct pk_system *system, const struct pk_method *method, double h,
                      double *size)
 {
-    static struct pk_variation variation;
+    static struct variation variation;
     const size_t n = system->n, n_q = n - system->n_first_order, m = n_q + n;
     const double e = 2e-3;
     struct test_params params;
@@ -52,25 +65,18 @@ static double missed(const struct pk_system *system, const struct pk_method *met
     memcpy(x, q, n_q * sizeof *x);
     memcpy(x + n_q, v, n * sizeof *x);
     const struct pk_problem problem = {.system = system, .params = &params};
-    CU_ASSERT_FATAL(pk_variation_init(&variation, &problem, m, more, sizeof more) == PK_DONE);
+    const struct motion motion = motion_from(&problem, method, one_step(method, h), q, v);
+    CU_ASSERT_FATAL(variation_init(&variation, &motion, m) == PK_DONE);
     CU_ASSERT(variation.system.n == n * (1 + m));
-    CU_ASSERT(pk_variation_integrator_size(&problem, m, method) ==
-              pk_integrator_size(&variation.problem, method));
-    double Q[10] = {0}, V[10] = {0};
-    memcpy(Q, q, n_q * sizeof *Q);
-    pk_variation_put(&variation, v, 0, V);
     for (size_t j = 0; j < m; j++)
-        *displaced(&variation, Q, V, j, j) = 1;
-    struct pk_integrator it;
-    const struct pk_options options = one_step(method, h);
-    CU_ASSERT_FATAL(pk_integrator_size(&variation.problem, method) <= sizeof block);
-    CU_ASSERT_FATAL(pk_integrator_init(&it, &variation.problem, method, &options, 0, Q, V, block,
-                                       sizeof block) == PK_DONE);
-    CU_ASSERT_FATAL(pk_integrator_to(&it, 2 * h) == PK_DONE);
+        *displaced(&variation, j, j) = 1;
+    struct pk_integrator *it = &variation.motion.it;
+    CU_ASSERT_FATAL(motion_begin(&variation.motion) == PK_DONE);
+    CU_ASSERT_FATAL(pk_integrator_to(it, 2 * h) == PK_DONE);
     /* radau halves a step where its iteration, without second derivatives, is slow. */
-    CU_ASSERT(it.count.steps == 2 || strcmp(method->name, "radau") == 0);
-    memcpy(Q, it.q, (1 + m) * n_q * sizeof *Q);
-    memcpy(V, it.v, (1 + m) * n * sizeof *V);
+    CU_ASSERT(it->count.steps == 2 || strcmp(method->name, "radau") == 0);
+    memcpy(variation.Q, it->q, (1 + m) * n_q * sizeof *it->q);
+    memcpy(variation.V, it->v, (1 + m) * n * sizeof *it->v);
     for (size_t j = 0; j < m; j++) {
         static const double at[] = {-2, -1, 1, 2}, w[] = {1, -8, 8, -1};
         double sum[4] = {0};
@@ -83,11 +89,13 @@ static double missed(const struct pk_system *system, const struct pk_method *met
                 sum[i] += w[k] * to[i] / (12 * e);
         }
         for (size_t i = 0; i < m; i++) {
-            const double d = *displaced(&variation, Q, V, j, i);
+            const double d = *displaced(&variation, j, i);
             worst = fmax(worst, fabs(d - sum[i]));
             *size = fmax(*size, fabs(d - (i == j ? 1 : 0)));
         }
     }
+    pk_integrator_free(it);
+    memory_end(&memory);
     return worst;
 }
 
@@ -130,25 +138,33 @@ static void derivative_of_steps(void)
     CU_ASSERT(missed(&systems[0], pk_method_find("rk4"), 0.05, &size) > 1e-3);
 }
 
+static enum pk_status form_of(struct stepmap *found, const struct pk_problem *problem,
+                              const char *name, double h, const double *q, const double *v)
+{
+    const struct motion m = motion_from(problem, pk_method_find(name), pk_options_default(), q, v);
+    enum pk_status status = stepmap_begin(found, &m);
+    if (status == PK_DONE)
+        status = stepmap_find(found, h, 0, q, v);
+    pk_integrator_free(&found->variation.motion.it);
+    memory_end(&memory);
+    return status;
+}
+
 static double defect(const struct pk_system *system, const char *name, double h,
-                     struct pk_stepmap *found)
+                     struct stepmap *found)
 {
     struct test_params params;
     double q[2], v[2];
     system->defaults(&params);
     system->start(&params, q, v);
     const struct pk_problem problem = {.system = system, .params = &params};
-    const struct pk_options options = pk_options_default();
-    const struct pk_method *method = pk_method_find(name);
-    CU_ASSERT_FATAL(pk_stepmap_size(&problem, method) <= sizeof block);
-    CU_ASSERT_FATAL(pk_stepmap_find(found, &problem, method, &options, h, 0, q, v, NULL, block,
-                                    sizeof block) == PK_DONE);
+    CU_ASSERT_FATAL(form_of(found, &problem, name, h, q, v) == PK_DONE);
     return found->defect;
 }
 
 static void symplectic_form(void)
 {
-    struct pk_stepmap m;
+    struct stepmap m;
     /* One degree of freedom: S^T J S = det S J. RK4: |R|^2 = 1 - y^6/72 + y^8/576 (REGIMES L10). */
     for (double y = 0.05; y < 3; y *= 2.385) {
         const double exact = -pow(y, 6) / 72 + pow(y, 8) / 576;
@@ -179,41 +195,23 @@ static void symplectic_form(void)
     struct test_params params = {.g = 1};
     double q[] = {0.7}, v[] = {0.2};
     const struct pk_problem problem = {.system = &oscillator_system, .params = &params};
-    const struct pk_options options = pk_options_default();
     params.g = 2.385 * 2.385;
-    CU_ASSERT(pk_stepmap_find(&m, &problem, pk_method_find("rk4"), &options, 0.5 / 2.385, 0, q, v,
-                              NULL, block, sizeof block) == PK_DONE);
+    CU_ASSERT(form_of(&m, &problem, "rk4", 0.5 / 2.385, q, v) == PK_DONE);
     CU_ASSERT(fabs(m.defect - (pow(0.5, 6) / 72 - pow(0.5, 8) / 576)) <= m.rounding);
 }
 
 static void refusals(void)
 {
-    struct pk_stepmap m;
-    struct pk_variation variation;
+    struct stepmap m;
     struct test_params params = {.g = 1};
     double q[] = {0.7}, v[] = {0.2};
     struct pk_system oscillator = oscillator_system;
     struct pk_problem problem = {.system = &oscillator, .params = &params};
-    const struct pk_options options = pk_options_default();
-    const struct pk_method *rk4 = pk_method_find("rk4");
     oscillator.linear = NULL;
-    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, sizeof block) == PK_REFUSED);
-    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0.1, 0, q, v, NULL, block,
-                              sizeof block) == PK_REFUSED);
+    CU_ASSERT(form_of(&m, &problem, "rk4", 0.1, q, v) == PK_REFUSED);
     oscillator.linear = oscillator_system.linear;
-    CU_ASSERT(pk_stepmap_find(&m, &problem, pk_method_find("adaptive_verlet"), &options, 0.1, 0, q,
-                              v, NULL, block, sizeof block) == PK_REFUSED);
-    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0.1, 0, q, v, NULL, block,
-                              sizeof block) == PK_DONE);
-    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, 8) == PK_BLOCK_TOO_SMALL);
-    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0.1, 0, q, v, NULL, block, 8) ==
-              PK_BLOCK_TOO_SMALL);
-    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0, 0, q, v, NULL, block, sizeof block) ==
-              PK_BAD_ARGUMENT);
-    params.g = -1; /* outside its bounds */
-    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, sizeof block) == PK_OUT_OF_BOUNDS);
-    oscillator.abi++;
-    CU_ASSERT(pk_variation_size(&problem, 1) == 0 && pk_stepmap_size(&problem, rk4) == 0);
+    CU_ASSERT(form_of(&m, &problem, "adaptive_verlet", 0.1, q, v) == PK_REFUSED);
+    CU_ASSERT(form_of(&m, &problem, "rk4", 0.1, q, v) == PK_DONE);
 }
 
 void add_variation(void)

@@ -39,6 +39,7 @@ struct pk_keep {
 
 /* Writes, reads or counts the `size` bytes at `what`. */
 void pk_keep(struct pk_keep *k, void *what, size_t size);
+#define PK_KEEP(k, x) pk_keep(k, &(x), sizeof(x)) /* of a variable */
 /* Writes a number; when reading, sets `wrong` if the number read differs. */
 void pk_keep_same(struct pk_keep *k, unsigned long long number);
 

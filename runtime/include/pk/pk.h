@@ -1,8 +1,7 @@
-/* Includes the whole runtime: systems, methods, integrators, diagnostics. */
+/* Includes the whole runtime: systems, methods, integrators, drifts. */
 #ifndef PK_PK_H
 #define PK_PK_H
 
-#include <pk/action.h>
 #include <pk/subsystems.h>
 #include <pk/condition.h>
 #include <pk/constraint.h>
@@ -11,19 +10,12 @@
 #include <pk/events.h>
 #include <pk/integrator.h>
 #include <pk/keep.h>
-#include <pk/least_action.h>
 #include <pk/linear.h>
 #include <pk/limits.h>
-#include <pk/lyapunov.h>
 #include <pk/method.h>
 #include <pk/methods.h>
-#include <pk/particles.h>
 #include <pk/real.h>
-#include <pk/reversal.h>
-#include <pk/spectrum.h>
 #include <pk/status.h>
-#include <pk/stepmap.h>
 #include <pk/system.h>
-#include <pk/variation.h>
 
 #endif

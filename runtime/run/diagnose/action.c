@@ -6,87 +6,84 @@
 
 enum { ROWS = 200 };
 
-static struct pk_action action_at(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v,
-                                  pk_real *u)
+static struct action action_at(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v,
+                               pk_real *u)
 {
-    struct pk_action found;
+    struct action found;
     if (run->problem.input)
         run->problem.input(run->problem.context, t, u);
-    pk_action_find(&found, &run->problem, t, q, v, u);
+    action_find(&found, &run->problem, t, q, v, u);
     return found;
 }
 
 /* Writes rows [t, action, period] until the kind of the orbit changes, as from libration to
  * rotation. */
-static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
+static void rows(struct diagnostics *d, enum orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;
     struct json *j = &d->json;
     struct pk_drift drift;
-    struct pk_action at = {.orbit = orbit};
+    struct action at = {.orbit = orbit};
     pk_drift_init(&drift);
     json_open(j, "rows", '[');
     for (size_t k = 0; k < count && at.orbit == orbit; k++) {
         const pk_real *x = diagnose_row(d, k, count); /* the row: t, then q, then v */
-        at = action_at(run, x[0], x + 1, x + 2, u);
-        if (run_stopped(run, (double)k / (double)count))
+        at = action_at(d->run, x[0], x + 1, x + 2, u);
+        if (run_stopped(d->run, (double)k / (double)count))
             break;
         const int same = at.orbit == orbit;
-        const pk_real numbers[] = {x[0], same ? at.action : PK_INFINITY,
-                                   same ? at.period : PK_INFINITY};
-        json_numbers(j, NULL, numbers, 3);
+        json_numbers(
+            j, NULL,
+            (const pk_real[]){x[0], same ? at.action : PK_INFINITY, same ? at.period : PK_INFINITY},
+            3);
         if (same)
             pk_drift_update(&drift, x[0], at.action);
     }
     json_close(j, ']');
-    json_text(j, "changes", at.orbit == orbit ? NULL : pk_orbit_text(at.orbit));
+    json_text(j, "changes", at.orbit == orbit ? NULL : orbit_text(at.orbit));
     report_drift(j, "drift", "action", &drift);
 }
 
-void diagnose_action(struct pk_run *run, struct diagnostics *d)
+void diagnose_action(struct diagnostics *d)
 {
-    const struct settings *s = &run->settings;
-    pk_real *u = memory_take(&run->memory, run->problem.system->n_inputs, sizeof *u);
-    const struct pk_action found = action_at(run, 0, s->q, s->v, u);
-    const int periodic = found.orbit <= PK_ORBIT_ROTATION;
-    const int turns = found.orbit == PK_ORBIT_ROTATION;
+    const struct settings *s = &d->run->settings;
+    const struct pk_system *system = d->run->problem.system;
+    pk_real *u = memory_take(&d->run->memory, system->n_inputs, sizeof *u);
+    const struct action found = action_at(d->run, 0, s->q, s->v, u);
+    const int swings = found.orbit == LIBRATION, turns = found.orbit == ROTATION;
+    const int periodic = swings || turns;
     const pk_real lo = turns ? s->q[0] : found.lo, hi = turns ? s->q[0] + 2 * PK_PI : found.hi;
-    const int kinked = periodic && diagnose_kink(run, &lo, &hi);
-    const size_t coordinates = pk_system_coordinates(run->problem.system, s->params);
-    char reason[200];
-    if (diagnose_not_free(run->problem.system))
-        strcpy(reason, diagnose_not_free(run->problem.system));
-    else if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_first_order)
-        snprintf(reason, sizeof reason,
+    const int kinked = periodic && diagnose_kink(d->run, &lo, &hi);
+    const size_t coordinates = pk_system_coordinates(system, s->params);
+    const char *reason = diagnose_not_free(system);
+    char several[200];
+    if (system->n_first_order)
+        snprintf(several, sizeof several,
                  "coordinates and states: %zu and %zu; it is of one coordinate and no states%s",
                  coordinates, s->n - coordinates,
                  coordinates ? ": name it alone, in a scene whose reductions leave that" : "");
-    else if (kinked)
-        strcpy(reason,
-               "the equations have a kink (abs, min, max, step) on its way, across which its "
-               "sums do not hold");
-    else if (found.orbit == PK_ORBIT_SEVERAL)
-        snprintf(reason, sizeof reason,
+    else
+        snprintf(several, sizeof several,
                  "%zu coordinates: it is of one degree of freedom; name it alone, in a scene whose "
                  "reductions leave one",
                  s->n);
-    else
-        snprintf(reason, sizeof reason, "%s", pk_orbit_text(found.orbit));
-    const enum pk_status status = kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
-    if (diagnose_told(d, status, reason, NULL)) {
-        struct json *j = &d->json;
-        const int swings = found.orbit == PK_ORBIT_LIBRATION;
-        json_text(j, "orbit", pk_orbit_text(found.orbit));
-        json_reals(j, {"action", periodic ? found.action : PK_INFINITY},
-                   {"period", periodic ? found.period : PK_INFINITY},
-                   {"frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY},
-                   {"error", periodic ? found.error : PK_INFINITY},
-                   {"lo", swings ? found.lo : PK_INFINITY},
-                   {"hi", swings ? found.hi : PK_INFINITY});
-        json_integer(j, "nodes", found.nodes);
-        json_flag(j, "held", !(run->problem.system->facts & PK_AUTONOMOUS));
-        json_flag(j, "of_forces", !(run->problem.system->facts & PK_VARIATIONAL));
-        if (periodic && d->rows)
-            rows(run, d, found.orbit, u);
-    }
+    if (!reason)
+        reason = kinked ? "the equations have a kink (abs, min, max, step) on its way, across "
+                          "which its sums do not hold"
+                 : found.orbit == SEVERAL ? several
+                                          : orbit_text(found.orbit);
+    if (!diagnose_told(d, kinked || found.orbit >= SEVERAL ? PK_REFUSED : PK_DONE, reason, NULL))
+        return;
+    struct json *j = &d->json;
+    json_text(j, "orbit", orbit_text(found.orbit));
+    json_reals(j, {"action", periodic ? found.action : PK_INFINITY},
+               {"period", periodic ? found.period : PK_INFINITY},
+               {"frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY},
+               {"error", periodic ? found.error : PK_INFINITY},
+               {"lo", swings ? found.lo : PK_INFINITY}, {"hi", swings ? found.hi : PK_INFINITY});
+    json_integer(j, "nodes", found.nodes);
+    json_flag(j, "held", !(system->facts & PK_AUTONOMOUS));
+    json_flag(j, "of_forces", !(system->facts & PK_VARIATIONAL));
+    if (periodic && d->rows)
+        rows(d, found.orbit, u);
 }

@@ -229,8 +229,9 @@ static int parted(const struct pk_run *run, const struct finding *f, char *text,
     return 1;
 }
 
-static void write_rows(struct pk_run *run, struct diagnostics *d, const struct finding *f)
+static void write_rows(struct diagnostics *d, const struct finding *f)
 {
+    struct pk_run *run = d->run;
     const struct loop *l = f->l;
     struct json *j = &d->json;
     struct pk_drift drift;
@@ -279,8 +280,9 @@ static size_t rows_of_all(const struct loop *l)
     return least;
 }
 
-static void find(struct pk_run *run, struct diagnostics *d)
+static void find(struct diagnostics *d)
 {
+    struct pk_run *run = d->run;
     struct loop *l = run->loop;
     struct finding f = {.l = l, .common = rows_of_all(l)};
     char reason[512] = "";
@@ -306,7 +308,7 @@ static void find(struct pk_run *run, struct diagnostics *d)
                  : status == PK_NOT_FINITE ? "q, p or the area is not finite at the start"
                                            : pk_status_text(status));
     if (diagnose_told(d, status, reason, NULL))
-        write_rows(run, d, &f);
+        write_rows(d, &f);
 }
 
 enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone)

@@ -1,4 +1,4 @@
-/* Makes the diagnostics of a run in the order of their list; see diagnose.h. */
+/* Makes the diagnostics of a run in the order of their list; see parts.h. */
 
 #include "parts.h"
 
@@ -6,7 +6,7 @@
 static const struct {
     const char *name;
     unsigned flag;
-    void (*make)(struct pk_run *run, struct diagnostics *d); /* called in this order */
+    void (*make)(struct diagnostics *d); /* called in this order */
 } names[] = {DIAGNOSTICS(ROW){"all", DIAGNOSE_ALL, NULL}, {"area", DIAGNOSE_AREA, NULL}};
 
 unsigned pk_run_diagnostic(const char *name)

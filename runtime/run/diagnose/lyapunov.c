@@ -1,4 +1,4 @@
-/* The largest Lyapunov exponent of a run, and its interpretation.
+/* The largest Lyapunov exponent of a run, and its interpretation; see motion.h.
  *
  * Exponential growth of displacements means chaos only if the motion stays bounded. If the motion
  * is still moving away from its start at the end, or does not move at all, growth only shows that a
@@ -7,53 +7,157 @@
  * (Poincare and Bendixson).
  */
 
-#include <pk/lyapunov.h>
-
+#include "../../src/core/internal.h"
 #include "parts.h"
 
-enum { BLOCKS = 1000 };
+enum { RATES = 64 }; /* limit of the number of values of G from which the exponent is estimated */
+/* A displacement is normalised before its length leaves 1/LARGE .. LARGE, even within a block. */
+#define LARGE PK_C(1e12)
 #define REST 1e-8 /* an excursion below this fraction of the largest coordinate counts as rest */
 /* A motion leaves if its excursion in the second half of the run exceeds that in the first half by
  * more than this factor. An excursion that grows as t^3 gives 8. */
 #define LEAVING 8
 
-/* Largest |x - x(0)| of each coordinate and rate in the first and in the second half of the run. */
-struct excursion {
-    size_t count;
-    pk_real *most[2];
-};
-
-static void excursion_begin(struct excursion *e, struct memory *memory, size_t n)
+static pk_real length(const struct lyapunov *l, const pk_real *Q, const pk_real *V)
 {
-    e->count = 2 * n;
-    e->most[0] = memory_take(memory, 2 * e->count, sizeof(pk_real));
-    e->most[1] = e->most[0] + e->count;
+    variation_take(&l->variation, V, 1, l->variation.v);
+    return metric_length(&l->metric, Q + l->variation.n_q, l->variation.v);
 }
 
-/* Updates the excursions from the integrator `it`. The displacements, which follow the n
- * coordinates and first-order variables in its state, are skipped. */
-static void excursion_note(struct excursion *e, const struct settings *s,
-                           const struct pk_integrator *it, int half)
+/* Normalises the displacement of the start. Returns the logarithm of its former length, which may
+ * not be finite. */
+static pk_real normalise(struct lyapunov *l)
+{
+    const struct variation *of = &l->variation;
+    const pk_real size = length(l, of->Q, of->V);
+    for (size_t i = of->n_q; i < 2 * of->n_q; i++)
+        of->Q[i] /= size;
+    for (size_t i = 0; i < of->n; i++)
+        of->V[variation_place(of, 1, i)] /= size;
+    return PK_F(log)(size);
+}
+
+enum pk_status lyapunov_begin(struct lyapunov *l, const struct motion *m, pk_real block)
+{
+    struct variation *of = &l->variation;
+    memset(l, 0, sizeof *l);
+    PK_TRY(variation_init(of, m, 1));
+    PK_TRY(metric_init(&l->metric, of, m->t, m->q, m->v, block));
+    l->G = memory_take(m->memory, LYAPUNOV_BLOCKS, sizeof *l->G);
+    l->block = block;
+    if (!(m->method->traits & PK_ADAPTIVE) && m->options.h > 0)
+        l->block = m->options.h * pk_max(1, PK_F(ceil)(block / m->options.h - PK_C(1e-6)));
+    /* A direction without any symmetry: fractional parts of multiples of the golden section. */
+    const size_t n = of->n;
+    const pk_real root = PK_F(sqrt)(l->metric.tau);
+    pk_real *dq = of->a, *dv = of->b, part = 0;
+    for (size_t i = 0; i < 2 * n; i++) {
+        part += PK_C(0.61803398874989484820458683436563812);
+        part -= part >= 1 ? 1 : 0;
+        (i < n ? dq : dv)[i % n] = part + PK_C(0.1);
+    }
+    metric_dq(&l->metric, dq); /* makes the components of similar length, whatever their units */
+    metric_dq(&l->metric, dv);
+    for (size_t i = 0; i < n; i++) {
+        dq[i] *= root;
+        dv[i] /= root;
+    }
+    memcpy(of->Q + of->n_q, dq, of->n_q * sizeof *dq);
+    variation_put(of, dv, 1, of->V);
+    normalise(l);
+    return motion_begin(&of->motion);
+}
+
+/* Normalises the displacement and adds the logarithm of its length to G. */
+static enum pk_status renew(struct lyapunov *l)
+{
+    const struct variation *of = &l->variation;
+    struct pk_integrator *it = &l->variation.motion.it;
+    memcpy(of->Q, it->q, 2 * of->n_q * sizeof *of->Q);
+    memcpy(of->V, it->v, 2 * of->n * sizeof *of->V);
+    const pk_real grown = normalise(l);
+    if (!pk_finite(grown))
+        return it->status = PK_NOT_FINITE;
+    l->grown += grown;
+    return pk_integrator_reset(it, it->t, of->Q, of->V);
+}
+
+enum pk_status lyapunov_step(struct lyapunov *l)
+{
+    struct pk_integrator *it = &l->variation.motion.it;
+    const pk_real end = l->variation.motion.t + (pk_real)(l->blocks + 1) * l->block;
+    while (it->t < end) {
+        PK_TRY(pk_integrator_step(it, end));
+        const pk_real size = length(l, it->q, it->v);
+        if (it->t < end && (!(size < LARGE) || !(size > 1 / LARGE)))
+            PK_TRY(renew(l));
+    }
+    PK_TRY(renew(l));
+    l->G[l->blocks++] = l->grown;
+    return PK_DONE;
+}
+
+/* Returns the increase of G per unit of time in mark k: the marks are `stride` blocks long. */
+static pk_real rate(const struct lyapunov *l, size_t k, size_t stride)
+{
+    return (l->G[(k + 1) * stride - 1] - l->G[k * stride - 1]) / (l->block * (pk_real)stride);
+}
+
+struct growth lyapunov_growth(const struct lyapunov *l)
+{
+    struct growth found = {0, PK_INFINITY, 0, UNDECIDED};
+    pk_real before = 0, Y = 0, sum_G = 0, sum_Y = 0, var = 0;
+    size_t stride = 1;
+    for (size_t k = 0; k < l->blocks; k++) { /* integrals over t, by trapezoids */
+        const pk_real last = Y;
+        sum_G += l->block * (before + l->G[k]) / 2;
+        Y = 2 * (l->G[k] - sum_G / ((pk_real)(k + 1) * l->block));
+        sum_Y += l->block * (last + Y) / 2;
+        before = l->G[k];
+    }
+    if (l->blocks)
+        found.megno = sum_Y / ((pk_real)l->blocks * l->block);
+    while (l->blocks > RATES * stride)
+        stride *= 2;
+    const size_t n = l->blocks / stride, first = (n + 9) / 10;
+    if (n < 16)
+        return found;
+    const pk_real count = (pk_real)(n - first);
+    for (size_t k = first; k < n; k++)
+        found.exponent += rate(l, k, stride) / count;
+    for (size_t k = first; k < n; k++) {
+        const pk_real d = rate(l, k, stride) - found.exponent;
+        var += d * d / (count - 1);
+    }
+    found.error = PK_F(sqrt)(var / count);
+    found.kind = found.megno <= 3 ? REGULAR : found.megno >= 6 ? CHAOTIC : UNDECIDED;
+    return found;
+}
+
+/* Updates the largest |x - x(0)| of each coordinate and rate, 2 n numbers. The displacements, which
+ * follow the n coordinates and first-order variables in the state of `it`, are skipped. */
+static void note(pk_real *most, const struct settings *s, const struct pk_integrator *it)
 {
     const size_t n = s->n, seen = pk_system_coordinates(s->system, s->params);
-    for (size_t i = 0; i < e->count; i++) {
+    for (size_t i = 0; i < 2 * n; i++) {
         if (i >= seen && i < n)
             continue;
         const pk_real x = i < n ? it->q[i] - s->q[i] : it->v[i - n] - s->v[i - n];
-        e->most[half][i] = PK_F(fmax)(e->most[half][i], PK_F(fabs)(x));
+        most[i] = PK_F(fmax)(most[i], PK_F(fabs)(x));
     }
 }
 
-static int excursion_leaves(const struct excursion *e, const struct settings *s)
+/* Returns whether a motion leaves its start or rests; `most` has the excursions of both halves. */
+static int leaves(const pk_real *most, const struct settings *s)
 {
     int moves = 0;
     pk_real size = 0;
     for (size_t i = 0; i < s->n; i++)
         size = PK_F(fmax)(size, PK_F(fabs)(s->q[i]));
-    for (size_t i = 0; i < e->count; i++) {
-        if (e->most[1][i] > LEAVING * e->most[0][i])
+    for (size_t i = 0; i < 2 * s->n; i++) {
+        if (most[2 * s->n + i] > LEAVING * most[i])
             return 1;
-        moves |= e->most[1][i] > (pk_real)REST * size;
+        moves |= most[2 * s->n + i] > (pk_real)REST * size;
     }
     return !moves;
 }
@@ -64,65 +168,66 @@ static int can_be_chaotic(const struct pk_system *system)
     return dimension > 2 || system->families.count || !(system->facts & PK_AUTONOMOUS);
 }
 
-void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
+void diagnose_lyapunov(struct diagnostics *d)
 {
-    static const char *const motions[] = {"regular", "chaotic", "undecided"};
-    struct excursion excursion;
-    const struct settings *s = &run->settings;
-    const size_t size = pk_lyapunov_size(&run->problem, s->method);
-    void *block = memory_take(&run->memory, size, 1);
-    struct pk_lyapunov l = {0};
+    static const char *const kinds[] = {"regular", "chaotic", "undecided"};
+    const struct settings *s = &d->run->settings;
+    const struct motion m = motion_of(d->run);
+    struct lyapunov l = {0};
+    const struct pk_integrator *it = &l.variation.motion.it;
+    pk_real *most = memory_take(m.memory, 4 * s->n, sizeof *most);
     /* Displacements that violate the constraints may grow although no allowed motion does. */
-    const int bound = run->problem.system->constraints.n > 0;
-    enum pk_status status = PK_REFUSED;
-    if (!bound)
-        status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q, s->v,
-                                  run->it.t / BLOCKS, block, size);
-    excursion_begin(&excursion, &run->memory, s->n);
-    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < run->it.t; k++) {
-        status = pk_lyapunov_step(&l);
-        excursion_note(&excursion, s, &l.it, 2 * k >= BLOCKS);
-        if (run_stopped(run, (double)(l.it.t / run->it.t)))
+    const char *why = s->system->constraints.n ? diagnose_not_free(s->system) : NULL;
+    enum pk_status status = why ? PK_REFUSED : lyapunov_begin(&l, &m, m.end / LYAPUNOV_BLOCKS);
+    for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && it->t < m.end; k++) {
+        status = lyapunov_step(&l);
+        note(most + (2 * k >= LYAPUNOV_BLOCKS ? 2 * s->n : 0), s, it);
+        if (run_stopped(d->run, (double)(it->t / m.end)))
             break;
     }
-    const char *why = bound                  ? diagnose_not_free(run->problem.system)
-                      : status == PK_REFUSED ? diagnose_no_variation(run)
-                                             : NULL;
-    if (diagnose_told(d, status, why, &l.it)) {
-        pk_real error;
-        const pk_real exponent = pk_lyapunov_exponent(&l, &error);
-        const enum pk_motion motion = pk_lyapunov_motion(&l);
+    if (!why && status == PK_REFUSED)
+        why = diagnose_no_variation(d->run);
+    if (diagnose_told(d, status, why, it)) {
+        const struct growth found = lyapunov_growth(&l);
         /* stored even for an unbounded motion, since round-off errors grow at this rate, too */
-        if (motion == PK_CHAOTIC)
-            d->exponent = (double)exponent;
-        const int leaving = motion == PK_CHAOTIC && (excursion_leaves(&excursion, s) ||
-                                                     !can_be_chaotic(run->problem.system));
-        json_reals(&d->json, {"exponent", exponent}, {"error", error},
-                   {"megno", pk_lyapunov_megno(&l)}, {"time", l.it.t});
-        json_text(&d->json, "motion", leaving ? "leaving" : motions[motion]);
+        if (found.kind == CHAOTIC)
+            d->exponent = (double)found.exponent;
+        json_reals(&d->json, {"exponent", found.exponent}, {"error", found.error},
+                   {"megno", found.megno}, {"time", it->t});
+        json_text(&d->json, "motion",
+                  found.kind == CHAOTIC && (leaves(most, s) || !can_be_chaotic(s->system))
+                      ? "leaving"
+                      : kinds[found.kind]);
     }
-    pk_lyapunov_free(&l);
+    pk_integrator_free(&l.variation.motion.it);
+}
+
+struct member {
+    struct motion motion;
+    pk_real exponent;
+};
+
+static void of_member(void *context)
+{
+    struct member *x = context;
+    struct lyapunov l = {0};
+    const pk_real end = x->motion.end;
+    enum pk_status status = lyapunov_begin(&l, &x->motion, end / LYAPUNOV_BLOCKS);
+    for (int k = 0; status >= 0 && k < LYAPUNOV_BLOCKS && l.variation.motion.it.t < end; k++)
+        status = lyapunov_step(&l);
+    if (status >= 0)
+        x->exponent = lyapunov_growth(&l).exponent;
+    pk_integrator_free(&l.variation.motion.it);
 }
 
 /* Returns the largest exponent of an ensemble member that has a struct pk_run; NAN on failure. */
 pk_real diagnose_exponent(struct pk_run *of)
 {
-    const struct settings *s = &of->settings;
-    const struct pk_problem *problem = &of->problem;
-    const pk_real until = of->it.t;
-    struct pk_lyapunov l = {0};
-    enum pk_status status = PK_REFUSED;
-    const size_t size = problem->system->constraints.n ? 0 : pk_lyapunov_size(problem, s->method);
-    void *block = size ? memory_ask(&of->memory, size, 1) : NULL;
-    if (block)
-        status = pk_lyapunov_init(&l, problem, s->method, &s->options, 0, s->q, s->v,
-                                  until / BLOCKS, block, size);
-    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < until; k++)
-        status = pk_lyapunov_step(&l);
-    const pk_real found = status < 0 ? (pk_real)NAN : pk_lyapunov_exponent(&l, NULL);
-    if (block) {
-        pk_lyapunov_free(&l);
-        memory_drop(&of->memory, block);
-    }
-    return found;
+    struct memory memory = {0};
+    struct member x = {motion_of(of), (pk_real)NAN};
+    x.motion.memory = &memory;
+    if (!of->problem.system->constraints.n)
+        memory_try(&memory, of_member, &x);
+    memory_end(&memory);
+    return x.exponent;
 }

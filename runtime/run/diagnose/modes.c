@@ -247,8 +247,9 @@ static void write_modes(struct modes *m, struct diagnostics *d)
     json_close(j, ']');
 }
 
-void diagnose_modes(struct pk_run *run, struct diagnostics *d)
+void diagnose_modes(struct diagnostics *d)
 {
+    struct pk_run *run = d->run;
     const struct pk_problem *problem = &run->problem;
     struct modes m = {.run = run, .n = run->settings.n};
     const size_t n = m.n;

@@ -49,12 +49,11 @@ void diagnose_close(struct diagnostics *d)
     run_text_end(d->run);
 }
 
-void diagnose_one(struct diagnostics *d, const char *name,
-                  void (*make)(struct pk_run *run, struct diagnostics *d))
+void diagnose_one(struct diagnostics *d, const char *name, void (*make)(struct diagnostics *d))
 {
     d->name = name;
     json_open(&d->json, name, '{');
-    make(d->run, d);
+    make(d);
     json_close(&d->json, '}');
 }
 
@@ -88,11 +87,17 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
     return 0;
 }
 
-static const char NO_LINEAR[] = "the system has no kernel linear: it was left out, or its families "
-                                "are kept as loops";
-
-static const char KINKS[] = "the equations have kinks (abs, min, max, step), across which "
-                            "displacements jump: linearised equations do not tell";
+struct motion motion_of(struct pk_run *run)
+{
+    const struct settings *s = &run->settings;
+    return (struct motion){.problem = &run->problem,
+                           .method = s->method,
+                           .options = s->options,
+                           .end = run->it.t,
+                           .q = s->q,
+                           .v = s->v,
+                           .memory = &run->memory};
+}
 
 const char *diagnose_not_free(const struct pk_system *system)
 {
@@ -103,16 +108,18 @@ const char *diagnose_not_free(const struct pk_system *system)
                : NULL;
 }
 
-static const char FAST[] =
-    "the fast forces by which this method goes have no derivatives here: take "
-    "another";
-
 const char *diagnose_no_variation(const struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
     if (run->settings.method->needs & PK_FAST)
-        return FAST;
-    return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
+        return "the fast forces by which this method goes have no derivatives here: take another";
+    if (!system->linear)
+        return "the system has no kernel linear: it was left out, or its families are kept as "
+               "loops";
+    return system->facts & PK_SMOOTH
+               ? NULL
+               : "the equations have kinks (abs, min, max, step), across which displacements jump: "
+                 "linearised equations do not tell";
 }
 
 int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to)
@@ -148,7 +155,7 @@ static void keep(struct pk_run *run, struct pk_keep *k)
     struct diagnostics *d = run->diagnostics;
     const size_t size = (1 + 2 * run->settings.n) * sizeof *d->rows;
     size_t count = d ? d->n_rows : 0;
-    pk_keep(k, &count, sizeof count);
+    PK_KEEP(k, count);
     if (!count || k->wrong)
         return;
     if (k->from && count > (k->size - k->used) / size) {

@@ -169,19 +169,19 @@ static void keep(struct pk_run *run, struct pk_keep *k)
 {
     const struct settings *s = &run->settings;
     int begun = run->looking != NULL;
-    pk_keep(k, &begun, sizeof begun);
+    PK_KEEP(k, begun);
     if (begun && !run->looking)
         run->looking = condition_begin(&run->memory, &run->problem, s->method);
     struct looking *l = run->looking;
     k->wrong |= begun && !l;
     if (!begun || !l)
         return;
-    pk_keep(k, &l->found, sizeof l->found);
-    pk_keep(k, &l->next, sizeof l->next);
-    pk_keep(k, &l->t, sizeof l->t);
-    pk_keep(k, &l->seen, sizeof l->seen);
-    pk_keep(k, &l->steps, sizeof l->steps);
-    pk_keep(k, &l->records, sizeof l->records);
+    PK_KEEP(k, l->found);
+    PK_KEEP(k, l->next);
+    PK_KEEP(k, l->t);
+    PK_KEEP(k, l->seen);
+    PK_KEEP(k, l->steps);
+    PK_KEEP(k, l->records);
     pk_keep(k, l->v, 2 * l->n * sizeof *l->v);
     k->wrong |= l->found.where >= l->n;
 }

@@ -75,8 +75,8 @@ static void keep(struct pk_run *run, struct pk_keep *k)
 {
     if (run->monitor_block && !run->settings.asked.members)
         pk_monitor_keep(&run->monitor, k);
-    pk_keep(k, &run->look_at, sizeof run->look_at);
-    pk_keep(k, &run->looked, sizeof run->looked);
+    PK_KEEP(k, run->look_at);
+    PK_KEEP(k, run->looked);
 }
 
 const struct observer drift_observer = {.step = step, .end = end, .report = report, .keep = keep};

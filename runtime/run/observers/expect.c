@@ -209,11 +209,11 @@ static void keep(struct pk_run *run, struct pk_keep *k)
     }
     for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {
         struct drifting *d = &run->settings.drifting[i];
-        pk_keep(k, &d->member, sizeof d->member);
-        pk_keep(k, &d->members, sizeof d->members);
+        PK_KEEP(k, d->member);
+        PK_KEEP(k, d->members);
         pk_drift_keep(&d->drift, k);
-        pk_keep(k, &d->max, sizeof d->max);
-        pk_keep(k, &d->last, sizeof d->last);
+        PK_KEEP(k, d->max);
+        PK_KEEP(k, d->last);
     }
 }
 

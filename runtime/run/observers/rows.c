@@ -224,7 +224,7 @@ static void keep_column(struct pk_run *run, struct pk_keep *k, const struct pk_r
 {
     const struct settings *s = &run->settings;
     size_t number = *column ? 1 + (size_t)(*column - s->show) : 0;
-    pk_keep(k, &number, sizeof number);
+    PK_KEEP(k, number);
     k->wrong |= number > s->n_show;
     *column = number && !k->wrong ? &s->show[number - 1] : NULL;
 }
@@ -234,7 +234,7 @@ static void keep_all(struct pk_run *run, struct pk_keep *k)
 {
     const size_t size = run_width(run) * sizeof(double), had = run->n_kept;
     size_t count = had;
-    pk_keep(k, &count, sizeof count);
+    PK_KEEP(k, count);
     if (k->from && !k->wrong && count > had) {
         k->wrong |= count > (k->size - k->used) / size;
         if (!k->wrong)
@@ -244,12 +244,12 @@ static void keep_all(struct pk_run *run, struct pk_keep *k)
     pk_keep(k, run->kept, run->n_kept * size);
     if (run->kept_low)
         pk_keep(k, run->kept_low, run->n_kept * size);
-    pk_keep(k, &run->rows, sizeof run->rows);
-    pk_keep(k, &run->last_row, sizeof run->last_row);
-    pk_keep(k, &run->bad_t, sizeof run->bad_t);
-    pk_keep(k, &run->bad_rows, sizeof run->bad_rows);
-    pk_keep(k, &run->lost_t, sizeof run->lost_t);
-    pk_keep(k, &run->lost_rows, sizeof run->lost_rows);
+    PK_KEEP(k, run->rows);
+    PK_KEEP(k, run->last_row);
+    PK_KEEP(k, run->bad_t);
+    PK_KEEP(k, run->bad_rows);
+    PK_KEEP(k, run->lost_t);
+    PK_KEEP(k, run->lost_rows);
     keep_column(run, k, &run->not_finite);
     keep_column(run, k, &run->lost);
 }

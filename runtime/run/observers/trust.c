@@ -24,8 +24,8 @@ static void step(struct pk_run *run, const struct moment *at)
 
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
-    pk_keep(k, &run->trusted, sizeof run->trusted);
-    pk_keep(k, &run->distrusted, sizeof run->distrusted);
+    PK_KEEP(k, run->trusted);
+    PK_KEEP(k, run->distrusted);
 }
 
 const struct observer trust_observer = {.step = step, .keep = keep};

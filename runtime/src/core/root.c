@@ -7,7 +7,7 @@
  * performance preserving minmax optimality, ACM Trans. Math. Softw. 47 (2020) 5, algorithm 1;
  * kappa_1 = 0.2/(b - a), kappa_2 = 2, n_0 = 1 as proposed there. */
 #include "internal.h"
-#include "root.h"
+#include <pk/root.h>
 
 enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_real *b, pk_real fb,
                        pk_real width)

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "events.h"
-#include "../core/root.h"
+#include <pk/root.h>
 
 enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, PIECES = 3 };
 #define MARGIN PK_C(0.03125) /* error of an interpolant, relative to the range of g */

@@ -1,13 +1,13 @@
 /* A motion of energy h with one degree of freedom, with t held constant: L = M v^2/2 + b v - W,
  * where W is the potential; and its turning points, the roots of h - W. */
-#ifndef PK_WELL_H
-#define PK_WELL_H
+#ifndef RUN_DIAGNOSE_WELL_H
+#define RUN_DIAGNOSE_WELL_H
 
 #include <pk/integrator.h>
 
-#define PK_TURN (2 * PK_PI)
+#define TURN (2 * PK_PI)
 
-struct pk_well {
+struct well {
     const struct pk_system *system;
     const void *params;
     pk_real t;
@@ -17,17 +17,17 @@ struct pk_well {
 };
 
 /* A root of h - W, or a full turn, that a march has found. */
-struct pk_end {
+struct end {
     pk_real y; /* distance from the start of the march */
     int turns, found;
 };
 
-pk_real pk_well_force(const struct pk_well *w, pk_real q); /* dL/dq at v = 0, which is -dW/dq */
-pk_real pk_well_mass(const struct pk_well *w, pk_real q);
-pk_real pk_well_linear(const struct pk_well *w, pk_real q); /* b */
+pk_real well_force(const struct well *w, pk_real q); /* dL/dq at v = 0, which is -dW/dq */
+pk_real well_mass(const struct well *w, pk_real q);
+pk_real well_linear(const struct well *w, pk_real q); /* b */
 /* Integrates the force at q + x over x from a to b, by the Gauss-Legendre rule of order 12. */
-pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b);
+pk_real well_work(const struct well *w, pk_real q, pk_real a, pk_real b);
 /* Marches from q, where h - W is U, in one direction until h - W is 0 or a turn is complete. */
-struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction);
+struct end well_march(struct well *w, pk_real q, pk_real U, pk_real direction);
 
 #endif

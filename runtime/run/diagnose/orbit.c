@@ -1,7 +1,6 @@
-/* Action and period; see pk/action.h. */
-#include <pk/action.h>
-
-#include "../core/internal.h"
+/* Action and period of an orbit; see motion.h. */
+#include "../../src/core/internal.h"
+#include "motion.h"
 #include "well.h"
 
 enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
@@ -14,25 +13,25 @@ enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
 /* Returns the relative error of the period T due to rounding of the energy at one end of the orbit.
  * T depends on the logarithm of the force F at this end; rounding shifts the end by epsilon/F
  * times the largest h - W. */
-static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
+static pk_real doubt(const struct well *w, pk_real q, pk_real amplitude)
 {
-    const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = pk_well_force(w, q);
-    const pk_real slope = (pk_well_force(w, q + d) - pk_well_force(w, q - d)) / (2 * d);
+    const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = well_force(w, q);
+    const pk_real slope = (well_force(w, q + d) - well_force(w, q - d)) / (2 * d);
     return PK_EPSILON * w->most * pk_abs(slope) / (F * F);
 }
 
 /* Adds one half of a libration to J and T, from its end at q inwards; `nodes` counts the nodes of
  * both halves. Returns 0 if h - W (energy minus potential) or M is not positive at a node. */
-static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amplitude,
-                size_t nodes, pk_real *J, pk_real *T)
+static int half(const struct well *w, pk_real q, pk_real inwards, pk_real amplitude, size_t nodes,
+                pk_real *J, pk_real *T)
 {
     pk_real U = 0, last = 0;
     for (size_t j = 0; j < nodes / 2; j++) {
         const pk_real s = ((pk_real)j + PK_C(0.5)) * (PK_PI / (pk_real)nodes);
         const pk_real x = PK_F(sin)(s / 2), y = inwards * 2 * amplitude * x * x;
-        U += pk_well_work(w, q, last, y);
+        U += well_work(w, q, last, y);
         last = y;
-        const pk_real M = pk_well_mass(w, q + y), dq = amplitude * PK_F(sin)(s);
+        const pk_real M = well_mass(w, q + y), dq = amplitude * PK_F(sin)(s);
         if (!(U > 0 && M > 0))
             return 0;
         *J += PK_F(sqrt)(2 * M * U) * dq;
@@ -43,27 +42,26 @@ static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amp
 
 /* Adds a full turn to J and T. It begins at q, where the kinetic energy h - W is U. Returns 0 if h
  * - W or M is not positive at a node. */
-static int round_once(const struct pk_well *w, pk_real q, pk_real U, pk_real direction,
-                      size_t nodes, pk_real *J, pk_real *T)
+static int round_once(const struct well *w, pk_real q, pk_real U, pk_real direction, size_t nodes,
+                      pk_real *J, pk_real *T)
 {
-    const pk_real dq = direction * (PK_TURN / (pk_real)nodes);
+    const pk_real dq = direction * (TURN / (pk_real)nodes);
     for (size_t j = 0; j < nodes; j++) {
-        const pk_real y = (pk_real)j * dq, M = pk_well_mass(w, q + y);
+        const pk_real y = (pk_real)j * dq, M = well_mass(w, q + y);
         if (!(U > 0 && M > 0))
             return 0;
-        *J += PK_F(sqrt)(2 * M * U) + direction * pk_well_linear(w, q + y);
+        *J += PK_F(sqrt)(2 * M * U) + direction * well_linear(w, q + y);
         *T += PK_F(sqrt)(M / (2 * U));
-        U += pk_well_work(w, q, y, y + dq);
+        U += well_work(w, q, y, y + dq);
     }
     return 1;
 }
 
 static pk_real change(pk_real x, pk_real y) { return pk_abs(x - y) / pk_abs(x); }
 
-static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_real U,
-                 pk_real direction)
+static void sums(struct action *a, const struct well *w, pk_real q, pk_real U, pk_real direction)
 {
-    const int turns = a->orbit == PK_ORBIT_ROTATION;
+    const int turns = a->orbit == ROTATION;
     const pk_real amplitude = (a->hi - a->lo) / 2, lost = a->error;
     pk_real before = PK_INFINITY, now = PK_INFINITY;
     for (size_t nodes = LEAST; nodes <= MOST; nodes *= 2) {
@@ -74,7 +72,7 @@ static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_rea
         if (!whole) /* too few nodes */
             continue;
         J /= (pk_real)nodes;
-        T *= PK_TURN / (pk_real)nodes;
+        T *= TURN / (pk_real)nodes;
         now = PK_F(fmax)(change(J, a->action), change(T, a->period));
         a->action = J;
         a->period = T;
@@ -85,51 +83,51 @@ static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_rea
         before = now;
     }
     if (!(now <= PASSABLE))
-        a->orbit = PK_ORBIT_UNSETTLED;
+        a->orbit = UNSETTLED;
 }
 
 /* Finds the ends of the orbit, or finds that it is a rotation. */
-static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q, pk_real U,
-                              pk_real direction)
+static enum orbit orbit_of(struct action *a, struct well *w, pk_real q, pk_real U,
+                           pk_real direction)
 {
-    const pk_real F = pk_well_force(w, q);
-    struct pk_end ahead, behind = {0, 0, 1};
+    const pk_real F = well_force(w, q);
+    struct end ahead, behind = {0, 0, 1};
     if (!(U > 0)) { /* at rest: the start is a turning point */
         const pk_real d = 2 * PK_EPSILON * q;
-        if (!(pk_abs(F) > 2 * pk_abs(pk_well_force(w, q + d) - pk_well_force(w, q - d))))
-            return pk_finite(F) ? PK_ORBIT_EQUILIBRIUM : PK_ORBIT_UNBOUNDED;
+        if (!(pk_abs(F) > 2 * pk_abs(well_force(w, q + d) - well_force(w, q - d))))
+            return pk_finite(F) ? EQUILIBRIUM : UNBOUNDED;
         direction = F > 0 ? 1 : -1;
     }
-    ahead = pk_well_march(w, q, U, direction);
+    ahead = well_march(w, q, U, direction);
     if (ahead.turns) {
         a->error = PK_EPSILON * w->most / w->least; /* relative error of T, as in doubt() */
-        return U > 0 && a->error <= LOST ? PK_ORBIT_ROTATION : PK_ORBIT_SEPARATRIX;
+        return U > 0 && a->error <= LOST ? ROTATION : SEPARATRIX;
     }
     if (U > 0 && ahead.found)
-        behind = pk_well_march(w, q, U, -direction);
+        behind = well_march(w, q, U, -direction);
     if (!ahead.found || !behind.found || behind.turns)
-        return PK_ORBIT_UNBOUNDED;
+        return UNBOUNDED;
     a->lo = direction > 0 ? behind.y : ahead.y;
     a->hi = direction > 0 ? ahead.y : behind.y;
     const pk_real amplitude = (a->hi - a->lo) / 2;
     a->error = doubt(w, q + ahead.y, amplitude);
     if (U > 0)
         a->error = PK_F(fmax)(a->error, doubt(w, q + behind.y, amplitude));
-    return a->error <= LOST ? PK_ORBIT_LIBRATION : PK_ORBIT_SEPARATRIX;
+    return a->error <= LOST ? LIBRATION : SEPARATRIX;
 }
 
 /* Returns whether, by the energy kernel, the potential W equals the energy h at the ends of the
- * orbit and is at most h between them: pk_well_march() may miss a hump of W between its samples. */
-static int is_followed(const struct pk_action *a, const struct pk_well *w, pk_real q, pk_real h)
+ * orbit and is at most h between them: well_march() may miss a hump of W between its samples. */
+static int is_followed(const struct action *a, const struct well *w, pk_real q, pk_real h)
 {
     const struct pk_system *s = w->system;
-    if (!s->energy || a->orbit != PK_ORBIT_LIBRATION)
+    if (!s->energy || a->orbit != LIBRATION)
         return 1;
     const pk_real rest = 0, shown = PK_F(sqrt)(PK_EPSILON) * w->most / 256;
     for (int k = 0; k <= SAMPLES; k++) {
         const pk_real x = q + a->lo + (a->hi - a->lo) * ((pk_real)k / SAMPLES);
         const pk_real left = h - s->energy(w->params, w->t, &x, &rest, w->u);
-        const pk_real rounding = pk_abs(h) + pk_abs(x * pk_well_force(w, x));
+        const pk_real rounding = pk_abs(h) + pk_abs(x * well_force(w, x));
         const pk_real slack = shown + 256 * PK_EPSILON * rounding;
         if (!(left >= -slack) || ((k == 0 || k == SAMPLES) && !(left <= slack)))
             return 0;
@@ -137,22 +135,22 @@ static int is_followed(const struct pk_action *a, const struct pk_well *w, pk_re
     return 1;
 }
 
-enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
-                              const pk_real *q, const pk_real *v, const pk_real *u)
+enum pk_status action_find(struct action *found, const struct pk_problem *problem, pk_real t,
+                           const pk_real *q, const pk_real *v, const pk_real *u)
 {
     const struct pk_system *s = problem->system;
-    struct pk_well w = {s, problem->params, t, u, PK_INFINITY, 0, PK_INFINITY};
-    *found = (struct pk_action){PK_ORBIT_SEVERAL, 0, 0, 0, 0, 0, 0};
+    struct well w = {s, problem->params, t, u, PK_INFINITY, 0, PK_INFINITY};
+    *found = (struct action){SEVERAL, 0, 0, 0, 0, 0, 0};
     if (pk_system_count(s, problem->params) != 1)
         return PK_REFUSED;
-    found->orbit = PK_ORBIT_NO_KERNELS;
+    found->orbit = NO_KERNELS;
     if (!s->gradient || !s->mass || !s->canonical || s->switches.impulses)
         return PK_REFUSED;
-    found->orbit = PK_ORBIT_NOT_QUADRATIC;
+    found->orbit = NOT_QUADRATIC;
     if (!(s->facts & PK_QUADRATIC))
         return PK_REFUSED;
     const pk_real direction = *v < 0 ? -1 : 1;
-    w.most = pk_well_mass(&w, *q) * *v * *v / 2;
+    w.most = well_mass(&w, *q) * *v * *v / 2;
     const pk_real U = w.most;
     const pk_real h = s->energy ? s->energy(w.params, t, q, v, u) : 0;
     int followed = 0;
@@ -165,16 +163,16 @@ enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *
         w.longest = (found->hi - found->lo) / (n == 0 ? SAMPLES : 4 * SAMPLES);
     }
     if (!followed)
-        found->orbit = PK_ORBIT_UNSETTLED;
-    if (found->orbit == PK_ORBIT_LIBRATION || found->orbit == PK_ORBIT_ROTATION)
+        found->orbit = UNSETTLED;
+    if (found->orbit == LIBRATION || found->orbit == ROTATION)
         sums(found, &w, *q, U, direction);
     found->lo += *q;
     found->hi += *q;
-    return found->orbit <= PK_ORBIT_ROTATION ? PK_DONE : PK_REFUSED;
+    return found->orbit <= ROTATION ? PK_DONE : PK_REFUSED;
 }
 
-const char *pk_orbit_text(enum pk_orbit orbit)
+const char *orbit_text(enum orbit orbit)
 {
-    static const char *const text[] = {PK_ORBITS(PK_EACH_TEXT)};
-    return (unsigned)orbit < PK_ORBIT_COUNT ? text[orbit] : "?";
+    static const char *const text[] = {ORBITS(PK_EACH_TEXT)};
+    return (unsigned)orbit < ORBIT_COUNT ? text[orbit] : "?";
 }

@@ -1,9 +1,11 @@
-/* Finds a root of a function in an interval. Not installed. */
+/* Finds a root of a function in an interval. */
 #ifndef PK_ROOT_H
 #define PK_ROOT_H
 
 #include <pk/real.h>
 #include <pk/status.h>
+
+PK_BEGIN
 
 /* Computes y = f(x); a negative status ends the search. */
 typedef enum pk_status (*pk_function)(void *context, pk_real x, pk_real *y);
@@ -12,5 +14,7 @@ typedef enum pk_status (*pk_function)(void *context, pk_real x, pk_real *y);
  * 0), until b - a <= width or a and b are adjacent numbers; f(*b) keeps the sign of fb, or is 0. */
 enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_real *b, pk_real fb,
                        pk_real width);
+
+PK_END
 
 #endif

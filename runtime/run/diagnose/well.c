@@ -1,13 +1,13 @@
 /* A potential well of one degree of freedom; see well.h. */
 #include "well.h"
 
-#include "../core/internal.h"
-#include "../core/root.h"
+#include "../../src/core/internal.h"
+#include <pk/root.h>
 
 enum { PANELS = 20000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
 #define FOLLOWED (1024 * PK_EPSILON) /* largest error of the work in a panel, relative to w->most */
 
-pk_real pk_well_force(const struct pk_well *w, pk_real q)
+pk_real well_force(const struct well *w, pk_real q)
 {
     const pk_real rest = 0;
     pk_real F;
@@ -15,7 +15,7 @@ pk_real pk_well_force(const struct pk_well *w, pk_real q)
     return F;
 }
 
-pk_real pk_well_mass(const struct pk_well *w, pk_real q)
+pk_real well_mass(const struct well *w, pk_real q)
 {
     const pk_real rest = 0;
     pk_real M;
@@ -23,7 +23,7 @@ pk_real pk_well_mass(const struct pk_well *w, pk_real q)
     return M;
 }
 
-pk_real pk_well_linear(const struct pk_well *w, pk_real q)
+pk_real well_linear(const struct well *w, pk_real q)
 {
     const pk_real rest = 0;
     pk_real b, pdot;
@@ -31,7 +31,7 @@ pk_real pk_well_linear(const struct pk_well *w, pk_real q)
     return b;
 }
 
-pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b)
+pk_real well_work(const struct well *w, pk_real q, pk_real a, pk_real b)
 {
     static const pk_real x[3] = {PK_C(0.23861918608319690863050172168071193542),
                                  PK_C(0.66120938646626451366139959501990534701),
@@ -42,28 +42,28 @@ pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b)
     const pk_real half = (b - a) / 2, middle = a + half;
     pk_real sum = 0;
     for (int i = 0; i < 3; i++)
-        sum += weight[i] * (pk_well_force(w, q + (middle - half * x[i])) +
-                            pk_well_force(w, q + (middle + half * x[i])));
+        sum += weight[i] * (well_force(w, q + (middle - half * x[i])) +
+                            well_force(w, q + (middle + half * x[i])));
     return half * sum;
 }
 
 /* A point of the march: at q + y, where h - W (energy minus potential) is U; and the direction. */
 struct place {
-    const struct pk_well *w;
+    const struct well *w;
     pk_real q, y, U, direction;
 };
 
 static enum pk_status left_at(void *context, pk_real distance, pk_real *U)
 {
     const struct place *p = (const struct place *)context;
-    *U = p->U + pk_well_work(p->w, p->q, p->y, p->y + p->direction * distance);
+    *U = p->U + well_work(p->w, p->q, p->y, p->y + p->direction * distance);
     return PK_DONE;
 }
 
 static enum pk_status slope_at(void *context, pk_real distance, pk_real *slope)
 {
     const struct place *p = (const struct place *)context;
-    *slope = p->direction * pk_well_force(p->w, p->q + (p->y + p->direction * distance));
+    *slope = p->direction * well_force(p->w, p->q + (p->y + p->direction * distance));
     return PK_DONE;
 }
 
@@ -107,17 +107,17 @@ static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least,
 
 /* Returns whether the mass M, the force F and the term b of L have period 2 pi in q, and a full
  * turn takes no work. Returns 0 if F is 0 and M is constant, since q need not be an angle then. */
-static int is_angle(const struct pk_well *w, pk_real q)
+static int is_angle(const struct well *w, pk_real q)
 {
     pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY, round = 0;
     for (int k = 0; k < PANELS_ROUND; k++)
-        round += pk_well_work(w, q, (pk_real)k * (PK_TURN / PANELS_ROUND),
-                              (pk_real)(k + 1) * (PK_TURN / PANELS_ROUND));
+        round += well_work(w, q, (pk_real)k * (TURN / PANELS_ROUND),
+                           (pk_real)(k + 1) * (TURN / PANELS_ROUND));
     for (int k = 0; k < PROBES; k++) {
         const pk_real x = q + (pk_real)k * PK_C(0.7310585786300049);
-        const pk_real X = x + PK_TURN;
-        const pk_real here[3] = {pk_well_force(w, x), pk_well_mass(w, x), pk_well_linear(w, x)};
-        const pk_real there[3] = {pk_well_force(w, X), pk_well_mass(w, X), pk_well_linear(w, X)};
+        const pk_real X = x + TURN;
+        const pk_real here[3] = {well_force(w, x), well_mass(w, x), well_linear(w, x)};
+        const pk_real there[3] = {well_force(w, X), well_mass(w, X), well_linear(w, X)};
         for (int i = 0; i < 3; i++) {
             off[i] = PK_F(fmax)(off[i], pk_abs(here[i] - there[i]));
             most[i] = PK_F(fmax)(most[i], pk_abs(here[i]));
@@ -127,25 +127,25 @@ static int is_angle(const struct pk_well *w, pk_real q)
     for (int i = 0; i < 3; i++)
         if (!(off[i] <= PK_F(sqrt)(PK_EPSILON) * most[i]))
             return 0;
-    if (!(pk_abs(round) <= PK_F(sqrt)(PK_EPSILON) * PK_TURN * most[0]))
+    if (!(pk_abs(round) <= PK_F(sqrt)(PK_EPSILON) * TURN * most[0]))
         return 0;
     return most[0] > 0 || most[1] - M_lo > PK_F(sqrt)(PK_EPSILON) * most[1];
 }
 
 /* Makes each panel (interval) as long as possible while the quadrature resolves the force. */
-struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction)
+struct end well_march(struct well *w, pk_real q, pk_real U, pk_real direction)
 {
-    struct pk_end end = {0, 0, 0};
-    const pk_real F = pk_abs(pk_well_force(w, q));
+    struct end end = {0, 0, 0};
+    const pk_real F = pk_abs(well_force(w, q));
     pk_real y = 0, d = U > 0 && F > 0 ? U / F : pk_abs(q) > 0 ? pk_abs(q) : 1;
     for (int panel = 0; panel < PANELS && pk_finite(d); panel++) {
         d = PK_F(fmin)(d, w->longest);
         const pk_real step = direction * d / PARTS;
-        const pk_real whole = pk_well_work(w, q, y, y + direction * d);
+        const pk_real whole = well_work(w, q, y, y + direction * d);
         pk_real at[PARTS + 1] = {U}, most = w->most;
         for (int k = 0; k < PARTS; k++) {
             const pk_real from = y + (pk_real)k * step, to = y + (pk_real)(k + 1) * step;
-            at[k + 1] = at[k] + pk_well_work(w, q, from, to);
+            at[k + 1] = at[k] + well_work(w, q, from, to);
             most = PK_F(fmax)(most, at[k + 1]);
         }
         /* The quadrature does not resolve the force, or the march starts at rest and the motion
@@ -169,7 +169,7 @@ struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real dir
         U = at[PARTS];
         y += direction * d;
         d *= 2;
-        if (pk_abs(y) >= PK_TURN && is_angle(w, q)) {
+        if (pk_abs(y) >= TURN && is_angle(w, q)) {
             end.found = end.turns = 1;
             return end;
         }
