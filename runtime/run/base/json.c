@@ -65,7 +65,7 @@ void json_raw(struct json *j, const char *key, const char *text)
 void json_real(struct json *j, const char *key, pk_real x)
 {
     begin(j, key);
-    if (x - x == PK_C(0.0))
+    if (x - x == 0)
         numbers_write(j->file, (double)x);
     else
         fputs("null", j->file);

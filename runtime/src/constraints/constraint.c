@@ -116,8 +116,8 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (!it->own->project)
         return PK_DONE;
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    memset(w.most, 0, w.c * sizeof *w.most);
-    memset(w.sizes, 0, (w.whole ? w.c * w.n : 0) * sizeof *w.sizes);
+    pk_zero(w.most, w.c);
+    pk_zero(w.sizes, w.whole ? w.c * w.n : 0);
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++)
@@ -140,7 +140,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1);
     size_t depends = w.whole ? nothing(&w, q, v, w.d) : 0;
     if (depends)
-        w.depends[0] = (pk_real)depends, memset(w.depends + 1, 0, w.c * sizeof *w.depends);
+        w.depends[0] = (pk_real)depends, pk_zero(w.depends + 1, w.c);
     else
         depends = pk_project_factor(&w, w.c, q, v);
     if (w.inertia)

@@ -17,14 +17,13 @@
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
  */
-#include <string.h>
 
 #include "../core/attitude.h"
 #include "../core/project.h"
 
-#define ROUND (PK_EPS / 2) /* a relative residual up to this counts as 0: larger ones drift */
-#define STALLED (PK_C(1024.0) * PK_EPS) /* a smaller residual that stops falling is rounding */
-#define NOTICED (PK_C(1e5) * PK_EPS)    /* a larger relative residual is not rounding */
+#define ROUND (PK_EPS / 2)      /* a relative residual up to this counts as 0: larger ones drift */
+#define STALLED (1024 * PK_EPS) /* a smaller residual that stops falling is rounding */
+#define NOTICED (PK_C(1e5) * PK_EPS) /* a larger relative residual is not rounding */
 #define MOST_OFF PK_C(10.0) /* limit of a first correction, in tolerances, as in Gauss steps */
 enum { MOST = 20 };         /* limit of the number of corrections */
 
@@ -238,6 +237,6 @@ enum pk_status pk_project_step(struct pk_integrator *it)
     if (!moved || !it->p)
         return PK_DONE;
     pk_eval_canonical(it, it->own->next_t, q, v, pk_next(it, PK_P), it->own->project + n);
-    memset(low_v, 0, n * sizeof *low_v);
+    pk_zero(low_v, n);
     return PK_DONE;
 }

@@ -53,8 +53,8 @@ static void along(const struct pk_integrator *it, const struct pk_singular_cross
     const size_t n = it->n, stages = pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
     pk_real w[PK_SINGULAR_CROSSING_STAGES];
     weights(x, to, w);
-    memcpy(q, x->q, it->n_q * sizeof *q);
-    memcpy(v, x->v, n * sizeof *v);
+    pk_copy(q, x->q, it->n_q);
+    pk_copy(v, x->v, n);
     for (size_t j = 0; j < stages; j++) {
         for (size_t i = 0; i < it->n_q; i++)
             q[i] += w[j] * x->V[j * n + i];
@@ -84,8 +84,8 @@ static enum pk_status put(struct pk_integrator *it, const struct pk_singular_cro
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     int moved;
-    memcpy(x->q_here, q, it->n_q * sizeof *q);
-    memcpy(x->v_here, v, it->n * sizeof *v);
+    pk_copy(x->q_here, q, it->n_q);
+    pk_copy(x->v_here, v, it->n);
     PK_TRY(pk_project(it, t, q, v, NULL, NULL, &moved));
     *off = pk_max(*off, relative_distance(&w, q, x->q_here, q, x->q, w.rotation));
     *off = pk_max(*off, relative_distance(&w, v, x->v_here, v, NULL, w.m));
@@ -132,8 +132,8 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossin
     const size_t n_q = it->n_q, n = it->n,
                  s = pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
     pk_real before = PK_INFINITY;
-    memcpy(x->q, it->q, n_q * sizeof *x->q);
-    memcpy(x->v, it->v, n * sizeof *x->v);
+    pk_copy(x->q, it->q, n_q);
+    pk_copy(x->v, it->v, n);
     PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->A));
     for (size_t j = 0; j < s; j++) {
         memmove(x->A + j * n, x->A, n * sizeof *x->A);
@@ -149,7 +149,7 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossin
             along(it, x, x->c[j], q, v);
             PK_TRY(put(it, x, t, q, v, off));
             changed = pk_max(changed, relative_distance(&w, v, x->V + j * n, v, NULL, w.m));
-            memcpy(x->V + j * n, v, n * sizeof *v);
+            pk_copy(x->V + j * n, v, n);
             PK_TRY(pk_eval_acceleration(it, t, q, v, x->A + j * n));
         }
         if (changed <= ROUND || (changed <= SETTLED && changed >= before / 2))
@@ -201,7 +201,7 @@ enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
     const size_t n = it->n;
     const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
-    memset(it->own->next, 0, pk_state_offset(it->n_q, n, PK_PARTS) * sizeof *q);
+    pk_zero(it->own->next, pk_state_offset(it->n_q, n, PK_PARTS));
     if (!(x.is->passing > 0)) {
         /* without a step size, the projection of stages is not judged like that of a step */
         it->own->next_t = it->t;

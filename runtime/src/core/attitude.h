@@ -68,7 +68,7 @@ static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, 
 {
     const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2;
     const pk_real quarter = PK_F(sin)(angle / 2);
-    const pk_real sinc = angle > 0 ? PK_F(sin)(angle) / angle : PK_C(1.0);
+    const pk_real sinc = angle > 0 ? PK_F(sin)(angle) / angle : 1;
     const pk_real u[3] = {sinc * theta[0] / 2, sinc * theta[1] / 2, sinc * theta[2] / 2};
     pk_quaternion_times(Q, -2 * quarter * quarter, u, d);
 }

@@ -51,8 +51,8 @@ size_t pk_band_lay_out(struct pk_band *b, pk_real *base)
 
 void pk_band_clear(const struct pk_band *b)
 {
-    memset(b->entries, 0, (size_t)(b->corner - b->entries) * sizeof *b->entries);
-    memset(b->corner, 0, stride(b) * stride(b) * sizeof *b->corner);
+    pk_zero(b->entries, (size_t)(b->corner - b->entries));
+    pk_zero(b->corner, stride(b) * stride(b));
     if (b->pivoting)
         *b->used = (pk_real)b->border;
 }
@@ -198,7 +198,7 @@ void pk_band_solve(const struct pk_band *b, pk_real *x)
             y[c] -= b->bottom[k * width + c] * x[k];
     }
     pk_lu_solve(b->corner, b->pivot + n, used, y);
-    memcpy(x + n, y, b->border * sizeof *x);
+    pk_copy(x + n, y, b->border);
     for (size_t k = n; k-- > 0;) {
         const pk_real *U = row(b, k);
         const size_t end = least(n, k + b->below + b->above + 1);

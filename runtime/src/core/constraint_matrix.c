@@ -125,7 +125,7 @@ void pk_project_spread(const struct pk_projection *w, const pk_real *q, const pk
 void pk_project_pull(const struct pk_projection *w, const pk_real *q, const pk_real *v,
                      const pk_real *J, size_t rows, const pk_real *x, pk_real *out)
 {
-    memset(out, 0, w->m * sizeof *out);
+    pk_zero(out, w->m);
     if (!w->whole)
         w->system->constraints.pull(w->params, w->t, q, v, w->u, x, out);
     for (size_t i = 0; i < rows && w->whole; i++)
@@ -193,7 +193,7 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
         return lost(w, (size_t)PK_FAILURE_AT(failed));
     }
     for (size_t i = 0; i < c; i++) {
-        memcpy(w->W + i * m, w->J + i * w->n, m * sizeof *w->W);
+        pk_copy(w->W + i * m, w->J + i * w->n, m);
         pk_ldl_solve(w->M, m, w->W + i * m);
     }
     for (size_t i = 0; i < c; i++)
@@ -297,7 +297,7 @@ void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
         w->system->constraints.solve(w->params, NULL, r, w->d, w->mu);
         return;
     }
-    memcpy(w->mu, r, rows * sizeof *w->mu);
+    pk_copy(w->mu, r, rows);
     pk_ldl_solve(w->A, rows, w->mu);
     for (size_t k = 0; k < w->m; k++) {
         w->d[k] = 0;

@@ -10,7 +10,6 @@
  * References: N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179; A. H. Al-Mohy, N. J. Higham,
  * SIAM J. Matrix Anal. Appl. 31 (2009) 970; M. S. Paterson, L. J. Stockmeyer, SIAM J. Comput. 2
  * (1973) 60. */
-#include <string.h>
 
 #include "double_double.h"
 
@@ -36,8 +35,8 @@ void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, 
 {
     for (size_t i = 0; i < rows; i++) {
         pk_real *restrict hi = Y.hi + i * m, *restrict lo = Y.lo + i * m;
-        memset(hi, 0, m * sizeof *hi);
-        memset(lo, 0, m * sizeof *lo);
+        pk_zero(hi, m);
+        pk_zero(lo, m);
         for (size_t k = 0; k < m; k++) {
             const pk_real a = X.hi[i * m + k], a_lo = X.lo[i * m + k];
             const pk_real *restrict b = M.hi + k * m, *restrict b_lo = M.lo + k * m;
@@ -60,14 +59,14 @@ static struct pk_pairs take(pk_real **room, size_t count)
 
 static void copy(struct pk_pairs to, struct pk_pairs from, size_t count)
 {
-    memcpy(to.hi, from.hi, count * sizeof *to.hi);
-    memcpy(to.lo, from.lo, count * sizeof *to.lo);
+    pk_copy(to.hi, from.hi, count);
+    pk_copy(to.lo, from.lo, count);
 }
 
 static void clear(struct pk_pairs x, size_t count)
 {
-    memset(x.hi, 0, count * sizeof *x.hi);
-    memset(x.lo, 0, count * sizeof *x.lo);
+    pk_zero(x.hi, count);
+    pk_zero(x.lo, count);
 }
 
 /* Computes 1/k! from 1/(k-1)!. */

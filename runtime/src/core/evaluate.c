@@ -88,7 +88,7 @@ static pk_real pivot_ratio(const struct pk_integrator *it, pk_real t, const pk_r
         /* M now has the entries of L below the diagonal and those of D on the diagonal */
         for (size_t j = 0; j < k; j++)
             M[at] -= M[row + order[j]] * M[row + order[j]] * M[order[j] * n + order[j]];
-        ratio = diagonal > 0 ? M[at] / diagonal : diagonal < 0 ? -PK_C(1.0) : PK_C(0.0);
+        ratio = diagonal > 0 ? M[at] / diagonal : diagonal < 0 ? -1 : 0;
         if (!(ratio > PK_PIVOT_MIN))
             break;
         for (size_t i = k + 1; i < n; i++) {
@@ -171,7 +171,7 @@ pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real 
  * since step sizes may shrink before a singular M without reaching it. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
-    const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
+    const pk_real near = 64 * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
     pk_real *q = pk_next(it, PK_Q), *a = pk_next(it, PK_A);
     if (it->own->trouble.status == PK_DONE ||
         !(pk_abs(it->own->trouble.reason.time - it->t) <= near)) {

@@ -3,6 +3,7 @@
 #ifndef PK_INTERNAL_H
 #define PK_INTERNAL_H
 
+#include <string.h>
 #include <pk/step/linear.h>
 
 #if defined __GNUC__
@@ -10,6 +11,12 @@
 #else
 #define PK_FORMAT(text, first)
 #endif
+
+static inline void pk_copy(pk_real *to, const pk_real *from, size_t count)
+{
+    memcpy(to, from, count * sizeof *to);
+}
+static inline void pk_zero(pk_real *x, size_t count) { memset(x, 0, count * sizeof *x); }
 
 /* The arguments of a kernel, for systems written in C in this library. */
 #define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u

@@ -14,7 +14,7 @@ void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integr
     for (int k = 0; k < count; k++) {
         const pk_real next = ((pk_real)k * rise - (pk_real)(2 * k + 1) * t * here) /
                              (pk_real)(k + 1);
-        const pk_real sign = mirrored && k % 2 ? PK_C(-1.0) : PK_C(1.0);
+        const pk_real sign = mirrored && k % 2 ? -1 : 1;
         P[k] = sign * here;
         if (integral) /* integral of P_k: (P_k+1 - P_k-1) / (2 (2 k + 1)) */
             integral[k] = k ? (mirrored ? -sign : sign) * (rise + next) / (pk_real)(4 * k + 2) : x;

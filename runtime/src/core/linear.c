@@ -26,7 +26,7 @@ int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m)
                 A[best * m + j] = swap;
             }
         const pk_real d = A[k * m + k];
-        if (!(pk_abs(d) > PK_C(0.0)) || !pk_finite(d))
+        if (!(pk_abs(d) > 0) || !pk_finite(d))
             return 0;
         for (size_t i = k + 1; i < m; i++) {
             const pk_real l = A[i * m + k] / d;
@@ -77,7 +77,7 @@ size_t pk_ldl_factor(pk_real *A, size_t n)
         pk_real d = A[j * n + j];
         for (size_t k = 0; k < j; k++)
             d -= A[j * n + k] * A[j * n + k] * A[k * n + k];
-        if (!(d > least) || !(d > PK_C(0.0)) || !pk_finite(d))
+        if (!(d > least) || !(d > 0) || !pk_finite(d))
             return 1 + j;
         A[j * n + j] = d;
         for (size_t i = j + 1; i < n; i++) {

@@ -98,7 +98,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
 /* If a sine is below PK_SINGULAR, the rounding of positions changes rates by about PK_EPS / sine^2,
  * more than the error of a step. In such states rates are not projected, and J M^-1 J^T is not
  * used. */
-#define PK_SINGULAR (PK_C(10.0) * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
+#define PK_SINGULAR (10 * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
 /* Bits of it->own->passing.seen, which describe the end of a step. PK_SEEN: sines were computed;
  * PK_SEEN_LOW: a sine is < 2 PK_NEAR; PK_SEEN_DIPS: a sine is < PK_FAR. passing.near is set if the
  * start of the step is, or may be, near a singular position. */

@@ -2,7 +2,6 @@
  * state is changed by some units in its last place. This is repeated several times, since a single
  * change may leave some of many accelerations nearly unchanged. If terms cancel, their rounding is
  * taken relative to their size. */
-#include <string.h>
 
 #include "band.h"
 #include "scale.h"
@@ -38,7 +37,7 @@ static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_re
     struct pk_band band = {.rows = p.rows, .below = p.width, .above = p.width, .border = p.border};
     pk_real *x = M + pk_band_lay_out(&band, M), *sum = x + places, *place = sum + places;
     f->mass(it->problem.params, it->t, it->q, it->v, pk_eval_input(it, it->t), M);
-    memset(sum, 0, places * sizeof *sum);
+    pk_zero(sum, places);
     for (size_t k = 0; k < places; k++) {
         place[k] = (pk_real)f->place(it->problem.params, k);
         x[k] = place[k] < 0 ? 0 : pk_abs(it->v[(size_t)place[k]]);
@@ -76,7 +75,7 @@ static void look_at_momenta(struct pk_integrator *it)
         momenta_of_band(it, pattern, M, by_p);
     if (!(it->method->traits & PK_JACOBIANS) || !(system->inertia ? system->inertia : system->mass))
         return;
-    memset(M, 0, n * n * sizeof *M);
+    pk_zero(M, n * n);
     (system->inertia ? system->inertia : system->mass)(it->problem.params, it->t, it->q, it->v,
                                                        pk_eval_input(it, it->t), M);
     for (size_t i = 0; i < n; i++) {
@@ -113,9 +112,9 @@ static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real
 {
     const size_t n = it->n;
     pk_real *moved = part(it, MOVED), *other = part(it, BESIDE);
-    memset(noise, 0, n * sizeof *noise);
+    pk_zero(noise, n);
     for (int k = 0; k <= SAMPLES; k++) {
-        memcpy(moved, it->own->state, (it->n_q + n) * sizeof *moved);
+        pk_copy(moved, it->own->state, it->n_q + n);
         shake(it, aside, 54321, moved);
         shake(it, k ? ROUNDING : 0, 12345ul * (unsigned long)k, moved);
         const pk_real t = it->t * (1 + aside) * (1 + (k ? ROUNDING : 0));

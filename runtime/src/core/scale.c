@@ -78,7 +78,7 @@ static void follow(const struct pk_integrator *it)
     const size_t m = it->n_q + it->n;
     const pk_real *most = part(it, MOST), *of = part(it, GROUP);
     pk_real *own = part(it, OWN), *all = part(it, MOVED);
-    memset(all, 0, m * sizeof *all);
+    pk_zero(all, m);
     for (size_t i = 0; i < m; i++)
         all[pk_index(of[i], m)] = pk_max(all[pk_index(of[i], m)], most[i]);
     for (size_t i = 0; i < m; i++)
@@ -168,7 +168,7 @@ void pk_scale_start(struct pk_integrator *it)
 void pk_scale_forget(struct pk_integrator *it)
 {
     if (it->own->atol)
-        memset(part(it, MOST), 0, (it->n_q + it->n) * sizeof(pk_real));
+        pk_zero(part(it, MOST), it->n_q + it->n);
 }
 
 /* Returns a time d, at most the given one, such that in a motion from rest over d no acceleration
@@ -189,7 +189,7 @@ static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
         for (size_t i = 0; i < n; i++)
             change = pk_max(change, pk_abs(other[i] - a[i]));
     }
-    memset(other, 0, n * sizeof *other);
+    pk_zero(other, n);
     return d;
 }
 

@@ -8,7 +8,6 @@
  * until the error estimate keeps them shorter. Fixed steps are not shortened, but counted. The
  * motion within the step is approximated by a cubic; if that is inaccurate, the check of the
  * shorter step corrects it. */
-#include <string.h>
 
 #include "internal.h"
 
@@ -241,7 +240,7 @@ void pk_short_force_accept(struct pk_integrator *it)
     it->own->short_force.calm = it->own->short_force.range <= MOST / 4
                                     ? h
                                     : 0; /* a step of this length met no short force */
-    memcpy(it->own->marks, it->own->marks + m, m * sizeof *it->own->marks);
+    pk_copy(it->own->marks, it->own->marks + m, m);
     if (!(it->own->short_force.reach > 0))
         return;
     if (h < it->own->short_force.reach * (1 - PK_C(1e-6)) || it->own->short_force.varied < MOST / 8)

@@ -12,7 +12,6 @@
  *
  * If there is a sign change, but the motion by short steps does not reach the root, the step is
  * inaccurate: PK_STEP_TOO_LONG. */
-#include <string.h>
 
 #include "singularity.h"
 
@@ -68,8 +67,7 @@ void pk_singularity_start(struct pk_integrator *it)
         return;
     pk_singularity_evaluate(it, it->t, it->q, it->v, pk_singularity_part(it, PK_SINGULARITY_NOW));
     clear_rounding(it);
-    memset(pk_singularity_part(it, PK_SINGULARITY_MOST), 0,
-           it->own->n_singularities * sizeof(pk_real));
+    pk_zero(pk_singularity_part(it, PK_SINGULARITY_MOST), it->own->n_singularities);
 }
 
 /* Accepts the trial step: its end becomes the state. */
@@ -80,7 +78,7 @@ static enum pk_status go_on(struct pk_integrator *it, int known)
             *most = pk_singularity_part(it, PK_SINGULARITY_MOST);
     for (size_t k = 0; k < m; k++)
         most[k] = pk_max(most[k], pk_abs(now[k]));
-    memcpy(now, pk_singularity_part(it, PK_SINGULARITY_NEXT), 2 * m * sizeof *now);
+    pk_copy(now, pk_singularity_part(it, PK_SINGULARITY_NEXT), 2 * m);
     it->own->slopes = known;
     return PK_DONE;
 }
@@ -197,7 +195,7 @@ enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status sta
     if (!fixed) { /* the distance `ahead` is similar to that in pk_underflow() */
         depth = PK_SINGULARITY_SHALLOW;
         ahead = (pk_real)it->own->direction *
-                (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + PK_C(10.0) * pk_abs(it->own->h));
+                (64 * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + 10 * pk_abs(it->own->h));
     }
     const struct pk_singularity_search s = pk_singularity_search(it, it->t + ahead, depth);
     return s.found == PK_SINGULARITY_VANISHES ? ended(it, s.which, s.when, s.bounded) : status;

@@ -4,7 +4,6 @@
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.4 and I.6. */
-#include <string.h>
 
 #include "singularity.h"
 
@@ -53,18 +52,18 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     const size_t n_q = it->n_q, m = n_q + it->n;
     pk_real *y = search_part(it, Y), *trial = search_part(it, TRIAL), *sum = search_part(it, SUM);
     pk_real *stage = search_part(it, STAGE), *k = search_part(it, K);
-    memcpy(sum, y, m * sizeof *y);
-    memcpy(stage, y, m * sizeof *y);
+    pk_copy(sum, y, m);
+    pk_copy(stage, y, m);
     for (int i = 0; i < 4; i++) {
         const pk_real c = i == 0 ? 0 : i == 3 ? s : s / 2;
-        memcpy(k, stage + n_q, n_q * sizeof *k);
+        pk_copy(k, stage + n_q, n_q);
         if (pk_eval_acceleration(it, t + c, stage, stage + n_q, k + n_q) < 0)
             return 0;
         shift(m, sum, s * (pk_real)weight[i] / 6, k, sum);
         if (i < 3)
             shift(m, y, i == 2 ? s : s / 2, k, stage);
     }
-    memcpy(trial, sum, m * sizeof *y);
+    pk_copy(trial, sum, m);
     return pk_all_finite(trial, m);
 }
 
@@ -89,7 +88,7 @@ static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real d
 {
     const pk_real *first = pk_singularity_part(it, PK_SINGULARITY_NOW);
     const pk_real *most = pk_singularity_part(it, PK_SINGULARITY_MOST);
-    const pk_real round = halted ? PK_C(64.0) * PK_EPS : 0;
+    const pk_real round = halted ? 64 * PK_EPS : 0;
     size_t k = 0;
     while (k < it->own->n_singularities &&
            !(pk_abs(g[k]) <= pk_max(depth * pk_abs(first[k]), round * most[k])))
@@ -129,12 +128,12 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     struct pk_singularity_search found = {PK_SINGULARITY_UNDECIDED, m, it->t, 0};
     struct growth growth = {0};
     int stuck = 0, arrived = 0; /* 1: M is singular to round-off already */
-    memcpy(y, it->q, n_q * sizeof *y);
-    memcpy(y + n_q, it->v, n * sizeof *y);
-    memcpy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m * sizeof *g);
+    pk_copy(y, it->q, n_q);
+    pk_copy(y + n_q, it->v, n);
+    pk_copy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m);
     for (int count = 0; count < SEARCH_STEPS && pk_abs(s) > 0 && !stuck && !arrived; count++) {
         const int last = pk_abs(at + s) >= pk_abs(whole);
-        pk_real least = PK_C(1.0), most = PK_C(1.0);
+        pk_real least = 1, most = 1;
         if (last)
             s = whole - at;
         /* the values are also checked at mid-step, since a step through a centre has similar
@@ -156,8 +155,8 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         }
         at += s;
         made = s;
-        memcpy(y, trial, (n_q + n) * sizeof *y);
-        memcpy(g, g1, m * sizeof *g);
+        pk_copy(y, trial, n_q + n);
+        pk_copy(g, g1, m);
         note_growth(it, &growth, g);
         arrived = last;
         if (fallen(it, g, depth, 0) < m)

@@ -188,7 +188,7 @@ static unsigned long long accelerations(struct pk_lanes *a, const pk_real *t, co
                                         pk_real *to)
 {
     struct pk_block *b = &a->b;
-    memcpy(b->t, t, b->lanes * sizeof *t);
+    pk_copy(b->t, t, b->lanes);
     return a->stepper->members(b, state, state + b->n_q * b->lanes, to);
 }
 
@@ -202,15 +202,14 @@ static unsigned long long clear(struct pk_lanes *a, const struct pk_lane *lanes,
     if (!a->screen.functions)
         return of;
     if (a->method->traits & PK_ADAPTIVE) {
-        memcpy(a->screen.a0, b->work + m, m * sizeof *b->work);
-        memcpy(a->screen.a1, pk_block_slopes(b, pk_block_stages(a->method)) + m,
-               m * sizeof *b->work);
+        pk_copy(a->screen.a0, b->work + m, m);
+        pk_copy(a->screen.a1, pk_block_slopes(b, pk_block_stages(a->method)) + m, m);
         return pk_screen(&a->screen, b, lanes, of, known, PK_CLEAR_OF);
     }
     if (pk_splitting_table(a->method))
         of &= ~accelerations(a, b->from, b->state, a->screen.a0);
     else
-        memcpy(a->screen.a0, b->work + m, m * sizeof *b->work);
+        pk_copy(a->screen.a0, b->work + m, m);
     of &= ~accelerations(a, b->end, b->next, a->screen.a1);
     return pk_screen(&a->screen, b, lanes, of, known, 1);
 }
@@ -222,7 +221,7 @@ static int is_free(const struct pk_lanes *a, const struct pk_lane *lane)
     const struct pk_integrator_private *own = it->own;
     return !(a->method->traits & PK_ADAPTIVE) && !own->singularities && !own->marks &&
            !own->project && !own->crossing && (pk_real)own->direction * (lane->free - it->t) > 0 &&
-           it->options.h > PK_C(10.0) * PK_EPS * pk_abs(lane->free);
+           it->options.h > 10 * PK_EPS * pk_abs(lane->free);
 }
 
 static size_t bits(unsigned long long x)
@@ -280,8 +279,8 @@ static void make_many(struct pk_lanes *a, const struct pk_lane *lanes, unsigned 
                 going &= ~(1ull << l);
         }
         if (known && !splitting) { /* copies the first stage of the next step */
-            memcpy(b->work, b->state + n_q * W, n_q * W * sizeof *b->work);
-            memcpy(b->work + m, a->screen.a1, m * sizeof *b->work);
+            pk_copy(b->work, b->state + n_q * W, n_q * W);
+            pk_copy(b->work + m, a->screen.a1, m);
         }
     }
 }

@@ -94,7 +94,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
                                   const struct pk_ensemble *e, struct pk_integrator *clock,
                                   size_t first, char *memory, pk_real t, unsigned long long live)
 {
-    const pk_real last = e->t[e->rows - 1], way = last < e->t0 ? PK_C(-1.0) : PK_C(1.0);
+    const pk_real last = e->t[e->rows - 1], way = last < e->t0 ? -1 : 1;
     while (live && way * (t - clock->t) > 0 && !pk_integrator_is_at(clock, t)) {
         const enum pk_status status =
             pk_ensemble_stopped(e) ? PK_STOPPED_USER

@@ -1,7 +1,6 @@
 /* Ensembles: chooses how to integrate members, and moves one member from one output row to the
  * next. See also member.c for one member, and block.c for members in lanes. */
 #include <stdio.h>
-#include <string.h>
 
 #include <pk/adaptive_lanes.h>
 
@@ -60,8 +59,8 @@ static void keep(const struct way *w, const struct pk_integrator *there)
 {
     const struct pk_ensemble *e = w->e;
     const size_t n_q = there->n_q, n = there->n, at = w->member * e->rows + w->row;
-    memcpy(e->q + at * n, there->q, n_q * sizeof *e->q);
-    memcpy(e->v + at * n, there->v, n * sizeof *e->v);
+    pk_copy(e->q + at * n, there->q, n_q);
+    pk_copy(e->v + at * n, there->v, n);
     e->done[w->member]++;
 }
 
@@ -69,7 +68,7 @@ static int is_ahead(const struct way *w)
 {
     const struct pk_ensemble *e = w->e;
     const struct pk_integrator *it = &w->m->it;
-    const pk_real t = e->t[w->row], way = e->t[e->rows - 1] < e->t0 ? PK_C(-1.0) : PK_C(1.0);
+    const pk_real t = e->t[w->row], way = e->t[e->rows - 1] < e->t0 ? -1 : 1;
     return way * (t - it->t) > 0 &&
            (e->method->traits & PK_ADAPTIVE || !pk_integrator_is_at(it, t));
 }

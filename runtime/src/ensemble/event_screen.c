@@ -1,7 +1,6 @@
 /* Finds steps in lanes that certainly cross no event and no switch; see event_screen.h. It uses the
  * first test of events_look.c: the polynomial through samples of a function on the quintic Hermite
  * interpolant. */
-#include <string.h>
 
 #include "../events/events.h"
 #include "event_screen.h"
@@ -74,7 +73,7 @@ static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *
     const pk_real d11 = x * (3 * x - 2), d22 = 2 * x * y * (y - x);
     if (b->n == b->n_q)
         return;
-    memset(s->bends + 2 * first, 0, (end - 2 * first) * sizeof *s->bends);
+    pk_zero(s->bends + 2 * first, end - 2 * first);
     between(s, b, x);
     for (size_t l = 0; l < W; l++)
         b->t[l] = b->from[l] + x * b->h[l];
@@ -112,7 +111,7 @@ static void judge(const pk_real *g, size_t stride, pk_real far, pk_bits *PK_REST
     pk_real even[HALF + 1][LANES], odd[HALF + 1][LANES], sum[LANES] = {0}, last[LANES];
     for (int j = 0; j <= HALF; j++) {
         const pk_real *left = g + (size_t)j * stride, *right = g + (size_t)(N - j) * stride;
-        const pk_real half = j == 0 || j == HALF ? PK_C(0.5) : PK_C(1.0);
+        const pk_real half = j == 0 || j == HALF ? PK_C(0.5) : 1;
         PK_LANE_LOOP
         for (size_t l = 0; l < LANES; l++) {
             even[j][l] = half * (left[l] + right[l]);
@@ -211,6 +210,6 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b, const stru
         if (of >> l & 1 && !bad[l])
             clear |= 1ull << l;
     /* The last sample of these steps is the first sample of the next steps. */
-    memcpy(s->g, s->g + (size_t)N * s->functions * W, s->functions * W * sizeof *s->g);
+    pk_copy(s->g, s->g + (size_t)N * s->functions * W, s->functions * W);
     return clear;
 }

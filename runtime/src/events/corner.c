@@ -15,7 +15,6 @@
  * References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
  * Nonsmooth Mechanics, 3rd ed., chapters 1 and 3.
  */
-#include <string.h>
 
 #include <pk/constraint.h>
 
@@ -127,7 +126,7 @@ static int rates(struct corner *x, pk_real alpha)
         if (change <= PK_EPS * size ||
             (count > 1 && change >= before / 2 && change <= PK_CORNER_WHOLE * size)) {
             pk_corner_rows(x, x->v);
-            memcpy(d, x->slope, w->m * sizeof *d);
+            pk_copy(d, x->slope, w->m);
             return solve(x, x->v, d, NULL, x->by);
         }
         before = change;
@@ -154,8 +153,8 @@ int pk_corner_leave(struct corner *x, pk_real direction, int free)
     struct pk_projection *w = &x->w;
     pk_real alpha = 0, before = 0, first = 0;
     int lowest = 0;
-    memcpy(x->v, x->start, w->n * sizeof *x->v);
-    memset(x->lambda, 0, w->c * sizeof *x->lambda);
+    pk_copy(x->v, x->start, w->n);
+    pk_zero(x->lambda, w->c);
     for (int count = 0; count < MOST; count++) {
         if (rates(x, alpha) < 0)
             return -1;
@@ -163,7 +162,7 @@ int pk_corner_leave(struct corner *x, pk_real direction, int free)
         if (!free)
             return 1;
         if (count == 0) { /* tests whether s_q is outside the span of the rows */
-            memcpy(w->d, x->slope, w->m * sizeof *w->d);
+            pk_copy(w->d, x->slope, w->m);
             pk_ldl_solve(w->M, w->m, w->d);
             first = pk_abs(s);
             if (!(bend > PK_CORNER_ALONG * pk_corner_dot(x->slope, w->d, w->m)))

@@ -6,7 +6,7 @@
 #include "../core/project.h"
 
 #define PK_CORNER_ALONG \
-    (PK_C(1024.0) * PK_EPS) /* a smaller part of s_q outside the span of the rows counts as 0 */
+    (1024 * PK_EPS) /* a smaller part of s_q outside the span of the rows counts as 0 */
 #define PK_CORNER_WHOLE \
     PK_F(sqrt)(PK_EPS) /* a larger relative change of a position or a row is a jump */
 

@@ -3,7 +3,6 @@
  * which the method itself gives exact values, and a root is found between two nodes where g has
  * opposite signs (root.c). Where the polynomial has a minimum of |g| near zero, more nodes are
  * computed towards this minimum, so that two close roots are found too. */
-#include <string.h>
 
 #include "events.h"
 #include <pk/root.h>
@@ -74,7 +73,7 @@ static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
         PK_TRY(truth(a, x, y));
         if (!(x < pk_abs(a->it->t - e->from)))
             return PK_DONE;
-        memcpy(known, pk_events_sample(e, PK_MOST_SAMPLES + 1), pk_events_count(e) * sizeof *known);
+        pk_copy(known, pk_events_sample(e, PK_MOST_SAMPLES + 1), pk_events_count(e));
         *at = x;
     }
     *y = known[a->k];
@@ -123,7 +122,7 @@ static pk_real vertex(const pk_real *x, const pk_real *g)
  * the function lies above them. */
 static int may_cross(const pk_real *x, const pk_real *g)
 {
-    const pk_real l = x[1] - x[0], r = x[2] - x[1], sign = g[1] > 0 ? PK_C(1.0) : PK_C(-1.0);
+    const pk_real l = x[1] - x[0], r = x[2] - x[1], sign = g[1] > 0 ? 1 : -1;
     return sign * g[1] <= sign * (g[2] - g[1]) * (l / r) ||
            sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
 }
@@ -183,7 +182,7 @@ static struct point turn(struct along *a, pk_real from, pk_real to)
 static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct point l,
                             struct point r, pk_real bow)
 {
-    const pk_real sign = l.g > 0 ? PK_C(1.0) : PK_C(-1.0), margin = near_zero(a->shape);
+    const pk_real sign = l.g > 0 ? 1 : -1, margin = near_zero(a->shape);
     if (opposite(l.g, r.g))
         return settle(a, l.x) < 0 ? a->it->status : settle(a, r.x);
     if (pk_min(sign * l.g, sign * r.g) > bow + margin || sign * l.slope >= 0 || sign * r.slope <= 0)
@@ -282,7 +281,7 @@ static void enlist(struct pk_events *e, const struct along *a, pk_real x, int di
         return;
     size_t at = PK_EVENT_ENTRY * e->listed++;
     for (; at > 0 && e->list[at - PK_EVENT_ENTRY] > x; at -= PK_EVENT_ENTRY)
-        memcpy(e->list + at, e->list + at - PK_EVENT_ENTRY, PK_EVENT_ENTRY * sizeof *e->list);
+        pk_copy(e->list + at, e->list + at - PK_EVENT_ENTRY, PK_EVENT_ENTRY);
     e->list[at] = x;
     e->list[at + 1] = (pk_real)a->k;
     e->list[at + 2] = (pk_real)direction;

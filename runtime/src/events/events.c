@@ -164,7 +164,7 @@ static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t 
 static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, size_t k,
                           int backwards)
 {
-    pk_real rise = gain(e, it, k, e->v0) * (backwards ? PK_C(-1.0) : PK_C(1.0));
+    pk_real rise = gain(e, it, k, e->v0) * (backwards ? -1 : 1);
     if (!(rise < 0 || rise > 0) && pk_eval_acceleration(&e->scout, it->t, e->q0, e->v0, e->a0) >= 0)
         rise = gain(e, it, k, e->a0);
     return rise * (pk_real)it->problem.system->events.table[k].direction > 0;
@@ -235,7 +235,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->progress.passed - h))
         return 0;
     /* After a switch, the value of its function is only the rounding error of 0. */
-    if (e->at_switch || h <= PK_C(64.0) * PK_EPS * pk_abs(e->from))
+    if (e->at_switch || h <= 64 * PK_EPS * pk_abs(e->from))
         return 0;
     for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
         if (!(pk_abs(begin[k]) > PK_TINY) && at_rest < 0)
@@ -267,8 +267,8 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->from = it->t;
     e->listed = 0;
     e->scout.options.h = it->options.h;
-    memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
-    memcpy(e->v0, it->v, e->n * sizeof *e->v0);
+    pk_copy(e->q0, it->q, e->n_q);
+    pk_copy(e->v0, it->v, e->n);
     /* no event is at the start of a step that crosses nothing */
     const int clear = pk_events_ahead(e, it);
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || stop_beyond_limit(e, it, limit < it->t)))

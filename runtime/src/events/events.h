@@ -72,7 +72,7 @@ static inline pk_real pk_events_width(const struct pk_events *e, const struct pk
                                       pk_real x)
 {
     const pk_real t = pk_max(pk_abs(e->from), pk_abs(pk_events_time(e, it, x)));
-    return PK_C(4.0) * PK_EPS * t + PK_EPS * PK_EPS * pk_abs(it->t - e->from);
+    return 4 * PK_EPS * t + PK_EPS * PK_EPS * pk_abs(it->t - e->from);
 }
 
 /* Returns whether the next step is not the first one and no crossing cut the step before it. */

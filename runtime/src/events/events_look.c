@@ -6,7 +6,6 @@
  * Reference: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters
  * 3 and 8.
  */
-#include <string.h>
 
 #include "../core/tableau.h"
 #include "events.h"
@@ -63,17 +62,16 @@ static int states_bend(struct pk_events *e, struct pk_integrator *it)
 static int is_worthless(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from;
-    const size_t bytes = (e->n_q + e->n) * sizeof *e->bend;
     int worthless = 0;
-    memset(e->bend, 0, bytes);
+    pk_zero(e->bend, e->n_q + e->n);
     for (int end = 0; end < 2; end++) {
         const pk_real *q = end ? it->q : e->q0, *v = end ? it->v : e->v0;
         const pk_real *known = pk_embedded_acceleration(it, end);
         pk_real *bends = e->bend + (end ? e->n_q : 0), *a = end ? e->a1 : e->a0;
         if (known) {
-            memcpy(a, known, e->n * sizeof *a);
+            pk_copy(a, known, e->n);
         } else if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, a) < 0) {
-            memset(e->bend, 0, bytes);
+            pk_zero(e->bend, e->n_q + e->n);
             for (size_t i = e->n_q; i < e->n; i++) /* interpolates first-order variables linearly */
                 e->a0[i] = e->a1[i] = (it->v[i] - e->v0[i]) / h;
             return 0;
@@ -105,9 +103,8 @@ static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int 
 {
     const pk_real h = it->t - e->from, length = pk_abs(h), x = pk_events_node(e, j);
     const pk_real t = pk_events_time(e, it, x);
-    const size_t bytes = pk_events_count(e) * sizeof(pk_real);
     if (!(x > 0) || !(x < length)) {
-        memcpy(pk_events_sample(e, j), pk_events_end(e, x > 0), bytes);
+        pk_copy(pk_events_sample(e, j), pk_events_end(e, x > 0), pk_events_count(e));
         return PK_DONE;
     }
     if (e->proposes && !e->by_ends) {
@@ -139,7 +136,7 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* if far: makes |c_0| exceed the other terms */
+    shape->c[0] = far ? 1 : 0; /* if far: makes |c_0| exceed the other terms */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
@@ -277,7 +274,7 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
     unsigned long part = 0, parts = 1;
     if (!e->cut && is_far(e, it)) {
         e->at_switch = 0;
-        memset(e->held, 0, e->n_events * sizeof *e->held);
+        pk_zero(e->held, e->n_events);
         return it->status = PK_DONE;
     }
     e->by_steps = !e->proposes && is_worthless(e, it);
@@ -307,6 +304,6 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
             part /= 2, parts /= 2;
     }
     e->at_switch = 0;
-    memset(e->held, 0, e->n_events * sizeof *e->held);
+    pk_zero(e->held, e->n_events);
     return it->status = PK_DONE;
 }

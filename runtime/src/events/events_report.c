@@ -1,6 +1,5 @@
 /* Reports the crossings of a step in order: calls the caller's functions, stops the run, or moves a
  * switch to its other side. */
-#include <string.h>
 
 #include <pk/constraint.h>
 
@@ -64,8 +63,8 @@ static void hold(struct pk_events *e)
 /* Stops where constraint rows are linearly dependent: no integrator can start there. */
 static void stay(const struct pk_events *e, struct pk_integrator *it)
 {
-    memcpy(pk_state(it, PK_Q), e->q, it->n_q * sizeof *e->q);
-    memcpy(pk_state(it, PK_V), e->v, it->n * sizeof *e->v);
+    pk_copy(pk_state(it, PK_Q), e->q, it->n_q);
+    pk_copy(pk_state(it, PK_V), e->v, it->n);
     it->t = it->last_t = e->t;
     it->own->ready = 0;
 }

@@ -1,13 +1,12 @@
 /* Events and switches at a time within a step: the state there, the values of their functions, and
  * the sample times of a window.
  */
-#include <string.h>
 
 #include "events.h"
 
 /* cos(pi j / 16). */
 const pk_real pk_events_cosines[PK_MOST_SAMPLES + 1] = {
-    PK_C(1.0),
+    1,
     PK_C(0.980785280403230449126182236134239036),
     PK_C(0.923879532511286756128183189396788286),
     PK_C(0.831469612302545237078788377617905756),
@@ -15,7 +14,7 @@ const pk_real pk_events_cosines[PK_MOST_SAMPLES + 1] = {
     PK_C(0.555570233019602224742830813948532874),
     PK_C(0.382683432365089771728459984030398866),
     PK_C(0.195090322016128267848284868477022240),
-    PK_C(0.0),
+    0,
     PK_C(-0.195090322016128267848284868477022240),
     PK_C(-0.382683432365089771728459984030398866),
     PK_C(-0.555570233019602224742830813948532874),
@@ -23,7 +22,7 @@ const pk_real pk_events_cosines[PK_MOST_SAMPLES + 1] = {
     PK_C(-0.831469612302545237078788377617905756),
     PK_C(-0.923879532511286756128183189396788286),
     PK_C(-0.980785280403230449126182236134239036),
-    PK_C(-1.0)};
+    -1};
 
 void pk_switches_values(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                         const pk_real *q, const pk_real *v, pk_real *x)
@@ -68,19 +67,16 @@ enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
 /* Computes the state at t within the step by the method itself. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
-    struct pk_integrator *scout = &e->scout;
-    const size_t of_q = e->n_q * sizeof *e->trial, of_v = e->n * sizeof *e->trial;
-    if (!(t < it->t) && !(t > it->t)) {
-        memcpy(e->trial, it->q, of_q);
-        memcpy(e->trial_v, it->v, of_v);
-        return PK_DONE;
+    const struct pk_integrator *there = it;
+    if (t < it->t || t > it->t) {
+        e->tries++;
+        if (e->dense)
+            return pk_integrator_dense(it, t, e->trial, e->trial_v);
+        PK_TRY(pk_integrator_aside(it, &e->scout, t));
+        there = &e->scout;
     }
-    e->tries++;
-    if (e->dense)
-        return pk_integrator_dense(it, t, e->trial, e->trial_v);
-    PK_TRY(pk_integrator_aside(it, scout, t));
-    memcpy(e->trial, scout->q, of_q);
-    memcpy(e->trial_v, scout->v, of_v);
+    pk_copy(e->trial, there->q, e->n_q);
+    pk_copy(e->trial_v, there->v, e->n);
     return PK_DONE;
 }
 

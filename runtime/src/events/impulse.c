@@ -2,13 +2,12 @@
  * the motion goes on or back, and several switches at once. See corner.c.
  */
 #include <stdio.h>
-#include <string.h>
 
 #include <pk/constraint.h>
 
 #include "corner.h"
 
-#define SAME (PK_C(64.0) * PK_EPS) /* a smaller relative change at a switch is not a jump */
+#define SAME (64 * PK_EPS) /* a smaller relative change at a switch is not a jump */
 /* two impulses may be applied in either order if the rates differ by less than this fraction */
 #define AGREE PK_C(1e-8)
 
@@ -28,7 +27,7 @@ static void turn(struct corner *x, size_t k, pk_real side)
         pk_switches_values(e, x->it, e->t, x->q, x->start, now);
         for (size_t j = 0; j < e->n_switches; j++)
             if (j != k && now[j] * x->before[j] < 0)
-                e->sides[j] = now[j] < 0 ? PK_C(-1.0) : PK_C(1.0);
+                e->sides[j] = now[j] < 0 ? -1 : 1;
     }
 }
 
@@ -82,7 +81,7 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
     const pk_real direction = side * (pk_real)x->it->own->direction;
     pk_real *const given = x->sides + e->n_switches;
     unsigned found;
-    memcpy(given, e->sides, e->n_switches * sizeof *given);
+    pk_copy(given, e->sides, e->n_switches);
     w->system->switches.slopes(w->params, w->t, x->q, x->start, w->u, x->slopes,
                                x->slopes + e->n_switches * w->n);
     x->slope = x->slopes + k * w->n;
@@ -90,16 +89,16 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
     int of_place = 0;
     for (size_t i = 0; i < w->m; i++)
         of_place |= pk_abs(x->slope[i]) > 0;
-    memcpy(x->v, x->start, w->n * sizeof *x->v);
+    pk_copy(x->v, x->start, w->n);
     if (of_place && !(pk_corner_speed(x) * direction > 0))
         return PK_DONE; /* an earlier impulse has turned the motion back */
     pk_corner_momenta(x, x->start);
-    memcpy(x->p0, x->p, w->m * sizeof *x->p0);
+    pk_copy(x->p0, x->p, w->m);
     x->h0 = pk_corner_energy(x, x->start);
     pk_corner_rows(x, x->start);
     if (w->c) {
-        memcpy(x->J, w->J, w->c * w->n * sizeof *x->J);
-        memcpy(x->phi, w->phi, w->h * sizeof *x->phi);
+        pk_copy(x->J, w->J, w->c * w->n);
+        pk_copy(x->phi, w->phi, w->h);
     }
     turn(x, k, side);
     PK_TRY(compare(x, k, &found));
@@ -110,7 +109,7 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
     const int free = of_place && found == PK_IMPULSE_ENERGY;
     int done = pk_corner_leave(x, direction, free);
     if (done == 0) {
-        memcpy(e->sides, given, e->n_switches * sizeof *given);
+        pk_copy(e->sides, given, e->n_switches);
         done = pk_corner_leave(x, -direction, 1);
         if (done == 1 && pk_corner_speed(x) * direction > 0)
             done = 0;
@@ -119,7 +118,7 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
     }
     if (done != 1)
         return refuse(x, k, NEITHER, 0);
-    memcpy(x->start, x->v, w->n * sizeof *x->v);
+    pk_copy(x->start, x->v, w->n);
     return PK_DONE;
 }
 
@@ -127,17 +126,16 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
                           const pk_real *side, size_t count)
 {
     struct corner x = pk_corner_of(e, it);
-    const size_t bytes = e->n * sizeof *x.first;
     enum pk_status status = PK_DONE;
     x.w.u = pk_eval_input(it, e->t);
-    memcpy(x.first, x.start, bytes);
-    memcpy(x.sides, e->sides, e->n_switches * sizeof *x.sides);
+    pk_copy(x.first, x.start, e->n);
+    pk_copy(x.sides, e->sides, e->n_switches);
     for (size_t i = 0; i < count && count > 1 && status >= 0; i++)
         status = one(&x, which[count - 1 - i], side[count - 1 - i]);
     if (count > 1) { /* repeats the impulses in the other order */
-        memcpy(x.first + e->n, x.start, bytes);
-        memcpy(x.start, x.first, bytes);
-        memcpy(e->sides, x.sides, e->n_switches * sizeof *x.sides);
+        pk_copy(x.first + e->n, x.start, e->n);
+        pk_copy(x.start, x.first, e->n);
+        pk_copy(e->sides, x.sides, e->n_switches);
     }
     for (size_t i = 0; i < count && status >= 0; i++)
         status = one(&x, which[i], side[i]);
@@ -149,7 +147,7 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
     if (status >= 0 && apart > AGREE * size)
         status = refuse(&x, which[0], ORDER, which[1]);
     if (status < 0)
-        memcpy(x.start, x.first, bytes);
+        pk_copy(x.start, x.first, e->n);
     return status;
 }
 

@@ -45,8 +45,8 @@ void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
 {
     e->kept = 1;
     e->left = it->t;
-    memcpy(e->trial, it->q, e->n_q * sizeof *e->trial);
-    memcpy(e->trial_v, it->v, e->n * sizeof *e->trial);
+    pk_copy(e->trial, it->q, e->n_q);
+    pk_copy(e->trial_v, it->v, e->n);
 }
 
 /* Sets the sides of all switches. Repeats this until no side changes, since the argument of a
@@ -70,8 +70,8 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
             e->fresh[k] = 0;
             if (e->kept && pk_switches_impulse(it, k))
                 continue;
-            e->sides[k] = x[k] < 0 ? PK_C(-1.0) : PK_C(1.0);
-            e->fresh[k] = x[k] > 0 || x[k] < 0 ? PK_C(0.0) : PK_C(1.0);
+            e->sides[k] = x[k] < 0 ? -1 : 1;
+            e->fresh[k] = x[k] > 0 || x[k] < 0 ? 0 : 1;
             changed |= e->sides[k] > was || e->sides[k] < was;
         }
         reset |= changed;
@@ -113,7 +113,7 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
             e->sides[which] = side;
     }
     const int brief = took <= SHORT * attempted ||
-                      took <= PK_C(64.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));
+                      took <= 64 * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));
     e->brief = e->at_switch && brief ? e->brief + 1 : 0;
     e->at_switch = 1;
     enum pk_status status = hits ? pk_impulse(e, it, hit, to, hits) : PK_DONE;

@@ -94,8 +94,8 @@ static pk_real raised(const struct work *w, pk_real omega)
 static void take_base(struct pk_integrator *it, const struct work *w)
 {
     const size_t m = it->n_q + it->n;
-    memcpy(w->base, it->own->state, m * sizeof *w->base);
-    memcpy(w->base + m, pk_state(it, PK_LOW_Q), m * sizeof *w->base);
+    pk_copy(w->base, it->own->state, m);
+    pk_copy(w->base + m, pk_state(it, PK_LOW_Q), m);
     w->kept->planned = w->kept->whole = 0;
 }
 
@@ -210,8 +210,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (!kept->planned)
         PK_TRY(plan(it, &w));
 
-    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
-    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+    const pk_real least = pk_max(it->options.h_min, 10 * PK_EPS * pk_abs(it->t) + PK_TINY);
+    const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     pk_real low = kept->t_low;
     const pk_real end = pk_sum(kept->t, sign * kept->length, &low);
     if (!(kept->length > least))
@@ -239,8 +239,8 @@ static enum pk_status dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_
 {
     const struct work w = parts(it);
     const enum pk_status status = aside(it, &w, t - w.kept->t, it->own->next);
-    memcpy(q, pk_next(it, PK_Q), it->n_q * sizeof *q);
-    memcpy(v, pk_next(it, PK_V), it->n * sizeof *v);
+    pk_copy(q, pk_next(it, PK_Q), it->n_q);
+    pk_copy(v, pk_next(it, PK_V), it->n);
     return status;
 }
 

@@ -12,7 +12,6 @@
  *
  * References: J. P. Boris, Proc. 4th Conf. Num. Sim. Plasmas (1970) 3; H. Qin et al., Phys. Plasmas
  * 20 (2013) 084503; E. Hairer, C. Lubich, BIT 58 (2018) 969. */
-#include <string.h>
 
 #include <pk/step/tables.h>
 
@@ -48,7 +47,7 @@ static enum pk_status kick(struct pk_integrator *it, const struct work *w, pk_re
     PK_TRY(pk_eval_acceleration(it, t, q, v, w->a));
     system->mass(it->problem.params, t, q, v, it->own->u, w->M);
     system->linear(it->problem.params, t, q, v, it->own->u, w->a, w->r_q, w->r_v, w->r_t);
-    memset(w->d, 0, n * sizeof *w->d);
+    pk_zero(w->d, n);
     pk_add_product(w->d, w->M, w->a, n);
     for (size_t i = 0; i < n * n; i++)
         w->M[i] -= h / 2 * w->r_v[i];
@@ -69,7 +68,7 @@ static enum pk_status boris_step(struct pk_integrator *it, pk_real limit)
     struct work w;
     (void)limit;
     lay_out(&w, n, it->own->work);
-    memset(w.a, 0, n * sizeof *w.a);
+    pk_zero(w.a, n);
     for (int i = 0; i < table->stages; i++) {
         const pk_real part = table->drift[i];
         pk_kick_drift(n_q, n, 0, w.a, part / 2 * h, from, to);

@@ -61,9 +61,9 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
         return h;
     const pk_real order = (pk_real)table_of(it->method)->error_order;
     const pk_real h1 = most > PK_C(1e-15) * rms
-                           ? PK_SAME(PK_F(pow)(PK_C(0.01) * rms / most, PK_C(1.0) / order))
+                           ? PK_SAME(PK_F(pow)(PK_C(0.01) * rms / most, 1 / order))
                            : pk_max(PK_C(1e-6) * span, h * PK_C(1e-3));
-    return pk_min(pk_min(PK_C(100.0) * h, h1), span);
+    return pk_min(pk_min(100 * h, h1), span);
 }
 
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit)
@@ -133,7 +133,7 @@ enum pk_status pk_embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q
     for (size_t i = 0; i < w.m; i++) {
         pk_real y = 0;
         for (int j = pk_embedded_dense_rows(table_of(it->method)) - 1; j >= 0; j--)
-            y = w.dense[(size_t)j * w.m + i] + (j % 2 ? PK_C(1.0) - s : s) * y;
+            y = w.dense[(size_t)j * w.m + i] + (j % 2 ? 1 - s : s) * y;
         (i < w.n_q ? q : v)[i < w.n_q ? i : i - w.n_q] = y;
     }
     return PK_DONE;

@@ -11,7 +11,6 @@
  * D and Phi are computed once for each step size, in twice the precision, since their error is the
  * same in each step. References: GNI II.5; R. I. McLachlan, G. R. W. Quispel, Acta Numerica 11
  * (2002) 341, 3. */
-#include <string.h>
 
 #include "../core/double_double.h"
 #include "../core/tableau.h"
@@ -63,8 +62,8 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
     const size_t n = w.n;
     const pk_real length = 1 / (PK_EPS * PK_EPS);
     pk_real *g = w.room, *a = g + n;
-    memset(w.h, 0, KEPT * sizeof *w.h);
-    memset(w.zero, 0, n * sizeof *w.zero);
+    pk_zero(w.h, KEPT);
+    pk_zero(w.zero, n);
     *w.last = *w.norm = 0;
     PK_TRY(pk_eval_acceleration(it, it->t, it->q, w.zero, g));
     for (size_t j = 0; j < n; j++) {
@@ -96,11 +95,11 @@ static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
         ;
     for (; *w->norm > 0 && s > 2 * *w->norm; s /= 2)
         ;
-    memset(w->L.hi, 0, m * m * sizeof *w->L.hi);
-    memset(w->L.lo, 0, m * m * sizeof *w->L.lo);
+    pk_zero(w->L.hi, m * m);
+    pk_zero(w->L.lo, m * m);
     for (size_t i = 0; i < n; i++) {
         w->L.hi[i * m + n + i] = s;
-        memcpy(w->L.hi + (n + i) * m + n, w->B + i * n, n * sizeof *w->B);
+        pk_copy(w->L.hi + (n + i) * m + n, w->B + i * n, n);
     }
     PK_TRY(pk_expm(w->E, w->L, s, h, m, w->room));
     pk_pairs_settle(w->E, m * m);
@@ -133,7 +132,7 @@ static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
                 same++;
             pk_real *to = w->drifts[k] + (size_t)i * one;
             if (same < i)
-                memcpy(to, w->drifts[k] + (size_t)same * one, one * sizeof *to);
+                pk_copy(to, w->drifts[k] + (size_t)same * one, one);
             else
                 PK_TRY(drift(w, table->drift[i] * h, to));
         }
@@ -150,9 +149,9 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
     const size_t n = w->n, nn = n * n;
     pk_real *v = w->room, *dv = v + n;
     pk_kick_drift(n, n, kappa, a, 0, from, to);
-    memcpy(v, to + n, n * sizeof *v);
+    pk_copy(v, to + n, n);
     for (int row = 0; row < 2; row++) { /* row 0 updates q by Phi, row 1 updates v by D */
-        memset(dv, 0, n * sizeof *dv);
+        pk_zero(dv, n);
         pk_add_product(dv, of + (size_t)(2 + row) * nn, v, n);
         pk_add_product(dv, of + (size_t)row * nn, v, n);
         for (size_t i = 0; i < n; i++)

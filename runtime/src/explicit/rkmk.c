@@ -3,7 +3,6 @@
  * have unit length at every stage. Other variables are treated as in pk/step/erk.h. Reference: H.
  * Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; E. Hairer, C. Lubich, G. Wanner, Geometric
  * Numerical Integration, IV.8.2. */
-#include <string.h>
 
 #include "../core/attitude.h"
 #include "../core/generic.h"
@@ -83,7 +82,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
         }
     }
     /* the low parts of q, and of v behind them */
-    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low);
+    pk_copy(low, pk_state(it, PK_LOW_Q), m);
     for (size_t i = 0; i < m; i++)
         y[i] = pk_sum(it->own->state[i],
                       it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),

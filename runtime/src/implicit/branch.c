@@ -50,7 +50,7 @@ static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, 
             w->x[i] = X[i * m + j];
         pk_band_solve(&w->lu, w->x);
         for (size_t i = 0; i < m; i++)
-            X[i * m + j] = w->x[i] - (i == j ? PK_C(1.0) : PK_C(0.0));
+            X[i * m + j] = w->x[i] - (i == j ? 1 : 0);
     }
     return pk_gauss_norm(w, NULL);
 }
@@ -124,13 +124,13 @@ static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
     const size_t stride = 4 * w->nn;
     pk_real at = 0, step = 1;
     if (pk_finite(w->kept->contraction)) /* if the contraction bound is known */
-        step /= PK_F(sqrt)(pk_max(w->kept->contraction, PK_C(1.0)));
+        step /= PK_F(sqrt)(pk_max(w->kept->contraction, 1));
     if (!w->pattern.dense && bounded(w, w->start_J, it->own->h))
         return factor(it, w, w->jacobian, stride, 1);
     if (!factor(it, w, w->jacobian, stride, at))
         return 0;
     for (int count = 0; at < 1 && count < MOST_POINTS; count++) {
-        const pk_real to = pk_min(at + step, PK_C(1.0));
+        const pk_real to = pk_min(at + step, 1);
         if (leap(it, w, w->jacobian, stride, at, w->jacobian, stride, to)) {
             at = to;
             step *= 4;
@@ -150,9 +150,9 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, m = w->s * n, read = pk_gauss_read(w);
     pk_real most = 0, off = 0;
-    memcpy(w->older_V, w->V, m * sizeof *w->V);
+    pk_copy(w->older_V, w->V, m);
     for (size_t i = 0; i < w->s; i++)
-        memcpy(w->V + i * n, it->v, n * sizeof *w->V);
+        pk_copy(w->V + i * n, it->v, n);
     if (!pk_gauss_residual(it, w))
         return 0;
     pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
@@ -163,7 +163,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
         most = pk_max(most, pk_abs(d) / scale);
         off = pk_max(off, pk_abs(w->G[k] + d) / scale);
     }
-    memcpy(w->V, w->older_V, m * sizeof *w->V);
+    pk_copy(w->V, w->older_V, m);
     return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
@@ -213,17 +213,17 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
         step = pk_min(step, PK_GAUSS_SURE / (contraction + PK_TINY));
     enum pk_status status = PK_DONE;
     for (size_t i = 0; i < s; i++) {
-        memcpy(w->old_J + i * 4 * nn, w->start_J, 4 * nn * sizeof *w->old_J);
-        memcpy(w->old_V + i * n, it->v, n * sizeof *w->old_V);
-        memcpy(w->older_V + i * n, it->v, n * sizeof *w->old_V);
+        pk_copy(w->old_J + i * 4 * nn, w->start_J, 4 * nn);
+        pk_copy(w->old_V + i * n, it->v, n);
+        pk_copy(w->older_V + i * n, it->v, n);
     }
     for (int count = 0; at < 1; count++) {
-        const pk_real to = pk_min(at + step, PK_C(1.0));
+        const pk_real to = pk_min(at + step, 1);
         status = advance(it, w, h, was, at, to);
         if (status >= 0) {
-            memcpy(w->older_V, w->old_V, s * n * sizeof *w->V);
-            memcpy(w->old_V, w->V, s * n * sizeof *w->V);
-            memcpy(w->old_J, w->jacobian, 4 * s * nn * sizeof *w->V);
+            pk_copy(w->older_V, w->old_V, s * n);
+            pk_copy(w->old_V, w->V, s * n);
+            pk_copy(w->old_J, w->jacobian, 4 * s * nn);
             was = at;
             at = to;
             step *= 2;
@@ -256,7 +256,7 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
 {
     const size_t stride = 4 * w->nn;
     const pk_real ratio = it->own->flags & PK_HAVE_STEP ? pk_abs(it->own->h / w->kept->last_h) : 0;
-    pk_real before = w->kept->last_contraction * ratio * pk_max(ratio, PK_C(1.0));
+    pk_real before = w->kept->last_contraction * ratio * pk_max(ratio, 1);
     if (w->kept->sure > 0)
         return PK_DONE;
     if (!(ratio > 0)) {
@@ -301,7 +301,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
     if (pk_gauss_iterate(it, w, PK_SIMPLIFIED))
         return pk_gauss_certify(it, w);
     for (size_t i = 0; i < w->s; i++)
-        memcpy(w->V + i * n, it->v, n * sizeof *w->V);
+        pk_copy(w->V + i * n, it->v, n);
     if (!pk_gauss_residual(it, w))
         return PK_NOT_FINITE; /* V = v0 is the safest guess */
     const int converged = pk_gauss_iterate(it, w, PK_FULL);

@@ -17,22 +17,23 @@
  * E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3-4, II.2.2. */
 #include <string.h>
 
+#include "../core/internal.h"
 #include "../core/tableau.h"
 
 #include <pk/step/gauss_tables.h>
 
 /* clang-format off */
-static const pk_real lobatto2_c[] = {PK_C(0.0), PK_C(1.0)};
+static const pk_real lobatto2_c[] = {0, 1};
 static const pk_real lobatto2_b[] = {PK_C(0.5), PK_C(0.5)};
-static const pk_real lobatto3_c[] = {PK_C(0.0), PK_C(0.5), PK_C(1.0)};
+static const pk_real lobatto3_c[] = {0, PK_C(0.5), 1};
 static const pk_real lobatto3_b[] = {PK_C(1.0) / 6, PK_C(2.0) / 3, PK_C(1.0) / 6};
 static const pk_real lobatto4_c[] = {
-    PK_C(0.0), PK_C(0.27639320225002103035908263312687237646),
-    PK_C(0.72360679774997896964091736687312762354), PK_C(1.0)};
+    0, PK_C(0.27639320225002103035908263312687237646),
+    PK_C(0.72360679774997896964091736687312762354), 1};
 static const pk_real lobatto4_b[] = {PK_C(1.0) / 12, PK_C(5.0) / 12, PK_C(5.0) / 12, PK_C(1.0) / 12};
 static const pk_real radau5_c[] = {
     PK_C(0.1550510257216821901802715925294108608), PK_C(0.6449489742783178098197284074705891392),
-    PK_C(1.0)};
+    1};
 static const pk_real radau5_b[] = {
     PK_C(0.37640306270046727505007544236928079467), PK_C(0.51248582618842161383881344651960809422),
     PK_C(1.0) / 9};
@@ -40,7 +41,7 @@ static const pk_real radau9_c[] = {
     PK_C(0.057104196114517682193121192554115621235),
     PK_C(0.27684301363812382768004599768562514111),
     PK_C(0.58359043236891682005669766866291724869),
-    PK_C(0.86024013565621944784791291887511976674), PK_C(1.0)};
+    PK_C(0.86024013565621944784791291887511976674), 1};
 static const pk_real radau9_b[] = {
     PK_C(0.14371356079122594132341221985411022716), PK_C(0.2813560151494620601921726503406598912),
     PK_C(0.31182652297574125408185491157664052199),
@@ -69,14 +70,14 @@ void pk_collocation(const struct pk_gauss *table, pk_real *c, pk_real *b, pk_rea
     const int s = table->stages, symmetric = !table->c || table->conjugate;
     pk_real P[PK_LANES][PK_LANES], integral[PK_LANES][PK_LANES];
     if (table->c) {
-        memcpy(c, table->c, (size_t)s * sizeof *c);
-        memcpy(b, table->b, (size_t)s * sizeof *b);
+        pk_copy(c, table->c, (size_t)s);
+        pk_copy(b, table->b, (size_t)s);
     } else {
         pk_gauss_nodes(s, c, b);
     }
     for (int i = 0; i < s; i++)
         pk_legendre(c[i], symmetric ? c[s - 1 - i] : 1 - c[i], s, P[i], integral[i]);
-    memset(mu, 0, (size_t)(s * s) * sizeof *mu);
+    pk_zero(mu, (size_t)(s * s));
     for (int k = s - 1; k >= 0; k--) {
         pk_real square = 0;
         for (int l = 0; l < s; l++)

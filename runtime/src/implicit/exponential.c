@@ -16,7 +16,6 @@
  * motion and not on units. References: double_double.c for the exponential; B. N. Parlett, C.
  * Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and Stability of
  * Numerical Algorithms, 12, for refinement. */
-#include <string.h>
 
 #include "../core/double_double.h"
 #include "../core/tableau.h"
@@ -78,8 +77,8 @@ static void refined(const struct work *w, const pk_real *M, const pk_real *facto
                     const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
 {
     const size_t n = w->n;
-    memset(hi, 0, n * sizeof *hi);
-    memset(lo, 0, n * sizeof *lo);
+    pk_zero(hi, n);
+    pk_zero(lo, n);
     for (int count = 0; count < 3; count++) {
         for (size_t i = 0; i < n; i++) {
             pk_real left = r[i * n], rest = 0;
@@ -101,11 +100,11 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     pk_real *M = w->room, *factors = M + n * n, *r_q = factors + n * n, *r_v = r_q + n * n;
     pk_real *zero = r_v + n * n, *c = w->L.hi + (m - 1) * m + n_q, *r_t = zero + 2 * n;
     pk_real *room = r_t + n;
-    memset(zero, 0, n * sizeof *zero);
+    pk_zero(zero, n);
     PK_TRY(pk_eval_acceleration(it, it->t, zero, zero, c));
     system->mass(params, it->t, zero, zero, it->own->u, M);
     system->linear(params, it->t, zero, zero, it->own->u, c, r_q, r_v, r_t);
-    memcpy(factors, M, n * n * sizeof *M);
+    pk_copy(factors, M, n * n);
     const size_t pivot = pk_ldl_factor(factors, n);
     if (pivot)
         return pk_eval_failed(it, it->t, zero, zero, PK_FAILED(PK_FAILURE_MASS, pivot - 1));
@@ -123,7 +122,7 @@ static enum pk_status from_accelerations(struct pk_integrator *it, const struct 
     const size_t n_q = w->n_q, n = w->n, m = w->m;
     const pk_real length = 1 / (PK_EPS * PK_EPS);
     pk_real *at = w->room, *a = at + n_q + n, *c = w->L.hi + (m - 1) * m + n_q;
-    memset(at, 0, (n_q + n) * sizeof *at);
+    pk_zero(at, n_q + n);
     enum pk_status status = pk_eval_acceleration(it, it->t, at, at + n_q, c);
     for (size_t j = 0; j < n_q + n && status >= 0; j++) {
         at[j] = length;
@@ -193,9 +192,9 @@ static enum pk_status exponential_init(struct pk_integrator *it)
         return PK_REFUSED;
     const struct work w = work_of(it);
     const size_t m = w.m;
-    memset(w.L.hi, 0, m * m * sizeof *w.L.hi);
-    memset(w.L.lo, 0, m * m * sizeof *w.L.lo);
-    memset(w.h, 0, KEPT * sizeof *w.h);
+    pk_zero(w.L.hi, m * m);
+    pk_zero(w.L.lo, m * m);
+    pk_zero(w.h, KEPT);
     *w.last = 0;
     PK_TRY(system->linear && system->mass ? from_linear(it, &w) : from_accelerations(it, &w));
     for (size_t j = 0; j < w.n_q; j++)
@@ -240,9 +239,9 @@ static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_
 
 static void load(const struct work *w, const pk_real *state)
 {
-    const size_t m = w->m - 1, bytes = m * sizeof *state;
-    memcpy(w->x.hi, state, bytes); /* q and v are contiguous, and so are their low parts */
-    memcpy(w->x.lo, state + pk_state_offset(w->n_q, w->n, PK_LOW_Q), bytes);
+    const size_t m = w->m - 1;
+    pk_copy(w->x.hi, state, m); /* q and v are contiguous, and so are their low parts */
+    pk_copy(w->x.lo, state + pk_state_offset(w->n_q, w->n, PK_LOW_Q), m);
     w->x.hi[m] = 1;
     w->x.lo[m] = 0;
 }
@@ -250,14 +249,13 @@ static void load(const struct work *w, const pk_real *state)
 static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
 {
     const struct work w = work_of(it);
-    const size_t bytes = (w.m - 1) * sizeof *w.y.hi;
     int k = 0;
     (void)limit;
     PK_TRY(matrix(it, &w, it->own->h, &k));
     load(&w, it->own->state);
     pk_pairs_multiply(w.y, w.x, w.E[k], 1, w.m);
-    memcpy(it->own->next, w.y.hi, bytes);
-    memcpy(pk_next(it, PK_LOW_Q), w.y.lo, bytes);
+    pk_copy(it->own->next, w.y.hi, w.m - 1);
+    pk_copy(pk_next(it, PK_LOW_Q), w.y.lo, w.m - 1);
     it->own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }
@@ -266,7 +264,7 @@ static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
 static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct work w = work_of(it);
-    const pk_real s = (t - it->last_t) / *w.piece, sign = s < 0 ? PK_C(-1.0) : PK_C(1.0);
+    const pk_real s = (t - it->last_t) / *w.piece, sign = s < 0 ? -1 : 1;
     const pk_real last = pk_max(PK_F(ceil)(pk_abs(s)) - 1, 0);
     if (!pk_finite(s))
         return PK_NOT_FINITE;
@@ -281,8 +279,8 @@ static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_
     enum pk_status status = PK_DONE;
     for (; *w.at < last && status >= 0; *w.at += 1) {
         status = pk_expm_sum(w.y, w.series, sign, w.m);
-        memcpy(w.series.hi, w.y.hi, w.m * sizeof *w.y.hi);
-        memcpy(w.series.lo, w.y.lo, w.m * sizeof *w.y.lo);
+        pk_copy(w.series.hi, w.y.hi, w.m);
+        pk_copy(w.series.lo, w.y.lo, w.m);
         pk_expm_series(w.series, w.L, *w.piece, w.m, w.room);
     }
     if (status >= 0)

@@ -22,7 +22,6 @@
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3,
  * II.2, VI.4, VIII.6; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8;
  * M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861. */
-#include <string.h>
 
 #include "gauss.h"
 
@@ -35,11 +34,11 @@ static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
     const size_t s = w->s, nodes = w->c[s - 1] < 1 ? s + 1 : s;
     for (size_t i = 0; i < s; i++)
         for (size_t j = 0; j <= s; j++) {
-            const pk_real x = PK_C(1.0) + ratio * w->c[i];
-            const pk_real xj = j < s ? w->c[j] : PK_C(1.0);
+            const pk_real x = 1 + ratio * w->c[i];
+            const pk_real xj = j < s ? w->c[j] : 1;
             pk_real weight = j < nodes;
             for (size_t k = 0; k < nodes && j < nodes; k++) {
-                const pk_real xk = k < s ? w->c[k] : PK_C(1.0);
+                const pk_real xk = k < s ? w->c[k] : 1;
                 if (k != j)
                     weight *= (x - xk) / (xj - xk);
             }
@@ -54,7 +53,7 @@ void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w)
     const pk_real ratio = it->own->flags & PK_HAVE_STEP ? it->own->h / w->kept->last_h : 0;
     if (!(pk_abs(ratio) > 0) || !(pk_abs(ratio) <= PK_GAUSS_REACH)) {
         for (size_t i = 0; i < s; i++)
-            memcpy(w->V + i * n, it->v, n * sizeof *w->V);
+            pk_copy(w->V + i * n, it->v, n);
         return;
     }
     if (ratio > w->kept->ratio || ratio < w->kept->ratio)
@@ -119,9 +118,9 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = it->own->h;                        /* the step is too long for
+        w.kept->slow_h = it->own->h;        /* the step is too long for
                                                                fixed-point iteration */
-        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* LOW_X held the low part of v */
+        pk_zero(pk_state(it, PK_LOW_X), n); /* LOW_X held the low part of v */
         it->own->flags = 0;
     }
     pk_gauss_predict(it, &w);
@@ -136,7 +135,7 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;
-    memcpy(it->own->next, it->own->state, pk_state_offset(w->n_q, n, PK_PARTS) * sizeof *w->V);
+    pk_copy(it->own->next, it->own->state, pk_state_offset(w->n_q, n, PK_PARTS));
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     pk_real *p = pk_next(it, PK_P);
     pk_real *low_q = pk_next(it, PK_LOW_Q), *low_p = pk_next(it, PK_LOW_X);
@@ -156,10 +155,10 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     if (w->c[s - 1] < 1 || w->table->conjugate)
         PK_TRY(recover_rates(it, w, it->own->next_t, q, p, v));
     else /* p0 + h sum b_i pdot_i would amplify the error of V by a stiff h pdot_v */
-        memcpy(p, w->P + (s - 1) * n, n * sizeof *p), memset(low_p, 0, n * sizeof *p);
+        pk_copy(p, w->P + (s - 1) * n, n), pk_zero(low_p, n);
     if (!pk_all_finite(v, n))
         return PK_NOT_FINITE;
-    memcpy(w->last_V, w->V, s * n * sizeof *w->V);
+    pk_copy(w->last_V, w->V, s * n);
     w->kept->last_h = it->own->h;
     w->kept->last_contraction = w->kept->contraction;
     it->own->flags |= PK_HAVE_STEP;

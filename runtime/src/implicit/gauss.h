@@ -10,7 +10,7 @@
 
 /* Corrections whose relative size is below this and no longer decreases are round-off: the
  * iteration does not diverge. */
-#define PK_GAUSS_ROUND (PK_C(16384.0) * PK_EPS)
+#define PK_GAUSS_ROUND (16384 * PK_EPS)
 /* An iteration ends at this relative error: the sum of 1e8 such errors is at most the round-off of
  * as many steps. */
 #define PK_GAUSS_BIAS (PK_EPS / PK_C(8192.0))

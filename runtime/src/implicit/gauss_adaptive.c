@@ -1,5 +1,4 @@
 /* The adaptive Gauss method with kernels called by pointers; see pk/step/gauss.h. */
-#include <string.h>
 
 #include "gauss_dense.h"
 #include "../core/generic.h"
@@ -23,7 +22,7 @@ static enum pk_status init(struct pk_integrator *it)
         it->own->made = 1;
     }
     /* Kernels get stage rates as an argument; if no kernel depends on them, they stay 0. */
-    memset(w.v, 0, it->n * PK_GAUSS_S * sizeof *w.v);
+    pk_zero(w.v, it->n * PK_GAUSS_S);
     return PK_DONE;
 }
 

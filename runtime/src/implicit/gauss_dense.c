@@ -16,7 +16,6 @@
  *
  * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.7,
  * for collocation. */
-#include <string.h>
 
 #include "gauss_dense.h"
 #include "../core/generic.h"
@@ -160,7 +159,7 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
     begin(it, w, d);
     collocate(it, w, d);
     for (int count = 0; count < 30; count++) {
-        memcpy(d->b, d->a, NODES * n * sizeof *d->a);
+        pk_copy(d->b, d->a, NODES * n);
         PK_TRY(evaluate(it, w, d, 0));
         PK_TRY(evaluate(it, w, d, 1));
         pk_real change2 = 0, size2 = 0;
@@ -211,7 +210,7 @@ static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lane
 {
     const size_t n_q = it->n_q, n = it->n;
     if (!(it->own->flags & PK_HAVE_DENSE) || x < *d->at) {
-        memcpy(d->from, w->start, (n_q + n) * sizeof *d->from);
+        pk_copy(d->from, w->start, n_q + n);
         *d->at = 0;
         *d->width = 1;
         it->own->flags &= ~PK_HAVE_DENSE;
@@ -243,8 +242,8 @@ enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, p
     const pk_real x = (t - it->last_t) / *w.h;
     /* Returns exactly the state at the start of the step. */
     if (!(t > it->last_t) && !(t < it->last_t)) {
-        memcpy(q, w.start, n_q * sizeof *q);
-        memcpy(v, w.start + n_q, n * sizeof *v);
+        pk_copy(q, w.start, n_q);
+        pk_copy(v, w.start + n_q, n);
         return PK_DONE;
     }
     PK_TRY(reach(it, &w, &d, x));

@@ -7,7 +7,6 @@
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8; for the norm,
  * R. S. Varga, Matrix Iterative Analysis, 2.1 (Collatz, Wielandt). */
-#include <string.h>
 
 #include "gauss.h"
 
@@ -34,8 +33,8 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     if (each) {
         pk_gauss_stage_derivatives(it, w);
     } else {
-        memset(w->mean_q, 0, n_q * sizeof *w->mean_q);
-        memset(w->mean_v, 0, n * sizeof *w->mean_v);
+        pk_zero(w->mean_q, n_q);
+        pk_zero(w->mean_v, n);
         for (size_t i = 0; i < s; i++)
             for (size_t k = 0; k < n; k++) {
                 if (k < n_q)
@@ -67,17 +66,17 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it)
 static void add_sizes(const struct pk_gauss_work *w, const pk_real *M, const pk_real *x, pk_real *y)
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border, s = w->s;
-    memset(y, 0, s * w->places * sizeof *y);
+    pk_zero(y, s * w->places);
     pk_band_add_sizes(&w->other, x, y);
     for (size_t i = 0; i < s && M; i++) {
         const struct pk_band band = pk_gauss_band(w, w->M + i * w->nn);
         for (size_t k = 0; k < rows; k++)
             w->z[k] = y[k * s + i];
-        memcpy(w->z + rows, y + rows * s + i * border, border * sizeof *y);
+        pk_copy(w->z + rows, y + rows * s + i * border, border);
         pk_band_ldl_solve(&band, w->z);
         for (size_t k = 0; k < rows; k++)
             y[k * s + i] = w->z[k];
-        memcpy(y + rows * s + i * border, w->z + rows, border * sizeof *y);
+        pk_copy(y + rows * s + i * border, w->z + rows, border);
     }
 }
 
@@ -166,11 +165,11 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
     unsigned long noise = 1;
     for (size_t i = 0; i < m; i++) {
         noise = (noise * 1103515245ul + 12345ul) & 0x7ffffffful;
-        w->x[i] = noise & 0x10000ul ? PK_C(1.0) : -PK_C(1.0);
+        w->x[i] = noise & 0x10000ul ? 1 : -1;
     }
     for (int turn = 0; turn < TURNS; turn++) {
         pk_real size = 0;
-        memset(w->y, 0, m * sizeof *w->y);
+        pk_zero(w->y, m);
         pk_band_add_product(&w->other, w->x, w->y);
         pk_band_solve(&w->lu, w->y);
         for (size_t i = 0; i < m; i++) {
@@ -203,7 +202,7 @@ static pk_real contraction(const struct pk_gauss_work *w, const pk_real *J, size
     pk_gauss_matrix(w, J, stride, 1, 0, &w->other);
     for (size_t i = 0; i < s; i++, J += stride) {
         pk_real *M = w->M + (banded ? i * w->nn : 0);
-        memcpy(M, J, w->nn * sizeof *M);
+        pk_copy(M, J, w->nn);
         if (banded)
             pk_gauss_compare(w, M);
         if (pk_gauss_mass_factor(w, M))

@@ -20,7 +20,7 @@ void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border;
     for (size_t i = 0; i < s && w->pattern.dense; i++)
-        memcpy(y + i * border, x + i * w->n, border * sizeof *y);
+        pk_copy(y + i * border, x + i * w->n, border);
     for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
         for (size_t i = 0; i < s; i++) {
             pk_real *to = y + (k < rows ? k * s + i : rows * s + i * border + (k - rows));
@@ -32,7 +32,7 @@ void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_r
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border;
     for (size_t i = 0; i < s && w->pattern.dense; i++)
-        memcpy(x + i * w->n, y + i * border, border * sizeof *y);
+        pk_copy(x + i * w->n, y + i * border, border);
     for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
         for (size_t i = 0; i < s; i++)
             if (!(w->place[k] < 0))

@@ -80,9 +80,9 @@ static void make_tables(struct pk_integrator *it, const struct pk_gauss_work *w)
             if (!w->table->conjugate)
                 w->mu_p[i * s + j] = *mu;
             else if (*mu >= PK_C(0.5))
-                *conjugate = PK_C(1.0) - *mu; /* 1 - x is exact for .5 <= x <= 1 */
+                *conjugate = 1 - *mu; /* 1 - x is exact for .5 <= x <= 1 */
             else
-                *conjugate = PK_C(1.0) - *mu, *mu = PK_C(1.0) - *conjugate;
+                *conjugate = 1 - *mu, *mu = 1 - *conjugate;
             w->mu_columns[j * s + i] = *mu;
         }
     if (s == PK_LANES)
@@ -123,7 +123,7 @@ void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_rea
         w->hA[i] = w->mu[i] * w->hb[i % s];
         w->hA_p[i] = w->mu_p[i] * w->hb[i % s];
     }
-    memset(w->norms, 0, 3 * sizeof *w->norms);
+    pk_zero(w->norms, 3);
     for (size_t i = 0; i < s; i++) {
         pk_real sums[3] = {0, 0, 0};
         for (size_t j = 0; j < s; j++) {

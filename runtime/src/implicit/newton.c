@@ -11,7 +11,6 @@
  * at round-off the energy would drift like t, not like sqrt(t) (E. Hairer, R. McLachlan, A.
  * Razakarivony, BIT 48 (2008) 231). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential
  * Equations II, IV.8; GNI VIII.6. */
-#include <string.h>
 
 #include "gauss.h"
 
@@ -185,7 +184,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
                           it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h;
         if (mode == PK_FULL || (count == 0 && (mode == PK_BY_MASS || stale))) {
             if (mode == PK_FULL)
-                memcpy(w->before_J, w->jacobian, 4 * w->s * w->nn * sizeof *w->V);
+                pk_copy(w->before_J, w->jacobian, 4 * w->s * w->nn);
             if (!pk_gauss_refactor(it, w, mode))
                 return 0;
             fresh = 1;
@@ -199,7 +198,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         it->reason.value = size;
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return 0;
-        const pk_real rate = count ? size / before : PK_C(1.0);
+        const pk_real rate = count ? size / before : 1;
         /* With an unchanged matrix, one correction is enough. Further corrections, near rest, are
          * the round-off of forces whose terms cancel. */
         const int same = mode == PK_FULL && count && changed(w) <= PK_GAUSS_STEADY;

@@ -216,7 +216,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     }
     pk_real grow = growth(it, &r, count);
     if (x.rejected)
-        grow = pk_min(grow, PK_C(1.0));
+        grow = pk_min(grow, 1);
     else if (grow >= 1 && grow <= KEEP)
         grow = 1;
     r.kept->h = it->own->h;

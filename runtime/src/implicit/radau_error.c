@@ -12,7 +12,6 @@
  *
  * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5. */
-#include <string.h>
 
 #include "radau.h"
 
@@ -64,7 +63,7 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
         r->dq[k] = of_q; /* of_q is 0 for first-order variables */
         r->x[k] = of_p;
     }
-    memcpy(r->dv, r->x, n * sizeof *r->dv);
+    pk_copy(r->dv, r->x, n);
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
     pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
@@ -102,7 +101,7 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
             r->dv[k] += it->v[k];
         }
         pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);
-        memcpy(w->x, r->dv, n * sizeof *w->x); /* a copy, since estimate() overwrites dv */
+        pk_copy(w->x, r->dv, n); /* a copy, since estimate() overwrites dv */
         it->own->error = estimate(it, w, r, w->x, w->y);
     }
     return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;

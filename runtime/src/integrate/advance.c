@@ -4,7 +4,6 @@
  * compensated, so their last bits differ. Fused steps work on a copy of the state: if they end in a
  * state that is not finite, half as many are tried, so that bisection finds the first step that
  * fails. */
-#include <string.h>
 
 #include "../core/internal.h"
 #include "../core/tableau.h"
@@ -23,21 +22,21 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     unsigned long steps = pk_step_count(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
         steps = it->options.max_steps - it->count.steps;
-    if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
+    if (it->options.h <= 10 * PK_EPS * pk_abs(limit))
         return 0;
 
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     for (;; steps /= 2) {
         if (steps < 2)
             return 0;
-        memcpy(q, it->q, n_q * sizeof *q);
-        memcpy(v, it->v, n * sizeof *v);
+        pk_copy(q, it->q, n_q);
+        pk_copy(v, it->v, n);
         system->families.advance(it->problem.params, table->stages, table->kick, table->drift,
                                  it->t, h, steps, q, v);
         if (pk_all_finite(q, n_q) && pk_all_finite(v, n))
             break;
     }
-    memset(pk_next(it, PK_LOW_Q), 0, (n_q + n) * sizeof *q);
+    pk_zero(pk_next(it, PK_LOW_Q), n_q + n);
     pk_commit_step(it);
     /* it->own->flags no longer has PK_HAVE_A: the acceleration of the new state is not known */
     it->own->flags = 0;
@@ -65,7 +64,7 @@ static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned lon
         it->own->crossing || it->own->ahead || it->own->atol || system->marks.n ||
         system->switches.n || (it->options.stop && it->options.stop(it->options.context)))
         return 0;
-    if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
+    if (it->options.h <= 10 * PK_EPS * pk_abs(limit))
         return 0;
     unsigned long steps = pk_step_count(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
@@ -74,7 +73,7 @@ static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned lon
     it->own->trouble.status = PK_DONE;
     for (; made < steps; made++) {
         it->own->h = h;
-        it->own->next_t = it->own->grid.anchor + (it->own->grid.count + PK_C(1.0)) * h;
+        it->own->next_t = it->own->grid.anchor + (it->own->grid.count + 1) * h;
         it->own->grid.off = 0;
         if (it->own->step(it, limit) < 0 ||
             !pk_all_finite(it->own->next, pk_state_offset(it->n_q, it->n, PK_LOW_Q))) {

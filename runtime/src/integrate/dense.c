@@ -1,5 +1,4 @@
 /* Dense output: the state within the last step, projected onto the constraints. */
-#include <string.h>
 
 #include "../core/project.h"
 
@@ -13,8 +12,8 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     int moved;
     if (!(t > it->t) && !(t < it->t)) { /* t is the end of the step */
-        memcpy(q, it->q, it->n_q * sizeof *q);
-        memcpy(v, it->v, it->n * sizeof *v);
+        pk_copy(q, it->q, it->n_q);
+        pk_copy(v, it->v, it->n);
         return it->status = PK_DONE;
     }
     if (it->own->passing.crossed) {

@@ -18,8 +18,8 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 {
     const pk_real sign = (pk_real)it->own->direction;
     const pk_real h = sign * it->options.h;
-    const pk_real target = it->own->grid.anchor + (it->own->grid.count + PK_C(1.0)) * h;
-    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+    const pk_real target = it->own->grid.anchor + (it->own->grid.count + 1) * h;
+    const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     if (pk_abs(target - limit) <= close) /* target and limit differ only by rounding */
         return (struct pk_planned){h, limit, 0};
     if (sign * (target - limit) < 0)
@@ -31,7 +31,7 @@ unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsig
 {
     /* Since times are rounded, a step that ends within `close` of the limit is the last one, and
      * does not count. */
-    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+    const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
     const pk_real ceiling = PK_C(1e9);
     if (!(count > 0))
@@ -86,8 +86,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_DONE;
     /* only trial steps of adaptive methods set this status again */
     it->own->trouble.status = PK_DONE;
-    if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
-        pk_abs(limit - it->t) > it->options.h)
+    if (it->options.h <= 10 * PK_EPS * pk_abs(it->t) && pk_abs(limit - it->t) > it->options.h)
         return pk_fail_with(it, PK_STEP_UNDERFLOW, PK_WHY(.value = it->options.h));
     return PK_DONE;
 }
@@ -122,13 +121,13 @@ void pk_step_advance_time(struct pk_integrator *it, int fixed)
         it->own->grid.anchor = it->t;
         it->own->grid.count = 0;
     } else if (fixed) {
-        it->own->grid.count += PK_C(1.0);
+        it->own->grid.count += 1;
     }
 }
 
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t)
 {
-    return pk_abs(it->t - t) <= PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(t));
+    return pk_abs(it->t - t) <= 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(t));
 }
 
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit)

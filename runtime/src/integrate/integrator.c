@@ -117,7 +117,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     if (!scales)
         it->own->atol = NULL;
     else
-        memset(it->own->atol, 0, scales * sizeof *it->own->atol);
+        pk_zero(it->own->atol, scales);
     if (!it->own->n_singularities)
         it->own->singularities = NULL;
     if (!pk_project_size(problem, it->n))
@@ -149,15 +149,14 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_STATE);
     memmove(pk_state(it, PK_Q), q, n_q * sizeof *q);
     memmove(pk_state(it, PK_V), v, n * sizeof *v);
-    memset(pk_state(it, PK_P), 0,
-           (pk_state_offset(n_q, n, PK_PARTS) - pk_state_offset(n_q, n, PK_P)) * sizeof *q);
+    pk_zero(pk_state(it, PK_P), pk_state_offset(n_q, n, PK_PARTS) - pk_state_offset(n_q, n, PK_P));
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
     /* Sets to 0 the parts of the state that a method may not use, and the inputs, which stay 0
      * without an input function. */
-    memset(it->own->next, 0, pk_state_offset(n_q, n, PK_PARTS) * sizeof *q);
-    memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
+    pk_zero(it->own->next, pk_state_offset(n_q, n, PK_PARTS));
+    pk_zero(it->own->u, it->problem.system->n_inputs * (1 + PK_LANES));
     it->t = it->last_t = it->own->next_t = t;
     it->own->direction = 0;
     it->own->trouble.status = PK_DONE;
@@ -317,8 +316,7 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (!(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     if (it->own->atol && side->own->atol)
-        memcpy(side->own->atol, it->own->atol,
-               pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
+        pk_copy(side->own->atol, it->own->atol, pk_scale_size(&it->problem, it->method, n_q, n));
     /* a reset would refuse the start of such a step, where constraint rows are dependent */
     if (it->own->passing.crossed) {
         pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
@@ -329,9 +327,8 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
     /* copies the parts of the state that a reset does not set, such as low parts */
     if (side->status >= 0)
-        memcpy(pk_state(side, PK_P), pk_next(it, PK_P),
-               (pk_state_offset(n_q, n, PK_A) - pk_state_offset(n_q, n, PK_P)) *
-                   sizeof *it->own->next);
+        pk_copy(pk_state(side, PK_P), pk_next(it, PK_P),
+                pk_state_offset(n_q, n, PK_A) - pk_state_offset(n_q, n, PK_P));
     if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
         (t < it->last_t || t > it->last_t))
         pk_integrator_set_step(side, pk_abs(t - it->last_t));

@@ -25,7 +25,6 @@
  * S. Hante, M. Arnold, J. Comput. Appl. Math. 387 (2021) 112492; J. C. Simo, K. K. Wong, Int. J.
  * Numer. Methods Eng. 31 (1991) 19.
  */
-#include <string.h>
 
 #include "variational.h"
 
@@ -35,7 +34,7 @@ static enum pk_status variational_init(struct pk_integrator *it)
 {
     const struct pk_variational_work w = pk_variational_parts(it);
     pk_real *p = pk_state(it, PK_P);
-    memset(w.kick, 0, w.n * sizeof *w.kick);
+    pk_zero(w.kick, w.n);
     pk_variational_momenta(it, it->t, it->q, it->v, p, w.f);
     it->p = p;
     return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
@@ -109,21 +108,21 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     it->own->flags &= ~PK_HAVE_A;
     PK_TRY(pk_variational_solve(it, w));
     add_momenta(w, p, low_p);
-    memcpy(q, w->q_end, w->rotation * sizeof *q);
-    memcpy(pk_variational_to(w, PK_LOW_Q), w->low_q, w->rotation * sizeof *q);
-    memcpy(v + w->m, w->v_end + w->m, (n - w->m) * sizeof *v);
-    memcpy(low_p + w->m, w->low_v + w->m, (n - w->m) * sizeof *v);
+    pk_copy(q, w->q_end, w->rotation);
+    pk_copy(pk_variational_to(w, PK_LOW_Q), w->low_q, w->rotation);
+    pk_copy(v + w->m, w->v_end + w->m, n - w->m);
+    pk_copy(low_p + w->m, w->low_v + w->m, n - w->m);
     for (size_t r = 0; r < w->turned; r++) {
         const struct pk_turning at = pk_variational_turning(w, r);
         if (pk_normalise(v + at.number, low_p + at.number, at.step) < 0)
             return PK_NOT_FINITE;
     }
-    memcpy(p + w->m, v + w->m, (n - w->m) * sizeof *v);
+    pk_copy(p + w->m, v + w->m, n - w->m);
     if (!pk_all_finite(q, w->rotation) || !pk_all_finite(p, n))
         return PK_NOT_FINITE;
-    memcpy(v, w->V, w->m * sizeof *v); /* initial guess of pk_variational_rates() */
+    pk_copy(v, w->V, w->m); /* initial guess of pk_variational_rates() */
     const enum pk_status status = pk_variational_rates(it, w, p, low_p);
-    memcpy(w->last_V, w->V, n * sizeof *w->V);
+    pk_copy(w->last_V, w->V, n);
     *w->last_h = w->h;
     it->own->flags |= status < 0 ? 0 : PK_HAVE_STEP | PK_HAVE_A;
     return status;
@@ -136,8 +135,7 @@ static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
     enum pk_status status = PK_DONE;
     pk_real done = 0;
     (void)limit;
-    memcpy(it->own->next, it->own->state,
-           pk_state_offset(it->n_q, it->n, PK_PARTS) * sizeof *it->own->next);
+    pk_copy(it->own->next, it->own->state, pk_state_offset(it->n_q, it->n, PK_PARTS));
     w.to = it->own->next;
     for (int i = 0; i < parts->stages && status >= 0; i++) {
         w.t = it->t + done * it->own->h;

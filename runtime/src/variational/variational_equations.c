@@ -1,6 +1,5 @@
 /* The equations of a variational step as residuals r(V) of the rates V at its middle; variational.c
  * states the equations. */
-#include <string.h>
 
 #include "variational.h"
 
@@ -9,12 +8,12 @@ void pk_variational_reach(struct pk_variational_work *w)
 {
     const size_t n = w->n;
     const pk_real *q = pk_variational_to(w, PK_Q), *v = pk_variational_to(w, PK_V), half = w->h / 2;
-    memcpy(w->q_end, q, w->rotation * sizeof *q);
-    memcpy(w->q_at, q, w->rotation * sizeof *q);
-    memcpy(w->v_end, w->V, w->m * sizeof *q);
-    memcpy(w->v_at, w->V, w->m * sizeof *q);
-    memcpy(w->low_q, pk_variational_to(w, PK_LOW_Q), w->rotation * sizeof *q);
-    memcpy(w->low_v, pk_variational_to(w, PK_LOW_X), n * sizeof *q);
+    pk_copy(w->q_end, q, w->rotation);
+    pk_copy(w->q_at, q, w->rotation);
+    pk_copy(w->v_end, w->V, w->m);
+    pk_copy(w->v_at, w->V, w->m);
+    pk_copy(w->low_q, pk_variational_to(w, PK_LOW_Q), w->rotation);
+    pk_copy(w->low_v, pk_variational_to(w, PK_LOW_X), n);
     for (size_t k = 0; k < w->rotation; k++) {
         w->q_end[k] = pk_sum(q[k], w->h * w->V[k], &w->low_q[k]);
         w->q_at[k] += half * w->V[k];
@@ -50,7 +49,7 @@ int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work
         pk_variational_momenta(it, w->t + w->h / 2, w->q_at, w->v_at, w->p, w->f);
         return pk_all_finite(w->p, n) && pk_all_finite(w->f, n);
     }
-    memcpy(w->v_at + w->m, pk_variational_to(w, PK_V) + w->m, (n - w->m) * sizeof *w->v_at);
+    pk_copy(w->v_at + w->m, pk_variational_to(w, PK_V) + w->m, n - w->m);
     pk_variational_momenta(it, w->t, pk_variational_to(w, PK_Q), w->v_at, w->p, w->f);
     pk_variational_momenta(it, w->end, w->q_end, w->v_end, w->p_end, w->f_end);
     return pk_all_finite(w->p, n) && pk_all_finite(w->f, n) && pk_all_finite(w->p_end, n) &&

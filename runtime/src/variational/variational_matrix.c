@@ -1,6 +1,5 @@
 /* One correction of V and of the kick in a variational step: with the matrix M, or with Newton's
  * matrix from differences and the exact derivatives of phi; see variational_solve.c. */
-#include <string.h>
 
 #include "variational.h"
 
@@ -86,8 +85,8 @@ static void end_by_rates(const struct pk_variational_work *w, const pk_real *J, 
 static void rates_by_kick(const struct pk_variational_work *w, int newton, const pk_real *J,
                           pk_real *by)
 {
-    memcpy(by, J, w->m * sizeof *by);
-    memset(by + w->m, 0, (w->n - w->m) * sizeof *by);
+    pk_copy(by, J, w->m);
+    pk_zero(by + w->m, w->n - w->m);
     for (size_t k = w->rotation; k < w->m; k += 3) {
         const pk_real *V = w->V + k, y[3] = {w->h * V[0] / 4, w->h * V[1] / 4, w->h * V[2] / 4};
         pk_cayley_turn(y, -1, by + k, by + k);

@@ -8,7 +8,6 @@
  * An iteration ends as in newton.c, far below round-off, with phi within the rounding of its terms.
  * For this, the scale of a coordinate includes its terms in phi divided by J.
  */
-#include <string.h>
 
 #include "variational.h"
 
@@ -27,7 +26,7 @@ enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 /* A phi up to this counts as 0, in units of its rounding error, which comes from the terms of phi
  * and from q1 = q0 + h V; see project.c. */
 #define ROUND PK_C(4.0)
-#define STALLED (PK_C(1024.0) * PK_EPS)
+#define STALLED (1024 * PK_EPS)
 
 /* Computes the distance by which coordinates move in a step; for a body rate the angle by which the
  * body turns, from all three rates, since they mix. */
@@ -190,14 +189,13 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const pk_real h = w->h, end = w->end, *v = pk_variational_to(w, PK_V);
-    const size_t bytes = w->n * sizeof *w->V;
     pk_real made = 0, part = FIRST;
     for (size_t k = 0; k < w->n; k++) {
         w->kept[k] = k < w->m ? v[k] : k < w->states ? 0 : w->f_start[k];
         w->slope[k] = k < w->m ? h / 2 * w->f_start[k] : 0;
     }
     pk_variational_by_mass(w, w->slope);
-    memset(w->kept_kick, 0, bytes);
+    pk_zero(w->kept_kick, w->n);
     while (made < 1) {
         const pk_real next = made + part < 1 ? made + part : 1;
         int sign = 1;
@@ -211,8 +209,8 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
         if (converged && sign > 0 && w->worst <= SURE && w->jump <= GENTLE) {
             for (size_t k = 0; k < w->n; k++)
                 w->slope[k] = (w->V[k] - w->kept[k]) / (next - made);
-            memcpy(w->kept, w->V, bytes);
-            memcpy(w->kept_kick, w->kick, bytes);
+            pk_copy(w->kept, w->V, w->n);
+            pk_copy(w->kept_kick, w->kick, w->n);
             made = next;
             part *= 2;
             continue;

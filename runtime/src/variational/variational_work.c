@@ -1,5 +1,4 @@
 /* Shared by the files of a variational step (variational.c): memory, momenta and forces, and M. */
-#include <string.h>
 
 #include "variational.h"
 
@@ -116,7 +115,7 @@ void pk_variational_by_mass(const struct pk_variational_work *w, pk_real *x)
     if (w->whole) {
         pk_ldl_solve(w->at.M, w->m, x);
     } else if (w->c) {
-        memset(w->at.mu, 0, w->c * sizeof *w->at.mu);
+        pk_zero(w->at.mu, w->c);
         w->at.system->constraints.solve(w->at.params, x, w->at.mu, x, w->at.mu);
     } else if (w->at.system->families.solve) {
         w->at.system->families.solve(w->at.params, x, x);

@@ -45,9 +45,9 @@ static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t
         for (size_t l = 0; l < W; l++)
             sum[l] += x[i * W + l] - x[i * W + l];
     for (size_t l = 0; l < W; l++)
-        any |= !(sum[l] == PK_C(0.0));
+        any |= !(sum[l] == 0);
     for (size_t l = 0; any && l < W; l++)
-        if (!(sum[l] == PK_C(0.0)))
+        if (!(sum[l] == 0))
             bits |= 1ull << l;
     return bits;
 }

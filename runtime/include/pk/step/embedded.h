@@ -91,7 +91,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     it->own->error = pk_embedded_error(it, table, w, h);
     if (!pk_finite(it->own->error)) /* the error is infinite if a tolerance is nearly zero */
         it->own->error = PK_C(1e30);
-    if (table->e3 && it->own->error <= PK_C(1.0)) {
+    if (table->e3 && it->own->error <= 1) {
         PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
         if (!pk_all_finite(w->last, w->m))
             return PK_NOT_FINITE;
@@ -110,7 +110,7 @@ static PK_INLINE enum pk_status PK_STEPPER(taken)(struct pk_integrator *it,
     if (!pk_finite(it->own->error))
         it->own->error = PK_C(1e30);
     it->count.evaluations += (unsigned long)table->stages;
-    it->count.evaluations -= table->e3 && it->own->error > PK_C(1.0);
+    it->count.evaluations -= table->e3 && it->own->error > 1;
     return PK_DONE;
 }
 
@@ -119,7 +119,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
 {
     const struct pk_embedded_work w =
         pk_embedded_parts(it, table, PK_STEPPER_COORDINATES(it), PK_STEPPER_N(it));
-    const pk_real alpha = PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
+    const pk_real alpha = 1 / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
     if (it->own->flags & PK_HAVE_STEP)
         for (size_t i = 0; i < w.m; i++) /* copies the derivative at the end of the last step */
@@ -143,18 +143,17 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
             pk_trouble(it, status, it->own->next_t);
         } else {
             const pk_real raw = PK_SAME(PK_F(pow)(it->own->error, alpha)) / safety;
-            if (it->own->error <= PK_C(1.0)) {
+            if (it->own->error <= 1) {
                 const pk_real fac = raw / PK_SAME(PK_F(pow)(*w.err_old, table->beta));
-                const pk_real next =
-                    h / pk_min(PK_C(1.0) / table->shrink, pk_max(PK_C(1.0) / table->grow, fac));
+                const pk_real next = h / pk_min(1 / table->shrink, pk_max(1 / table->grow, fac));
                 *w.err_old = pk_max(it->own->error, PK_C(1e-4));
                 *w.h_made = x.h;
                 pk_trial_accept(it, &x, x.rejected ? pk_min(next, h) : next,
-                                fac <= PK_C(1.0) / table->grow);
+                                fac <= 1 / table->grow);
                 it->own->flags = PK_HAVE_STEP;
                 return PK_DONE;
             }
-            planned = h / pk_min(PK_C(1.0) / table->shrink, raw);
+            planned = h / pk_min(1 / table->shrink, raw);
         }
         /* A rejected step is always shortened. */
         pk_trial_reject(it, &x, planned < h ? planned : h * PK_C(0.5));

@@ -62,7 +62,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
         if (!PK_STEPPER(gauss_compare)(it, w, y))
             return PK_NOT_FINITE;
         const pk_real rate = y->rate, left2 = y->change2 * rate * rate;
-        const pk_real round = PK_C(16.0) * PK_EPS * PK_EPS * y->size2;
+        const pk_real round = 16 * PK_EPS * PK_EPS * y->size2;
         const int stalled = y->count > 2 && rate > PK_C(0.5) &&
                             y->change2 <= PK_C(1e8) * PK_EPS * PK_EPS * y->size2;
         const pk_real asked_for = it->options.newton_tol;
@@ -162,7 +162,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
     pk_real grow = PK_GAUSS_SAFETY * pk_min(y.growth, PK_GAUSS_GROW);
     const pk_real slow = y.count > 0 ? PK_F(sqrt)(PK_GAUSS_RATE / y.rate) : PK_GAUSS_GROW;
     if (x.rejected)
-        grow = pk_min(grow, PK_C(1.0));
+        grow = pk_min(grow, 1);
     if (slow < grow) {
         grow = pk_max(slow, PK_GAUSS_SHRINK);
         it->count.held++;

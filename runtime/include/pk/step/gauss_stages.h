@@ -275,7 +275,7 @@ static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
             a[l] = b[l];
         }
     }
-    const pk_real mean = PK_C(1.0) / (pk_real)(PK_GAUSS_S * n);
+    const pk_real mean = 1 / (pk_real)(PK_GAUSS_S * n);
     const pk_real before = y->change2;
     y->size2 = mean * pk_gauss_sum(size);
     y->change2 = mean * pk_gauss_sum(change);

@@ -42,7 +42,7 @@ static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
 static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
 
 /* x - x is 0 only for finite x; unlike isfinite(), this works for every scalar type. */
-static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
+static inline int pk_finite(pk_real x) { return x - x == 0; }
 
 /* Returns a + b rounded, and the rounding error in *rest: Knuth's two-sum. */
 static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)

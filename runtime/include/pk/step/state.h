@@ -144,7 +144,7 @@ static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real l
 {
     if (pk_waits(it))
         return it->own->ahead->trial;
-    const pk_real round = PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY;
+    const pk_real round = 10 * PK_EPS * pk_abs(it->t) + PK_TINY;
     struct pk_trial x = {0, 0, 0, 0, 0, 0, 0};
     x.sign = (pk_real)it->own->direction;
     x.left = pk_abs(limit - it->t);
