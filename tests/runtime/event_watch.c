@@ -52,17 +52,15 @@ void watch_free(struct watch *w)
     pk_integrator_free(&w->f.it);
 }
 
-void at_zero(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-             pk_real *g)
+void at_zero(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = q[0];
 }
 
-void at_rest(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-             pk_real *g)
+void at_rest(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)q, (void)u;
+    UNUSED;
     g[0] = v[0];
 }
 

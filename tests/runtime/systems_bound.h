@@ -17,8 +17,6 @@
 
 #define G(params) (((const struct test_params *)(params))->g)
 #define LIMIT(params) (((const struct test_params *)(params))->limit)
-#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
-#define UNUSED (void)params, (void)t, (void)q, (void)v, (void)u
 
 enum { MOST_N = 20, MOST_C = 4, MOST_ALL = MOST_N + MOST_C };
 

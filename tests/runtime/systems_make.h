@@ -12,8 +12,6 @@
 
 #define G(params) (((const struct test_params *)(params))->g)
 #define LIMIT(params) (((const struct test_params *)(params))->limit)
-#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
-#define UNUSED (void)params, (void)t, (void)q, (void)v, (void)u
 
 static void derive(void *params, const unsigned char *given) { (void)params, (void)given; }
 static int prepare(void *params) { return G(params) - G(params) == 0 && G(params) > 0 ? 0 : 1; }

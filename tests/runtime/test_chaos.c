@@ -23,7 +23,7 @@ static struct pk_lyapunov exponent(double angle, const char *name, double rtol, 
     return l;
 }
 
-static void chaos(void)
+TEST("Lyapunov exponents of the double pendulum")
 {
     static const struct {
         double angle, lambda;
@@ -50,7 +50,7 @@ static void chaos(void)
 }
 
 /* An inverted oscillator: exactly sqrt(-g); and an upright one, which has none. */
-static void exact_rates(void)
+TEST("Lyapunov exponents in closed form")
 {
     struct pk_system oscillator = oscillator_system;
     struct test_params params = {.g = -2.385};
@@ -107,7 +107,7 @@ static struct pk_reversal there_and_back(double angle, const char *name, double 
     return r;
 }
 
-static void reversal(void)
+TEST("there and back")
 {
     const struct pk_reversal lost = there_and_back(acos(0), "gauss1", 0.01, 60, 1e-3);
     const struct pk_reversal kept = there_and_back(0.5, "gauss1", 0.01, 60, 1e-3);
@@ -125,12 +125,4 @@ static void reversal(void)
         CU_ASSERT(fabs(kept.at[i + 1].t - 2 * kept.at[i].t) < 0.011);
         CU_ASSERT(fabs(remainder(kept.at[i].t, 0.01)) < 1e-12);
     }
-}
-
-void add_chaos(void)
-{
-    CU_pSuite suite = CU_add_suite("chaos", NULL, NULL);
-    CU_add_test(suite, "Lyapunov exponents of the double pendulum", chaos);
-    CU_add_test(suite, "Lyapunov exponents in closed form", exact_rates);
-    CU_add_test(suite, "there and back", reversal);
 }

@@ -18,7 +18,7 @@ static struct pk_equilibria seek(struct fixture *f, const struct pk_system *syst
 
 static int near(double x, double y) { return fabs(x - y) <= 1e-12 * fabs(y); }
 
-static void double_pendulum(void)
+TEST("double pendulum")
 {
     static struct fixture f;
     static const double place[4][2] = {{0, 0}, {0, 1}, {1, 0}, {1, 1}}; /* half turns, by energy */
@@ -30,14 +30,14 @@ static void double_pendulum(void)
             CU_ASSERT(fabs(found_q[2 * k + i] - PI * place[k][i]) < 1e-12);
 }
 
-static void few_at_most(void)
+TEST("no more than there is room for")
 {
     static struct fixture f;
     const struct pk_equilibria found = seek(&f, &double_pendulum_system, 3);
     CU_ASSERT(found.count == 3 && found.more);
 }
 
-static void one_degree(void)
+TEST("one degree of freedom")
 {
     static struct fixture f;
     struct pk_equilibria found = seek(&f, &pendulum_system, MOST);
@@ -53,14 +53,14 @@ static void one_degree(void)
 }
 
 /* Forces that vanish at infinity are no equilibrium, and at a collision neither. */
-static void none(void)
+TEST("none")
 {
     static struct fixture f;
     const struct pk_equilibria found = seek(&f, &kepler_system, MOST);
     CU_ASSERT(found.count == 0 && found.failed == 101);
 }
 
-static void refused(void)
+TEST("refused")
 {
     static struct fixture f;
     struct pk_equilibria found = {.most = MOST, .q = found_q, .v = found_v, .count = 7};
@@ -69,14 +69,4 @@ static void refused(void)
     CU_ASSERT(found.count == 0);
     fixture_set(&f, &pushed_system);
     CU_ASSERT(pk_gsl_equilibria(&f.problem, f.q0, f.v0, 100, &found) == PK_REFUSED);
-}
-
-void add_equilibria(void)
-{
-    CU_pSuite suite = CU_add_suite("equilibria", NULL, NULL);
-    CU_add_test(suite, "double pendulum", double_pendulum);
-    CU_add_test(suite, "no more than there is room for", few_at_most);
-    CU_add_test(suite, "one degree of freedom", one_degree);
-    CU_add_test(suite, "none", none);
-    CU_add_test(suite, "refused", refused);
 }

@@ -20,7 +20,7 @@ static enum pk_status find(struct pk_least_action *found, struct fixture *f, con
 }
 
 /* lambda_k = 1 - (omega T/(k pi))^2, conjugate points at each half period, S = [q v]/2. */
-static void oscillator(void)
+TEST("an oscillator's second variation")
 {
     enum { MODES = 20 };
     struct pk_least_action found;
@@ -56,7 +56,7 @@ static void oscillator(void)
 }
 
 /* A path that no motion takes is not stationary: rk4 at a long step. */
-static void worse(void)
+TEST("what is no motion is not stationary")
 {
     struct pk_least_action found;
     struct fixture f;
@@ -72,7 +72,7 @@ static void worse(void)
  * displacements from a circular orbit (J. Aerosp. Sci. 27 (1960) 653): 0 at 2 pi, and later. */
 static double displaced(double t) { return 8 * (1 - cos(t)) - 3 * t * sin(t); }
 
-static void circular_orbit(void)
+TEST("conjugate points of a circular orbit")
 {
     struct pk_least_action found;
     struct fixture f;
@@ -101,7 +101,7 @@ static void circular_orbit(void)
 
 /* To second order in the neighbour: what is left falls by 8 as it is halved. M depends on q here.
  */
-static void second_order(void)
+TEST("neighbours to second order")
 {
     enum { MODES = 6, M = 2 * MODES };
     struct pk_least_action found;
@@ -122,7 +122,7 @@ static void second_order(void)
     CU_ASSERT_DOUBLE_EQUAL(left[0] / left[1], 8, 0.2);
 }
 
-static void refusals(void)
+TEST("refusals")
 {
     struct pk_least_action found;
     struct fixture f;
@@ -138,14 +138,4 @@ static void refusals(void)
     CU_ASSERT(pk_least_action_find(&found, &f.problem, pk_method_find("rk4"), &f.options, 0, f.q0,
                                    f.v0, 1, 8, 4, block, 8) == PK_BLOCK_TOO_SMALL);
     CU_ASSERT(pk_least_action_size(&f.problem, pk_method_find("rk4"), 0, 4) == 0);
-}
-
-void add_least_action(void)
-{
-    CU_pSuite suite = CU_add_suite("least action", NULL, NULL);
-    CU_add_test(suite, "an oscillator's second variation", oscillator);
-    CU_add_test(suite, "what is no motion is not stationary", worse);
-    CU_add_test(suite, "conjugate points of a circular orbit", circular_orbit);
-    CU_add_test(suite, "neighbours to second order", second_order);
-    CU_add_test(suite, "refusals", refusals);
 }

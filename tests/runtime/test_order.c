@@ -3,33 +3,16 @@
  */
 #include "fixture.h"
 
-static double off(const struct fixture *f, const double *x)
-{
-    return fixture_distance(f, x, x + f->it.n);
-}
-
-/* Slope of error over step, of the finest five errors above round-off. */
-static double measured_order(const struct pk_system *system, const struct pk_method *method,
-                             double t_end)
-{
-    static struct fixture f;
-    double x[6];
-    CU_ASSERT_FATAL(fixture_run(&f, system, "gauss4", t_end / 4000, t_end) == PK_DONE);
-    memcpy(x, f.it.q, f.it.n * sizeof *x);
-    memcpy(x + f.it.n, f.it.v, f.it.n * sizeof *x);
-    return fixture_order(system, method, t_end, 3e-13, off, x);
-}
-
 /* All of the core up to order 6; above it errors reach round-off too soon, and quad/order.c goes
  * on. Of GSL's those that have an order. */
-static void fixed_order(void)
+TEST("fixed steps on the pendulum")
 {
     int found = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
         const struct pk_method *m = pk_method_at(i);
         if (m->order > 6 || (m->traits & PK_EXACT))
             continue;
-        const double p = measured_order(&pendulum_system, m, 2);
+        const double p = fixture_order_beside(&pendulum_system, m, 2, 3e-13, "gauss4", 4000);
         printf("\n    %-16s order %d, measured %.3f", m->name, m->order, p);
         CU_ASSERT(fabs(p - m->order) < 0.15);
         found++;
@@ -37,20 +20,20 @@ static void fixed_order(void)
     CU_ASSERT(found >= 18);
 }
 
-static void order_of_gsl(void)
+TEST("order of GSL's")
 {
     for (size_t i = 0; pk_gsl_method_at(i); i++) {
         const struct pk_method *m = pk_gsl_method_at(i);
         if (!m->order)
             continue;
-        const double p = measured_order(&pendulum_system, m, 2);
+        const double p = fixture_order_beside(&pendulum_system, m, 2, 3e-13, "gauss4", 4000);
         printf("\n    %-16s order %d, measured %.3f", m->name, m->order, p);
         /* GSL is of double alone, and order 8 at round-off before its slope has settled. */
         CU_ASSERT(fabs(p - m->order) < (m->order < 8 ? 0.15 : 0.45));
     }
 }
 
-static void order_with_time(void)
+TEST("explicit time")
 {
     /* Verlet keeps its order only if its kicks are at the right times. */
     for (size_t i = 0; pk_method_at(i); i++) {
@@ -58,7 +41,7 @@ static void order_with_time(void)
         if (m->order > 6 || (m->needs & (PK_AUTONOMOUS | PK_AFFINE)) ||
             !(m->traits & PK_SYMPLECTIC))
             continue;
-        const double p = measured_order(&driven_system, m, 3);
+        const double p = fixture_order_beside(&driven_system, m, 3, 3e-13, "gauss4", 4000);
         printf("\n    driven, %-16s measured %.3f", m->name, p);
         CU_ASSERT(fabs(p - m->order) < 0.15);
     }
@@ -71,7 +54,7 @@ static void order_with_time(void)
     CU_ASSERT(fixture_distance(&f, &q, &v) > 1e-9);
 }
 
-static void order_general_mass(void)
+TEST("M(q) and M(v)")
 {
     static const struct pk_system *const systems[] = {&double_pendulum_system, &relativistic_system,
                                                       &forced_system};
@@ -79,13 +62,14 @@ static void order_general_mass(void)
                                         "lobatto2", "lobatto3", "lobatto4", "radau5"};
     for (size_t s = 0; s < 3; s++)
         for (size_t i = 0; i < 8; i++) {
-            const double p = measured_order(systems[s], pk_method_find(names[i]), 1);
+            const double p = fixture_order_beside(systems[s], pk_method_find(names[i]), 1, 3e-13,
+                                                  "gauss4", 4000);
             printf("\n    %s, %-7s measured %.3f", systems[s]->name, names[i], p);
             CU_ASSERT(fabs(p - pk_method_find(names[i])->order) < 0.15);
         }
 }
 
-static void tolerance(void)
+TEST("error follows the tolerance")
 {
     static const char *const names[] = {"dopri5",    "dop853",      "gsl_rkf45",
                                         "gsl_rk8pd", "gsl_msadams", "gsl_msbdf"};
@@ -114,7 +98,7 @@ static void tolerance(void)
 
 /* GSL's bsimp: extrapolates so far that its errors are far below any tolerance, and says nothing
  * of it; so it is only that they stay there. */
-static void extrapolated(void)
+TEST("extrapolation")
 {
     static const struct pk_system *const systems[] = {&pendulum_system, &driven_system,
                                                       &double_pendulum_system};
@@ -135,7 +119,7 @@ static void extrapolated(void)
 
 /* q'' = -1e6 q + cos 3t near its slow solution: with the right Jacobian implicit methods take the
  * forcing's steps, explicit ones the oscillator's. */
-static void stiff(void)
+TEST("stiff")
 {
     static const char *const names[] = {"gsl_msbdf", "gsl_bsimp", "gsl_rk8pd", "gsl_msadams"};
     static struct fixture f;
@@ -144,7 +128,7 @@ static void stiff(void)
         f.params.g = 1e6;
         f.q0[0] = 1e-6, f.v0[0] = 0;
         f.options.rtol = 0, f.options.atol = 1e-5;
-        CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+        fixture_start(&f, names[i], 0);
         CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_DONE);
         printf("\n    %s: %lu steps", names[i], f.it.count.steps);
         CU_ASSERT(i < 2 ? f.it.count.steps < 50 : f.it.count.steps > 500);
@@ -154,7 +138,7 @@ static void stiff(void)
 }
 
 /* Largest error of the interpolant inside first steps of size h: slope is its order + 1. */
-static void dense(void)
+TEST("dense output")
 {
     static const char *const names[] = {"dopri5", "dop853"};
     static struct fixture f, exact;
@@ -191,7 +175,7 @@ static void dense(void)
 }
 
 /* Inside the steps of a run at tolerance: the interpolant's own error beside the steps'. */
-static void dense_in_run(void)
+TEST("dense output within a run")
 {
     static struct fixture f, exact;
     for (double tol = 1e-4; tol > 5e-14; tol /= 1000) {
@@ -224,18 +208,4 @@ static void dense_in_run(void)
         printf("\n    dop853 at %.0e: local error at ends %.1e, inside %.1e", tol, ends, inside);
         CU_ASSERT(inside > 0 && inside < 200 * tol);
     }
-}
-
-void add_order(void)
-{
-    CU_pSuite suite = CU_add_suite("order", NULL, NULL);
-    CU_add_test(suite, "fixed steps on the pendulum", fixed_order);
-    CU_add_test(suite, "explicit time", order_with_time);
-    CU_add_test(suite, "M(q) and M(v)", order_general_mass);
-    CU_add_test(suite, "error follows the tolerance", tolerance);
-    CU_add_test(suite, "order of GSL's", order_of_gsl);
-    CU_add_test(suite, "extrapolation", extrapolated);
-    CU_add_test(suite, "stiff", stiff);
-    CU_add_test(suite, "dense output", dense);
-    CU_add_test(suite, "dense output within a run", dense_in_run);
 }

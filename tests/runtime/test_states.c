@@ -31,7 +31,7 @@ static double off(const struct fixture *f, const double *x)
     return fmax(fabs(f->it.v[0] - x[0]), fabs(f->it.v[1] - x[1]));
 }
 
-static void order(void)
+TEST("order on a nonlinear pair of states")
 {
     double x[2];
     int found = 0;
@@ -74,7 +74,7 @@ static enum pk_status moved(struct fixture *f, const struct pk_system *system, c
     return status;
 }
 
-static void unseen(void)
+TEST("their integrals are seen by nobody")
 {
     static struct fixture f;
     static const struct pk_system *const systems[] = {&brusselator_system, &maxwell_system};
@@ -100,7 +100,7 @@ static void unseen(void)
 }
 
 /* There and back, the integrals' own round-off is nobody's. */
-static void reversed(void)
+TEST("there and back")
 {
     static struct fixture f;
     struct pk_reversal r[2];
@@ -123,7 +123,7 @@ static void reversed(void)
 
 /* x' = -x beside faster decays: no displacement of an integral stays and looks like a neutral one.
  */
-static void exponents(void)
+TEST("Lyapunov exponent")
 {
     static struct fixture f;
     fixture_set(&f, &maxwell_system);
@@ -147,7 +147,7 @@ static void exponents(void)
 }
 
 /* There are no momenta, so there is no form that a step could keep. */
-static void no_form(void)
+TEST("no symplectic form")
 {
     static struct fixture f;
     struct pk_stepmap map;
@@ -166,14 +166,4 @@ static void no_form(void)
     CU_ASSERT_DOUBLE_EQUAL(v[0], 1, 1e-12);
     CU_ASSERT_DOUBLE_EQUAL(v[1], 3, 1e-12);
     free(block);
-}
-
-void add_states(void)
-{
-    CU_pSuite suite = CU_add_suite("states", NULL, NULL);
-    CU_add_test(suite, "order on a nonlinear pair of states", order);
-    CU_add_test(suite, "their integrals are seen by nobody", unseen);
-    CU_add_test(suite, "there and back", reversed);
-    CU_add_test(suite, "Lyapunov exponent", exponents);
-    CU_add_test(suite, "no symplectic form", no_form);
 }

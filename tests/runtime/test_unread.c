@@ -5,8 +5,6 @@
 
 #include "fixture.h"
 
-#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
-
 enum { UNREAD = 2, ALL = 3 };
 
 /* One of the position, as an angle's rate in a reduced system; one of all that there is. */
@@ -45,7 +43,7 @@ static int acceleration(ARGS, pk_real *a)
 }
 static void mass(ARGS, pk_real *M)
 {
-    (void)params, (void)t, (void)q, (void)v, (void)u;
+    UNUSED;
     for (int i = 0; i < ALL * ALL; i++)
         M[i] = i % (ALL + 1) == 0;
 }
@@ -114,7 +112,7 @@ static double missed(const double *v, const double *x)
 static double off(const struct fixture *f, const double *x) { return missed(f->it.v, x); }
 
 /* quad/order.c goes on above order 6. */
-static void order(void)
+TEST("order")
 {
     const struct pk_system system = carrying();
     double x[ALL];
@@ -132,7 +130,7 @@ static void order(void)
     CU_ASSERT(found == 20);
 }
 
-static void tight(void)
+TEST("tight tolerances")
 {
     static const char *const names_of[] = {"gauss", "dop853", "dopri5", "gauss6", "gauss8"};
     const struct pk_system system = carrying();
@@ -150,16 +148,14 @@ static void tight(void)
 }
 
 /* Between the ends of steps, as exact as the tolerance. */
-static void between(void)
+TEST("between steps")
 {
     static const char *const dense[] = {"gauss", "dop853"};
     const struct pk_system system = carrying();
     static struct fixture f;
     double x[ALL], q[ALL], v[ALL];
     for (int k = 0; k < 2; k++) {
-        fixture_set(&f, &system);
-        f.options.rtol = f.options.atol = 1e-10;
-        CU_ASSERT_FATAL(fixture_init(&f, dense[k]) == PK_DONE);
+        fixture_open(&f, &system, dense[k], 1e-10);
         while (f.it.t < 1.5)
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 10) == PK_DONE);
         for (int part = 0; part <= 4; part++) {
@@ -172,7 +168,7 @@ static void between(void)
 }
 
 /* States whose rounding is as large as the last corrections do not keep Newton's iteration at work. */
-static void far(void)
+TEST("large ones")
 {
     const struct pk_system system = carrying();
     static struct fixture f;
@@ -181,7 +177,7 @@ static void far(void)
         fixture_set(&f, &system);
         f.options.h = 0.01;
         f.v0[1] = k ? 1e5 : 3;
-        CU_ASSERT_FATAL(fixture_init(&f, "gauss4") == PK_DONE);
+        fixture_start(&f, "gauss4", 0);
         CU_ASSERT(pk_integrator_to(&f.it, 20) == PK_DONE);
         count[k] = f.it.count.iterations;
     }
@@ -189,7 +185,7 @@ static void far(void)
     CU_ASSERT(count[0] < 7000 && count[1] < 7000);
 }
 
-static void control(void)
+TEST("step control")
 {
     static const char *const methods[] = {"gauss", "dop853", "dopri5", "radau"};
     static struct fixture f;
@@ -209,7 +205,7 @@ static void control(void)
 }
 
 /* Newton's equations without them: the same steps, with fewer unknowns. */
-static void left_out(void)
+TEST("left out of Newton's equations")
 {
     static const char *const methods[] = {"gauss1", "gauss4", "lobatto3", "radau5", "radau"};
     static struct fixture f;
@@ -246,11 +242,11 @@ static int found(void *context, const struct pk_events *events)
 
 static void lowest(ARGS, pk_real *g)
 {
-    (void)params, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = q[0];
 }
 
-static void events(void)
+TEST("events")
 {
     static const struct pk_event event[] = {{{"lowest", "", ""}, 0, 0}};
     static const char *const methods[] = {"gauss", "gauss4", "rk4", "dop853"};
@@ -266,7 +262,7 @@ static void events(void)
         fixture_set(&f, &system);
         f.options.h = k == 0 || k == 3 ? 0 : 0.01;
         f.options.rtol = f.options.atol = 1e-11;
-        CU_ASSERT_FATAL(fixture_init(&f, methods[k]) == PK_DONE);
+        fixture_start(&f, methods[k], 0);
         CU_ASSERT_FATAL(pk_events_init(&watched, &f.it, block, sizeof block) == PK_DONE);
         watched.found = found;
         seen.count = 0;
@@ -280,16 +276,4 @@ static void events(void)
         exact(f.it.t, x);
         CU_ASSERT(missed(f.it.v, x) < (k == 2 ? 1e-6 : 1e-9));
     }
-}
-
-void add_unread(void)
-{
-    CU_pSuite suite = CU_add_suite("states that nothing reads", NULL, NULL);
-    CU_add_test(suite, "order", order);
-    CU_add_test(suite, "tight tolerances", tight);
-    CU_add_test(suite, "step control", control);
-    CU_add_test(suite, "between steps", between);
-    CU_add_test(suite, "large ones", far);
-    CU_add_test(suite, "left out of Newton's equations", left_out);
-    CU_add_test(suite, "events", events);
 }
