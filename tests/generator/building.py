@@ -1,7 +1,5 @@
 """Models of the parts that a test gives: their text, checked."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from pkgen.front.check.check import check_text

@@ -1,7 +1,5 @@
 """Compiles emitted C and calls its kernels through ctypes; the models that its tests share."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The systems whose kernels are compared with SymPy: each as pkgen reads it and by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Each takes the symbols q, v, u and the parameters, and gives L, or (L, D, Q). No
 is in here.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import sympy as sp

@@ -1,7 +1,5 @@
 """Facts about a system: each true where it can be proved, each false where it does not hold."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import islice
 

@@ -1,7 +1,5 @@
 """Lagrange's equations: cost, names, ends, inputs, and what is refused."""
 
-from __future__ import annotations
-
 import math
 import os
 import random

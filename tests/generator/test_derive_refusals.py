@@ -1,7 +1,5 @@
 """What checks and the derivation refuse, each with its place."""
 
-from __future__ import annotations
-
 import re
 import time
 

@@ -1,7 +1,5 @@
 """The emitted C, compiled and linked: no warnings anywhere, no names but its own."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The emitted self-test: it passes, and notices a wrong factor in any kernel."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The emitted C, run: its values are those of the graph, and what is no number is refused."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -5,8 +5,6 @@ reference is differentiated by SymPy and evaluated with 40 digits; for the class
 SymPy's own LagrangesMethod is asked as well. Nothing of pkgen is in the reference.
 """
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass
 from itertools import pairwise

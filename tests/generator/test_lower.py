@@ -1,7 +1,5 @@
 """lower: what becomes a statement, what is hoisted, how expressions read, what is counted."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from dataclasses import replace

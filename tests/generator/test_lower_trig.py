@@ -1,7 +1,5 @@
 """lower: sine and cosine of one angle are one statement, two angles share a call."""
 
-from __future__ import annotations
-
 from c_harness import MODELS, lowered, read_model, read_text, without_facts
 
 from pkgen.back.c.lower import lower

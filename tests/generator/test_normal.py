@@ -1,7 +1,5 @@
 """Normal forms: equal means equal, the value stays, and the work is bounded."""
 
-from __future__ import annotations
-
 import math
 import random
 

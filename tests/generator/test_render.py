@@ -1,7 +1,5 @@
 """render: the emitted text, before any compiler sees it."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import subprocess

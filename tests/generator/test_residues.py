@@ -1,7 +1,5 @@
 """Proofs that something varies: never of what an identity makes constant."""
 
-from __future__ import annotations
-
 import pytest
 from building import model
 

@@ -1,7 +1,5 @@
 """Where the equations end: which expressions are singularities, of which kind and name."""
 
-from __future__ import annotations
-
 import math
 import random
 
