@@ -27,10 +27,13 @@ def model(name: str = "test", **parts: str | Sequence[str] | Mapping[str, object
 
 
 def links(count: int, own: bool = False, name: str = "links") -> Model:
+    return model(name, **parts_of_links(count, own))
+
+
+def parts_of_links(count: int, own: bool = False) -> dict[str, object]:
     """The pendulum of N links; with `own`, each link has a mass and a length of its own."""
     m, length, of = ("m[k]", "l[k]", "[k=1..N]") if own else ("m", "l", "")
-    return model(
-        name,
+    return dict(
         sizes={"N": count},
         params={f"m{of}": 1.3, f"l{of}": 0.7, "g": 9.81},
         coords=("theta[1..N]",),

@@ -169,6 +169,21 @@ static inline void constant_inertia(size_t n, const pk_real *masses, size_t coun
         M[i * n + i] = i < count ? masses[i] : 1;
 }
 
+/* Unit masses at N coordinates. */
+#define UNIT_MASSES(NAME, N)                                          \
+    static void NAME##_inertia(ARGS, pk_real *M)                      \
+    {                                                                 \
+        UNUSED;                                                       \
+        constant_inertia(N, NULL, 0, M);                              \
+    }                                                                 \
+    static void NAME##_unconstrained(ARGS, pk_real *p, pk_real *pdot) \
+    {                                                                 \
+        memcpy(p, v, (N) * sizeof *p);                                \
+        NAME##_drift(params, t, q, v, u, pdot);                       \
+    }
+
+#define NAMED(x) {x, "", ""}
+
 static const struct pk_parameter bound_parameters[] = {
     {{"g", "", ""}, offsetof(struct test_params, g), 0, 1, 0},
     {{"limit", "", ""}, offsetof(struct test_params, limit), 0, 0, 0}};
