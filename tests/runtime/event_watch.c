@@ -20,9 +20,7 @@ void watch_set(struct watch *w, const struct pk_system *system, event_function *
 {
     memset(w, 0, sizeof *w);
     w->system = *system;
-    w->system.events.n = n;
-    w->system.events.table = w->declared;
-    w->system.events.values = g;
+    w->system.events = (struct pk_part_events){.n = n, .table = w->declared, .values = g};
     for (size_t k = 0; k < n; k++)
         w->declared[k] = one_event[0];
     fixture_set(&w->f, &w->system);

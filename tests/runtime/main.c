@@ -41,9 +41,8 @@ struct pk_system guarded_point(acceleration_function *acceleration,
                                                    const pk_real *, const pk_real *, pk_real *))
 {
     struct pk_system system = free_point(acceleration);
-    system.singularities.n = 1;
-    system.singularities.table = what;
-    system.singularities.values = singularity;
+    system.singularities =
+        (struct pk_part_singularities){.n = 1, .table = what, .values = singularity};
     return system;
 }
 

@@ -253,9 +253,7 @@ TEST("between steps")
         CU_ASSERT(worst < 2e-15);
     }
     system = rod_system;
-    system.events.n = 1;
-    system.events.table = at;
-    system.events.values = lowest;
+    system.events = (struct pk_part_events){.n = 1, .table = at, .values = lowest};
     double when[BOUND_METHODS];
     for (int i = 0; i < BOUND_METHODS; i++) {
         struct pk_events events;

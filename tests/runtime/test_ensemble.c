@@ -302,9 +302,8 @@ TEST("singularities are watched in lanes")
     for (int guarded = 0; guarded < 2; guarded++)
         for (int k = 0; k < 6; k++) {
             crowd_set(&c, &kepler_system, (enum route)(k % 3), methods[k / 3], 0.01);
-            c.system.singularities.n = (size_t)guarded;
-            c.system.singularities.table = &centre;
-            c.system.singularities.values = distance;
+            c.system.singularities = (struct pk_part_singularities){
+                .n = (size_t)guarded, .table = &centre, .values = distance};
             c.v0[2 * 3 + 1] = c.v0[2 * 64 + 1] = c.v0[2 * 149 + 1] = 0;
             c.q0[2 * 64] = 0.8;                /* falls later, between rows */
             c.q0[2 * 5] = c.q0[2 * 5 + 1] = 0; /* starts there */
@@ -331,9 +330,8 @@ TEST("singularities know why a member failed")
     static struct crowd c;
     for (int route = OWN; route <= SCALAR; route++) {
         crowd_set(&c, &folded_system, (enum route)route, "rk4", 0.01);
-        c.system.singularities.n = 1;
-        c.system.singularities.table = &fold;
-        c.system.singularities.values = to_the_fold;
+        c.system.singularities =
+            (struct pk_part_singularities){.n = 1, .table = &fold, .values = to_the_fold};
         for (size_t i = 0; i < MEMBERS; i++)
             c.params[i].limit = i % 50 == 3 ? 0.9 : 9;
         CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) ==

@@ -305,9 +305,7 @@ TEST("events")
     struct pk_system system = oscillator_system;
     struct pk_events watched;
     double worst = 0;
-    system.events.n = 1;
-    system.events.table = event;
-    system.events.values = zero;
+    system.events = (struct pk_part_events){.n = 1, .table = event, .values = zero};
     fixture_set(&f, &system);
     f.q0[0] = 1, f.v0[0] = 0;
     fixture_start(&f, "exponential", 3);

@@ -32,17 +32,6 @@ TEST("error follows the tolerance")
     }
 }
 
-TEST("backward")
-{
-    static struct fixture f;
-    CU_ASSERT(fixture_run(&f, &double_pendulum_system, "gauss", 1e-12, 3) == PK_DONE);
-    CU_ASSERT(fixture_distance(&f, f.q0, f.v0) > 0.1);
-    CU_ASSERT(pk_integrator_to(&f.it, -2) == PK_DONE && f.it.t == -2);
-    CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE && f.it.t == 0);
-    const double there_and_back = fixture_distance(&f, f.q0, f.v0);
-    CU_ASSERT(there_and_back > 0 && there_and_back < 1e-9);
-}
-
 static void ramp(void *context, pk_real t, pk_real *u)
 {
     u[0] = *(const double *)context * t * t * t;

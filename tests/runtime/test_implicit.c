@@ -212,17 +212,11 @@ TEST("stiff")
     }
 }
 
-/* Backward, an input, a singular end, no tolerance for what is not there. */
+/* A longest step, an input, a singular end, no tolerance for what is not there. */
 TEST("control")
 {
     static struct fixture f;
-    CU_ASSERT(fixture_run(&f, &double_pendulum_system, "radau", 1e-11, 2) == PK_DONE &&
-              fixture_distance(&f, f.q0, f.v0) > 0.1);
-    CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE && f.it.t == 0);
-    CU_ASSERT(fixture_distance(&f, f.q0, f.v0) > 0 && fixture_distance(&f, f.q0, f.v0) < 1e-8);
     double q, v;
-    CU_ASSERT(pk_integrator_dense(&f.it, 1, &q, &v) == PK_BAD_ARGUMENT);
-
     fixture_set(&f, &driven_system);
     driven_exact(7, &q, &v);
     f.options.rtol = f.options.atol = 1e-10;
@@ -233,6 +227,7 @@ TEST("control")
         CU_ASSERT(f.it.t - f.it.last_t <= 0.2 * 1.0101);
     }
     CU_ASSERT(fixture_distance(&f, &q, &v) < 1e-8);
+    CU_ASSERT(pk_integrator_dense(&f.it, 1, &q, &v) == PK_BAD_ARGUMENT);
 
     CU_ASSERT(fixture_run(&f, &folded_system, "radau", 0, 10) == PK_SINGULAR_MASS);
     CU_ASSERT(fabs(f.it.t - 0.55 * 2 / 3 / 0.2) < 0.02);

@@ -1,5 +1,5 @@
 /* Measured order on the nonlinear pendulum (a linear one super-converges), and with explicit time
- * and M(q, v); tolerance against error; dense output.
+ * and M(q, v); tolerance against error. Dense output: test_dense.c and test_tables.c.
  */
 #include "fixture.h"
 
@@ -134,78 +134,5 @@ TEST("stiff")
         CU_ASSERT(i < 2 ? f.it.count.steps < 50 : f.it.count.steps > 500);
         CU_ASSERT(fabs(f.it.q[0] - cos(15) / (1e6 - 9)) < 1e-5);
         pk_integrator_free(&f.it);
-    }
-}
-
-/* Largest error of the interpolant inside first steps of size h: slope is its order + 1. */
-TEST("dense output")
-{
-    static const char *const names[] = {"dopri5", "dop853"};
-    static struct fixture f, exact;
-    for (size_t i = 0; i < 2; i++) {
-        double h[6], error[6];
-        int count = 0;
-        for (double step = i ? 0.9 : 0.3; count < 6; step /= 1.3) {
-            fixture_set(&f, &pendulum_system);
-            f.options.h = f.options.h_max = step;
-            f.options.rtol = f.options.atol = 1e10;
-            fixture_init(&f, names[i]);
-            CU_ASSERT(pk_integrator_step(&f.it, 10) == PK_DONE);
-            CU_ASSERT(f.it.t == step);
-            h[count] = step;
-            error[count] = 0;
-            for (double s = 0.05; s < 1; s += 0.05) {
-                double q, v;
-                CU_ASSERT(fixture_run(&exact, &pendulum_system, "gauss4", s * step / 40,
-                                      s * step) == PK_DONE);
-                CU_ASSERT(pk_integrator_dense(&f.it, s * step, &q, &v) == PK_DONE);
-                error[count] = fmax(error[count], fixture_distance(&exact, &q, &v));
-            }
-            count++;
-        }
-        const double order = fit_slope(h, error, count) - 1;
-        printf("\n    %s: dense output measured order %.2f", names[i], order);
-        CU_ASSERT(fabs(order - pk_method_find(names[i])->dense_order) < 0.35);
-        double q, v;
-        CU_ASSERT(pk_integrator_dense(&f.it, 0, &q, &v) == PK_DONE && q == f.q0[0]);
-        CU_ASSERT(pk_integrator_dense(&f.it, f.it.t, &q, &v) == PK_DONE);
-        CU_ASSERT(fabs(q - f.it.q[0]) < 1e-15);
-        CU_ASSERT(pk_integrator_dense(&f.it, f.it.t * 1.01, &q, &v) == PK_BAD_ARGUMENT);
-    }
-}
-
-/* Inside the steps of a run at tolerance: the interpolant's own error beside the steps'. */
-TEST("dense output within a run")
-{
-    static struct fixture f, exact;
-    for (double tol = 1e-4; tol > 5e-14; tol /= 1000) {
-        double inside = 0, ends = 0;
-        fixture_set(&f, &double_pendulum_system);
-        f.options.rtol = f.options.atol = tol;
-        fixture_init(&f, "dop853");
-        for (int step = 0; step < 40; step++) {
-            double q0[2], v0[2], q[2], v[2];
-            const double t0 = f.it.t;
-            memcpy(q0, f.it.q, sizeof q0);
-            memcpy(v0, f.it.v, sizeof v0);
-            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 10) == PK_DONE);
-            for (int k = 1; k <= 4; k++) {
-                const double t = k == 4 ? f.it.t : t0 + k * (f.it.t - t0) / 4;
-                fixture_set(&exact, &double_pendulum_system);
-                memcpy(exact.q0, q0, sizeof q0);
-                memcpy(exact.v0, v0, sizeof v0);
-                exact.options.h = (t - t0) / 20;
-                fixture_init(&exact, "gauss4");
-                pk_integrator_to(&exact.it, t - t0);
-                CU_ASSERT(pk_integrator_dense(&f.it, t, q, v) == PK_DONE);
-                const double e = fixture_distance(&exact, q, v);
-                if (k == 4)
-                    ends = fmax(ends, e);
-                else
-                    inside = fmax(inside, e);
-            }
-        }
-        printf("\n    dop853 at %.0e: local error at ends %.1e, inside %.1e", tol, ends, inside);
-        CU_ASSERT(inside > 0 && inside < 200 * tol);
     }
 }

@@ -1,4 +1,4 @@
-/* Rotations: the order of methods on SO(3), what each keeps of a free body over long runs, the
+/* Rotations (orders: test_constraint.c): what each keeps of a free body over long runs, the
  * symplectic form of T*SO(3), reversal; each with a method that fails it.
  */
 #include "attitude_series.h"
@@ -8,21 +8,6 @@ static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoi
                                     "rattle",       "rattle4",       "rattle6",
                                     "rkmk4",        "rk4",           "gauss2"};
 enum { STEPS = sizeof steps / sizeof *steps, VARIATIONAL = 6 };
-
-TEST("order on SO(3)")
-{
-    static const struct pk_system *const systems[] = {&free_body_system, &top_system,
-                                                      &bodies_system, &carriage_system};
-    for (int s = 0; s < 4; s++)
-        for (int i = 0; i < STEPS; i++) {
-            const int claimed = pk_method_find(steps[i])->order;
-            const double p = fixture_order_beside(systems[s], pk_method_find(steps[i]),
-                                                  s == 1 ? 0.5 : 1, 3e-12, "gauss6", 100);
-            printf("\n    %-9s %-13s order %d, measured %.3f", systems[s]->name, steps[i], claimed,
-                   p);
-            CU_ASSERT(fabs(p - claimed) < 0.2);
-        }
-}
 
 /* R p of the momenta of the body whose rates begin at v[at], its quaternion at v[of]. */
 static void in_space(const struct fixture *f, size_t at, size_t of, double *L)

@@ -161,9 +161,7 @@ TEST("states and events")
         CU_ASSERT(fabs(p - pk_method_find(steps[i])->order) < 0.3);
     }
     system = free_body_system;
-    system.events.n = 1;
-    system.events.table = crossing;
-    system.events.values = turning;
+    system.events = (struct pk_part_events){.n = 1, .table = crossing, .values = turning};
     static double room[1 << 16];
     double when[STEPS];
     for (int i = 0; i < STEPS; i++) {

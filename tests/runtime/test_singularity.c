@@ -18,9 +18,8 @@ static const struct pk_singularity kepler_singularities[] = {
 static struct pk_system guarded_kepler(void)
 {
     struct pk_system system = kepler_system;
-    system.singularities.n = 2;
-    system.singularities.table = kepler_singularities;
-    system.singularities.values = distance;
+    system.singularities =
+        (struct pk_part_singularities){.n = 2, .table = kepler_singularities, .values = distance};
     return system;
 }
 

@@ -140,8 +140,7 @@ TEST("two behind a nearer one")
         CU_ASSERT(fabs(l.f.it.reason.time - 0.5) < 1e-9);
     }
     struct pk_system unguarded = line(&l, 4, 0);
-    unguarded.singularities.n = 0;
-    unguarded.singularities.count = NULL;
+    unguarded.singularities = (struct pk_part_singularities){.n = 0, .count = NULL};
     memcpy(l.q, q, sizeof q);
     memcpy(l.v, v, sizeof v);
     init_line(&l, &unguarded, "verlet", 1);

@@ -60,9 +60,7 @@ TEST("a force that follows one")
     static const struct pk_quantity name[] = {{"exp(80*(x - 1))", "", ""}};
     static struct fixture f;
     struct pk_system system = turning();
-    system.marks.n = 1;
-    system.marks.names = name;
-    system.marks.values = short_hill;
+    system.marks = (struct pk_part_marks){.n = 1, .names = name, .values = short_hill};
     for (int fine = 0; fine < 2; fine++) {
         top = 0.75;
         fixture_set(&f, &system);

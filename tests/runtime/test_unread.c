@@ -255,9 +255,7 @@ TEST("events")
     struct pk_system system = carrying();
     struct pk_events watched;
     double x[ALL];
-    system.events.n = 1;
-    system.events.table = event;
-    system.events.values = lowest;
+    system.events = (struct pk_part_events){.n = 1, .table = event, .values = lowest};
     for (int k = 0; k < 4; k++) {
         fixture_set(&f, &system);
         f.options.h = k == 0 || k == 3 ? 0 : 0.01;
