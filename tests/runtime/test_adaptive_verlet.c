@@ -4,29 +4,30 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 static const char name[] = "adaptive_verlet";
 
 /* Kepler, mu = a = 1, from pericentre, first step x r^1.5. */
-static void kepler_set(struct fixture *f, double e, double x)
+static void kepler_set(struct fixture *one, double e, double x)
 {
-    fixture_set(f, &kepler_system);
-    f->q0[0] = 1 - e, f->q0[1] = 0;
-    f->v0[0] = 0, f->v0[1] = sqrt((1 + e) / (1 - e));
-    f->options.h = x * pow(1 - e, 1.5);
+    fixture_set(one, &kepler_system);
+    one->q0[0] = 1 - e, one->q0[1] = 0;
+    one->v0[0] = 0, one->v0[1] = sqrt((1 + e) / (1 - e));
+    one->options.h = x * pow(1 - e, 1.5);
 }
 
-static double energy_error(const struct fixture *f, double e)
+static double energy_error(double e)
 {
-    const struct pk_system *system = f->problem.system;
+    const struct pk_system *system = f.problem.system;
     (void)e;
-    return fabs(system->energy(&f->params, 0, f->it.q, f->it.v, NULL) + 0.5);
+    return fabs(system->energy(&f.params, 0, f.it.q, f.it.v, NULL) + 0.5);
 }
 
 /* e = .8, h = .05 r^1.5: within .0014318, to the digits given after 10 and 100 orbits; Verlet whose
  * step is .05 r^1.5 of where it is drifts .0034 and .0138. */
 TEST("energy stays")
 {
-    static struct fixture f;
     for (int orbits = 10; orbits <= 100; orbits *= 10) {
         const double end = 2 * acos(-1) * orbits;
         double worst = 0, naive = 0;
@@ -34,7 +35,7 @@ TEST("energy stays")
         fixture_start(&f, name, 0);
         while (f.it.t < end) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 2 * end) == PK_DONE);
-            worst = fmax(worst, energy_error(&f, 0.8));
+            worst = fmax(worst, energy_error(0.8));
         }
         const unsigned long steps = f.it.count.steps;
         kepler_set(&f, 0.8, 0.05);
@@ -43,7 +44,7 @@ TEST("energy stays")
             const double r = hypot(f.it.q[0], f.it.q[1]);
             pk_integrator_set_step(&f.it, 0.05 * pow(r, 1.5));
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 2 * end) == PK_DONE);
-            naive = energy_error(&f, 0.8);
+            naive = energy_error(0.8);
         }
         printf("\n    %d orbits: %lu steps, energy within %.7f, naive %.4f in %lu", orbits, steps,
                worst, naive, f.it.count.steps);
@@ -55,7 +56,6 @@ TEST("energy stays")
 /* Forth and back over the same points, also where it stopped and looked aside on the way. */
 TEST("the way back")
 {
-    static struct fixture f;
     kepler_set(&f, 0.8, 0.05);
     fixture_start(&f, name, 0);
     for (int i = 0; i < 600; i++) {
@@ -105,7 +105,6 @@ TEST("rows leave the steps as they are")
 /* Without a step the tolerance is that of the local frequency. */
 TEST("by tolerance")
 {
-    static struct fixture f;
     fixture_set(&f, &oscillator_system);
     f.options.rtol = 1e-4;
     fixture_start(&f, name, 0);
@@ -117,7 +116,6 @@ TEST("by tolerance")
 
 TEST("what it cannot follow")
 {
-    static struct fixture f;
     fixture_set(&f, &pendulum_system); /* da/dq = -g cos q passes 0 */
     f.options.h = 0.05;
     fixture_start(&f, name, 0);

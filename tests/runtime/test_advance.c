@@ -4,6 +4,8 @@
 #include <pk/step/state.h>
 #include "fixture.h"
 
+static struct fixture f;
+
 static const struct pk_system *fused_of;
 static unsigned long fused_steps; /* made in all, those undone as well */
 
@@ -26,7 +28,7 @@ static void advance(const void *params, int stages, const pk_real *kick, const p
 }
 
 /* To t_end by steps of 1e-3, at most max_steps (0: any number), fused or one by one. */
-static enum pk_status run(struct fixture *f, const struct pk_system *system, const char *method,
+static enum pk_status run(struct fixture *one, const struct pk_system *system, const char *method,
                           int fused, unsigned long max_steps, double t_end)
 {
     static struct pk_system own;
@@ -34,11 +36,11 @@ static enum pk_status run(struct fixture *f, const struct pk_system *system, con
     own.families.advance = fused ? advance : NULL;
     fused_of = system;
     fused_steps = 0;
-    fixture_set(f, &own);
-    f->options.h = 1e-3;
-    f->options.max_steps = max_steps;
-    fixture_init(f, method);
-    return pk_integrator_steps(&f->it, t_end, 0);
+    fixture_set(one, &own);
+    one->options.h = 1e-3;
+    one->options.max_steps = max_steps;
+    fixture_init(one, method);
+    return pk_integrator_steps(&one->it, t_end, 0);
 }
 
 TEST("as single steps")
@@ -67,7 +69,6 @@ TEST("row after row")
 {
     static const double steps[] = {0.01, 0.1, 0.02}, rows[] = {0.1, 0.7, 0.3};
     static const unsigned long each[] = {10, 7, 15};
-    static struct fixture f;
     static struct pk_system own;
     own = driven_system;
     own.families.advance = advance;
@@ -86,7 +87,6 @@ TEST("row after row")
 
 TEST("no more than allowed")
 {
-    static struct fixture f;
     CU_ASSERT(run(&f, &driven_system, "verlet", 1, 700, 3) == PK_TOO_MANY_STEPS);
     CU_ASSERT(f.it.count.steps == 700 && fabs(f.it.t - 0.7) < 1e-12);
 }

@@ -6,10 +6,12 @@
 
 #include "implicit/gauss.h"
 
-static const char *reason(const struct fixture *f)
+static struct fixture f;
+
+static const char *reason(void)
 {
     static char text[400];
-    CU_ASSERT(pk_integrator_reason(&f->it, text, sizeof text) > 0);
+    CU_ASSERT(pk_integrator_reason(&f.it, text, sizeof text) > 0);
     return text;
 }
 
@@ -43,17 +45,17 @@ static int roots(double q0, double v0, double h, double *root)
 }
 
 /* One step of gauss1 from that guess of V: its status, and the y at which it ended. */
-static enum pk_status from_guess(struct fixture *f, double q0, double v0, double h, double *y)
+static enum pk_status from_guess(double q0, double v0, double h, double *y)
 {
-    fixture_set(f, &pendulum_system);
-    f->q0[0] = q0;
-    f->v0[0] = v0;
-    fixture_start(f, "gauss1", h);
-    struct pk_gauss_work w = pk_gauss_parts(&f->it);
-    f->it.own->h = h;
-    pk_gauss_set_step(&f->it, &w, h);
+    fixture_set(&f, &pendulum_system);
+    f.q0[0] = q0;
+    f.v0[0] = v0;
+    fixture_start(&f, "gauss1", h);
+    struct pk_gauss_work w = pk_gauss_parts(&f.it);
+    f.it.own->h = h;
+    pk_gauss_set_step(&f.it, &w, h);
     w.V[0] = (*y - q0) * 2 / h;
-    const enum pk_status status = f->it.status = pk_gauss_solve(&f->it, &w);
+    const enum pk_status status = f.it.status = pk_gauss_solve(&f.it, &w);
     *y = w.Q[0];
     return status;
 }
@@ -71,14 +73,13 @@ TEST("all roots of the midpoint rule")
                 {1.2, 0, 6, 5, 2},
                 {-1.7, 0.4, 6, 5, 2},
                 {2.385, 0.13, 1.9, 1, 0}};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double root[9];
         const int count = roots(rows[k].q0, rows[k].v0, rows[k].h, root);
         CU_ASSERT(count == rows[k].roots);
         for (int i = 0; i < count; i++) {
             double y = root[i];
-            const enum pk_status status = from_guess(&f, rows[k].q0, rows[k].v0, rows[k].h, &y);
+            const enum pk_status status = from_guess(rows[k].q0, rows[k].v0, rows[k].h, &y);
             if (rows[k].right < 0) {
                 CU_ASSERT(status == PK_AMBIGUOUS_STEP);
                 CU_ASSERT(fabs(f.it.reason.value - 2) < 2e-3); /* where the solutions part */
@@ -93,7 +94,6 @@ TEST("all roots of the midpoint rule")
 /* The same by whole runs; the reason says how long a step may be. */
 TEST("upright: L14")
 {
-    static struct fixture f;
     fixture_set(&f, &pendulum_system);
     f.q0[0] = acos(-1);
     f.v0[0] = 0;
@@ -101,7 +101,7 @@ TEST("upright: L14")
     CU_ASSERT(pk_integrator_to(&f.it, 12) == PK_AMBIGUOUS_STEP && f.it.t == 0);
     CU_ASSERT(f.it.q[0] == f.q0[0] && f.it.v[0] == 0);
     CU_ASSERT(says(&f.it, "several solutions") && says(&f.it, "not to 6:"));
-    printf("\n    %s", reason(&f));
+    printf("\n    %s", reason());
     for (int above = 0; above < 2; above++) {
         pk_integrator_reset(&f.it, 0, f.q0, f.v0);
         pk_integrator_set_step(&f.it, above ? 2.002 : 1.998);
@@ -136,7 +136,6 @@ TEST("convex stiffness")
 {
     static const char *const names[] = {"gauss1", "gauss2", "gauss3", "gauss4",
                                         "gauss6", "gauss8", "radau5", "radau9"};
-    static struct fixture f;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         CU_ASSERT(fixture_run(&f, &oscillator_system, names[i], 100, 1000) == PK_DONE);
         CU_ASSERT(f.it.count.steps == 10 && f.it.count.jacobians > 0);
@@ -153,7 +152,6 @@ TEST("convex stiffness")
 /* Steps at which nothing is in doubt cost no derivative but Newton's. */
 TEST("nothing in doubt")
 {
-    static struct fixture f;
     CU_ASSERT(fixture_run(&f, &double_pendulum_system, "gauss4", 0.02, 10) == PK_DONE);
     CU_ASSERT(f.it.count.jacobians == 4 * f.it.count.factorisations + 1); /* one at the start */
 }
@@ -161,7 +159,6 @@ TEST("nothing in doubt")
 /* Newton's says how far it came: the rates of L = -sqrt(1 - v^2) must stay below 1. */
 TEST("no convergence")
 {
-    static struct fixture f;
     fixture_open(&f, &double_pendulum_system, "gauss4", 0.5);
     CU_ASSERT(pk_integrator_to(&f.it, 100) < 0);
     CU_ASSERT(f.it.reason.value > 0.1 && f.it.reason.value < 0.5);
@@ -177,7 +174,6 @@ TEST("M indefinite inside a step")
     } rows[] = {{"gauss1", 0.5},          {"gauss3", 0.5},   {"gauss4", 0.3300094782},
                 {"gauss8", 0.5917173212}, {"lobatto3", 0.5}, {"radau5", 0.6449489743},
                 {"radau9", 0.2768430136}};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
         for (int step = 0; step < 8; step += 7) {
             fixture_set(&f, &dipping_system);

@@ -3,6 +3,8 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 static void of_family(const void *params, enum pk_range_of of, size_t k, struct pk_range *range)
 {
     (void)params, (void)of;
@@ -33,7 +35,6 @@ TEST("names of rows in little room")
 /* Of the rod: the pull 2 lambda r is what keeps it, 2 lambda = g y - v^2. */
 TEST("multipliers")
 {
-    static struct fixture f;
     static double room[256];
     double lambda;
     CU_ASSERT_FATAL(fixture_run(&f, &rod_system, "rattle", 0.01, 2) == PK_DONE);
@@ -52,7 +53,6 @@ TEST("multipliers")
  */
 TEST("residuals")
 {
-    static struct fixture f;
     static double room[4096];
     struct pk_residuals found;
     fixture_set(&f, &rods_system);
@@ -126,7 +126,6 @@ static void as_they_are(ARGS, double *p, double *pdot)
 /* What bad constraints, and starts off good ones, are told. */
 TEST("refusals of constraints")
 {
-    static struct fixture f;
     static struct pk_system system;
     static const char *const by[] = {"rk4", "gauss", "rattle", "lie_midpoint", "gauss4"};
     for (int i = 0; i < 5; i++) {
@@ -237,7 +236,6 @@ TEST("between steps")
 {
     static const struct pk_event at[] = {{{"lowest", "", ""}, 0, 1}};
     static struct pk_system system;
-    static struct fixture f;
     static double room[1 << 16];
     static const char *const dense[] = {"gauss", "dop853", "dopri5"};
     for (int i = 0; i < 3; i++) {

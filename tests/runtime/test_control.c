@@ -7,6 +7,8 @@
 
 #include "fixture.h"
 
+static struct fixture f;
+
 static const double period = 17.0652165601579625588917206249;
 
 /* h_new = h / clamp(err^alpha / err_old^beta / safety), rejected steps by err alone. */
@@ -16,7 +18,6 @@ TEST("the formula, step by step")
         const char *name;
         double k, beta, shrink, grow;
     } row[] = {{"dopri5", 5, 0.04, 0.2, 10}, {"dop853", 8, 0, 0.333, 6}};
-    static struct fixture f;
     for (int i = 0; i < 2; i++) {
         const double alpha = 1 / row[i].k - 0.75 * row[i].beta;
         double old = 1e-4, sizes[4000];
@@ -48,7 +49,6 @@ TEST("the formula, step by step")
 /* DR_DOPRI5's own output: fcn 1442, step 240, accepted 216, rejected 22 after the first step. */
 TEST("a published run")
 {
-    static struct fixture f;
     CU_ASSERT(fixture_run(&f, &arenstorf_system, "dopri5", 1e-7, period) == PK_DONE);
     printf("\n    Arenstorf, dopri5 at 1e-7: %lu steps, %lu rejected, %lu evaluations, end %.1e",
            f.it.count.steps, f.it.count.rejections, f.it.count.evaluations,
@@ -70,7 +70,6 @@ TEST("a published run")
 /* A row just ahead cuts a step short; the next one is as long as if it had not. */
 TEST("a step cut short")
 {
-    static struct fixture f;
     static const char *const names[] = {"dopri5", "dop853", "gauss"};
     for (int i = 0; i < 3; i++) {
         fixture_open(&f, &pendulum_system, names[i], 0);
@@ -86,7 +85,6 @@ TEST("a step cut short")
  */
 TEST("the first step")
 {
-    static struct fixture f;
     const double tol = 1e-5, q = 2.385, v = 0.13, a = -sin(q);
     const double sq = tol + tol * q, sv = tol + tol * v;
     const double d0 = hypot(q / sq, v / sv) / sqrt(2.0), d1 = hypot(v / sq, a / sv) / sqrt(2.0);
@@ -127,7 +125,6 @@ static int noisy(ARGS, double *a)
 TEST("noise")
 {
     static const char *const methods[] = {"gauss", "dop853", "dopri5", "gsl_rkf45", "gsl_rk8pd"};
-    static struct fixture f;
     char text[640];
     struct pk_system system = free_point(noisy);
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
@@ -147,7 +144,6 @@ TEST("noise")
 /* A run that gets nowhere ends, and says since when; hard ones that get somewhere do not. */
 TEST("progress")
 {
-    static struct fixture f;
     struct pk_system system = free_point(creeps);
     CU_ASSERT(fixture_run(&f, &system, "dopri5", 0, 3) == PK_NO_PROGRESS);
     CU_ASSERT(f.it.t < 1 && f.it.t > 1 - 1e-5 && f.it.count.steps < 1u << 20);

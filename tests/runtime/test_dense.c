@@ -6,12 +6,14 @@
 
 #include <pk/step/gauss_stages.h>
 
+static struct fixture f;
+
 /* The stages' own polynomial, integrated from the step's start. */
-static void stage_polynomial(struct fixture *f, double t, double *q, double *v)
+static void stage_polynomial(double t, double *q, double *v)
 {
-    const size_t n = f->it.n;
-    const struct pk_gauss_lanes w = pk_gauss_lanes(&f->it, f->it.n_q, n, f->it.own->work);
-    const double h = *w.h, x = (t - f->it.last_t) / h - 1;
+    const size_t n = f.it.n;
+    const struct pk_gauss_lanes w = pk_gauss_lanes(&f.it, f.it.n_q, n, f.it.own->work);
+    const double h = *w.h, x = (t - f.it.last_t) / h - 1;
     for (size_t i = 0; i < n; i++) {
         const double *c = w.poly + i * PK_GAUSS_S;
         double once = 0, twice = 0, first = 0;
@@ -28,7 +30,7 @@ static void stage_polynomial(struct fixture *f, double t, double *q, double *v)
 
 TEST("as accurate as the steps")
 {
-    static struct fixture f, e;
+    static struct fixture e;
     for (double tol = 1e-6; tol > 5e-13; tol /= 1000) {
         double inside = 0, stages = 0, ends = 0;
         fixture_open(&f, &double_pendulum_system, "gauss", tol);
@@ -45,7 +47,7 @@ TEST("as accurate as the steps")
                 CU_ASSERT_FATAL(pk_integrator_dense(&f.it, t, q, v) == PK_DONE);
                 double *worst = k == 4 ? &ends : &inside;
                 *worst = fmax(*worst, fixture_distance(&e, q, v));
-                stage_polynomial(&f, t, q, v);
+                stage_polynomial(t, q, v);
                 if (k < 4)
                     stages = fmax(stages, fixture_distance(&e, q, v));
             }
@@ -147,7 +149,7 @@ TEST("every method")
     static const struct pk_system *const systems[] = {&pendulum_system,   &double_pendulum_system,
                                                       &kepler_system,     &driven_system,
                                                       &oscillator_system, &relativistic_system};
-    static struct fixture f, e;
+    static struct fixture e;
     int made = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
         double worst = 0, line = 0, ends = 0;

@@ -1,6 +1,8 @@
 /* Drifts against their definitions, on data with known answers and on a run. */
 #include "fixture.h"
 
+static struct fixture f;
+
 TEST("definitions")
 {
     struct pk_drift d;
@@ -102,7 +104,6 @@ TEST("growth under methods")
                 {"gauss2", PK_GROWTH_BOUNDED},
                 {"rk4", PK_GROWTH_LINEAR},
                 {"gauss8", PK_GROWTH_ROUND_OFF}};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         struct pk_monitor m;
         double e, spread, memory[200];
@@ -125,7 +126,6 @@ TEST("growth under methods")
 
 TEST("monitor")
 {
-    static struct fixture f;
     static const unsigned char cyclic[] = {1, 0};
     struct pk_system system = kepler_system;
     struct pk_monitor m;

@@ -4,13 +4,15 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 static const double start_q[] = {1.3, -0.9}, start_v[] = {0.2, 0.4};
 
 TEST("error follows the tolerance")
 {
     static const struct pk_system *const systems[] = {&pendulum_system, &double_pendulum_system,
                                                       &kepler_system, &relativistic_system};
-    static struct fixture f, e, d;
+    static struct fixture e, d;
     for (size_t s = 0; s < 4; s++) {
         double tol[8], error[8], worse = 0;
         int count = 0;
@@ -40,7 +42,7 @@ static void ramp(void *context, pk_real t, pk_real *u)
 /* Explicit time, rates in the forces, an input: each would be lost unseen in a wrong lane. */
 TEST("time, rates and inputs")
 {
-    static struct fixture f, e;
+    static struct fixture e;
     double q, v, slope = 2.385;
     driven_exact(7, &q, &v);
     CU_ASSERT(fixture_run(&f, &driven_system, "gauss", 1e-12, 7) == PK_DONE);
@@ -77,7 +79,7 @@ static unsigned long long failing_lanes(const void *params, const double *t, con
 /* A lane that fails is asked again alone: to the bit as if it had not. */
 TEST("lanes that fail")
 {
-    static struct fixture f, e;
+    static struct fixture e;
     struct pk_system failing = pendulum_system, scalar = pendulum_system;
     failing.steppers = scalar.steppers = NULL;
     failing.lanes = failing_lanes;
@@ -93,7 +95,6 @@ TEST("lanes that fail")
 
 TEST("refused across a kink")
 {
-    static struct fixture f;
     struct pk_system kinked = pendulum_system;
     kinked.facts &= ~(unsigned)PK_SMOOTH;
     fixture_set(&f, &kinked);
@@ -105,7 +106,6 @@ TEST("refused across a kink")
 /* A system that is stiff at its tolerance: q'' = -1e6 q + cos 3 t near its slow motion. */
 TEST("held back, and no convergence")
 {
-    static struct fixture f;
     fixture_set(&f, &driven_system);
     f.params.g = 1e6;
     f.q0[0] = 1 / (1e6 - 9);
@@ -129,7 +129,7 @@ TEST("held back, and no convergence")
 /* No start may fail or be wrong in silence. */
 TEST("random starts")
 {
-    static struct fixture f, d;
+    static struct fixture d;
     double worst = 0;
     unsigned long long seed = 2385;
     for (int k = 0; k < 300; k++) {
@@ -164,7 +164,7 @@ TEST("the first iterate is none to end with")
                 {&double_pendulum_system, 5e-4, 3, {-2.9, 2.46}, {-2.58, 0.82}},
                 {&kepler_system, 5e-4, 3, {2.75, 3.37}, {-3.06, -3.67}},
                 {&kepler_system, 1e-5, 3, {2.75, 3.37}, {-3.06, -3.67}}};
-    static struct fixture f, d;
+    static struct fixture d;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         for (int i = 0; i < 2; i++) {
             struct fixture *one = i ? &d : &f;
@@ -192,7 +192,7 @@ TEST("gauss8 in the lanes")
                 {&oscillator_system, 12, 36, 0},
                 {&stiffening_system, 0.4, 20, 1},
                 {&stiffening_system, 1.7, 17, 0}};
-    static struct fixture f, e;
+    static struct fixture e;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         struct pk_system general = *rows[k].system;
         general.facts &= ~(unsigned)PK_SEPARABLE;

@@ -4,6 +4,8 @@
 #include "fixture.h"
 #include "core/tableau.h"
 
+static struct fixture f;
+
 struct table {
     int stages;
     double c[5], b[5];
@@ -103,7 +105,7 @@ TEST("tables")
 /* Two stages on a separable system are Verlet; on M(q) they are not, and it is refused there. */
 TEST("lobatto2 is Verlet")
 {
-    static struct fixture f, v;
+    static struct fixture v;
     for (int k = 0; k < 2; k++) {
         const struct pk_system *system = k ? &kepler_system : &pendulum_system;
         CU_ASSERT(fixture_run(&f, system, "lobatto2", 0.05, 20) == PK_DONE);
@@ -126,7 +128,6 @@ TEST("energy over long times")
                 {"lobatto3", 5e-4, 1e-7},
                 {"lobatto4", 1e-5, 2e-9},
                 {"radau5", 1, 1}};
-    static struct fixture f;
     for (int k = 0; k < 4; k++) {
         struct pk_drift drift;
         pk_drift_init(&drift);
@@ -153,7 +154,6 @@ TEST("L-stable")
         double least, most;
     } rows[] = {
         {"radau5", 0, 1e-3}, {"radau9", 0, 1e-3}, {"gauss2", 0.9, 1.1}, {"gauss3", 0.9, 1.1}};
-    static struct fixture f;
     for (int k = 0; k < 4; k++) {
         fixture_set(&f, &damped_system); /* spread decays by exp(-5000 t), or stays */
         f.params.g = 1e12;
@@ -182,7 +182,7 @@ TEST("stiff")
                 {&double_pendulum_system, 3, 0},
                 {&forced_system, 4, 0},
                 {&relativistic_system, 10, 0}};
-    static struct fixture f, e;
+    static struct fixture e;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double tol[8], error[8];
         int count = 0;
@@ -215,7 +215,6 @@ TEST("stiff")
 /* A longest step, an input, a singular end, no tolerance for what is not there. */
 TEST("control")
 {
-    static struct fixture f;
     double q, v;
     fixture_set(&f, &driven_system);
     driven_exact(7, &q, &v);

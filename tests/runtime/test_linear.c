@@ -4,6 +4,8 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 enum { N = 2, NN = N * N };
 static const struct pk_system *of; /* whose force and mass are differenced */
 static const double H = 1e-3;
@@ -49,17 +51,17 @@ static void linear(ARGS, const double *a, double *r_q, double *r_v, double *r_t)
 }
 
 /* How far a row or column of derivatives is from differences of the acceleration. */
-static double missed(const struct fixture *f, double t, size_t by, size_t j, const double *given,
-                     size_t stride, double *size)
+static double missed(double t, size_t by, size_t j, const double *given, size_t stride,
+                     double *size)
 {
     const size_t n = of->n;
     double sum[N] = {0}, d = 0;
     for (size_t k = 0; k < 4; k++) {
         double q[N], v[N], a[N];
-        memcpy(q, f->q0, n * sizeof *q);
-        memcpy(v, f->v0, n * sizeof *v);
+        memcpy(q, f.q0, n * sizeof *q);
+        memcpy(v, f.v0, n * sizeof *v);
         (by == 0 ? q : v)[j] += by < 2 ? at[k] * H : 0;
-        CU_ASSERT(!of->acceleration(&f->params, t + (by == 2 ? at[k] * H : 0), q, v, NULL, a));
+        CU_ASSERT(!of->acceleration(&f.params, t + (by == 2 ? at[k] * H : 0), q, v, NULL, a));
         for (size_t i = 0; i < n; i++)
             sum[i] += weight[k] / H * a[i];
     }
@@ -72,7 +74,6 @@ static double missed(const struct fixture *f, double t, size_t by, size_t j, con
 
 TEST("derivatives of the acceleration")
 {
-    static struct fixture f;
     const struct pk_system *const systems[] = {&double_pendulum_system, &forced_system};
     for (int s = 0; s < 2; s++) {
         struct pk_system system = *systems[s];
@@ -90,10 +91,10 @@ TEST("derivatives of the acceleration")
         system.linear = linear;
         CU_ASSERT(pk_system_linear(&f.problem, t, f.q0, f.v0, a, a_q, a_v, a_t, work) == PK_DONE);
         for (size_t j = 0; j < n; j++) {
-            worst = fmax(worst, missed(&f, t, 0, j, a_q + j, n, &size[0]));
-            worst = fmax(worst, missed(&f, t, 1, j, a_v + j, n, &size[1]));
+            worst = fmax(worst, missed(t, 0, j, a_q + j, n, &size[0]));
+            worst = fmax(worst, missed(t, 1, j, a_v + j, n, &size[1]));
         }
-        worst = fmax(worst, missed(&f, t, 2, 0, a_t, 1, &size[2]));
+        worst = fmax(worst, missed(t, 2, 0, a_t, 1, &size[2]));
         CU_ASSERT(worst < 1e-8);
         CU_ASSERT(size[0] > 0.05 && size[1] > 0.1 && (s == 0 || size[2] > 0.1));
     }
@@ -102,7 +103,6 @@ TEST("derivatives of the acceleration")
 /* Where M is singular there is no derivative; nor where the state is no number. */
 TEST("refused where there are none")
 {
-    static struct fixture f;
     struct pk_system system = folded_system;
     double a, a_q, a_v, a_t, work[2];
     of = &folded_system;

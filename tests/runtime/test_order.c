@@ -3,6 +3,8 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 /* All of the core up to order 6; above it errors reach round-off too soon, and quad/order.c goes
  * on. Of GSL's those that have an order. */
 TEST("fixed steps on the pendulum")
@@ -45,7 +47,6 @@ TEST("explicit time")
         printf("\n    driven, %-16s measured %.3f", m->name, p);
         CU_ASSERT(fabs(p - m->order) < 0.15);
     }
-    static struct fixture f;
     double q, v;
     driven_exact(3, &q, &v);
     CU_ASSERT(fixture_run(&f, &driven_system, "gauss4", 0.003, 3) == PK_DONE);
@@ -73,7 +74,6 @@ TEST("error follows the tolerance")
 {
     static const char *const names[] = {"dopri5",    "dop853",      "gsl_rkf45",
                                         "gsl_rk8pd", "gsl_msadams", "gsl_msbdf"};
-    static struct fixture f;
     double q[2], v[2];
     CU_ASSERT(fixture_run(&f, &pendulum_system, "gauss4", 0.002, 10) == PK_DONE);
     memcpy(q, f.it.q, sizeof *q);
@@ -102,7 +102,6 @@ TEST("extrapolation")
 {
     static const struct pk_system *const systems[] = {&pendulum_system, &driven_system,
                                                       &double_pendulum_system};
-    static struct fixture f;
     for (size_t s = 0; s < 3; s++) {
         double q[2], v[2];
         CU_ASSERT(fixture_run(&f, systems[s], "gauss4", 0.002, 4) == PK_DONE);
@@ -122,7 +121,6 @@ TEST("extrapolation")
 TEST("stiff")
 {
     static const char *const names[] = {"gsl_msbdf", "gsl_bsimp", "gsl_rk8pd", "gsl_msadams"};
-    static struct fixture f;
     for (int i = 0; i < 4; i++) {
         fixture_set(&f, &driven_system);
         f.params.g = 1e6;

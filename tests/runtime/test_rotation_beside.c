@@ -4,6 +4,8 @@
 
 #include "fixture.h"
 
+static struct fixture f;
+
 static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6",
                                     "rattle",       "rattle4",       "rattle6",
                                     "rkmk4",        "rk4",           "gauss2"};
@@ -12,7 +14,6 @@ enum { STEPS = sizeof steps / sizeof *steps, VARIATIONAL = 6 };
 /* Through theta = 0, where Euler's angles end: the axis of a sleeping top that falls and rises. */
 TEST("through the upright")
 {
-    static struct fixture f;
     for (int i = 0; i < STEPS; i++) {
         double lowest = 1, back = -1, E0;
         fixture_set(&f, &top_system);
@@ -34,7 +35,6 @@ TEST("through the upright")
 /* A start whose quaternion is no unit is refused; one of rounding is made one. */
 TEST("unit quaternions")
 {
-    static struct fixture f;
     fixture_set(&f, &top_system);
     f.v0[4] = 0.61;
     CU_ASSERT(fixture_begin(&f, "rk4", 0.01) == PK_OFF_CONSTRAINTS);
@@ -58,7 +58,6 @@ TEST("unit quaternions")
 TEST("ensembles of bodies")
 {
     enum { MEMBERS = 11, ROWS = 2, N = 7 };
-    static struct fixture f;
     static struct test_params params[MEMBERS];
     static double q0[MEMBERS][N], v0[MEMBERS][N], q[MEMBERS][ROWS][N], v[MEMBERS][ROWS][N];
     static const char *const names[] = {"rk4", "dop853", "rkmk4", "lie_midpoint"};
@@ -107,7 +106,6 @@ TEST("ensembles of bodies")
  */
 TEST("an attitude that is lost")
 {
-    static struct fixture f;
     double t = 1e45, q[2][7], last[2], v0[2][7] = {{0}}, v[2][7];
     size_t done[2];
     enum pk_status status[2];
@@ -146,7 +144,6 @@ TEST("states and events")
 {
     static const struct pk_event crossing[] = {{{"turns", "", ""}, 0, 1}};
     static struct pk_system system;
-    static struct fixture f;
     CU_ASSERT_FATAL(fixture_run(&f, &metered_system, "gauss6", 0.01, 2) == PK_DONE);
     const double exact = f.it.v[7];
     for (int i = 0; i < VARIATIONAL + 1; i++) {

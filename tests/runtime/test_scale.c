@@ -2,6 +2,8 @@
  * method; what begins at rest, at an equilibrium or with a jump. */
 #include "fixture.h"
 
+static struct fixture f;
+
 static const char *const methods[] = {"gauss",     "dop853",    "dopri5",
                                       "gsl_rkf45", "gsl_rk8pd", "gsl_msadams"};
 
@@ -32,42 +34,40 @@ static int balances(ARGS, double *a)
     return 0;
 }
 
-static double end(struct fixture *f, const struct pk_system *system, const char *method,
-                  double unit, double x0, double t)
+static double end(const struct pk_system *system, const char *method, double unit, double x0,
+                  double t)
 {
-    fixture_set(f, system);
-    f->options.rtol = 1e-10;
-    f->params.limit = unit;
-    f->q0[0] = x0 * unit;
-    f->v0[0] = 0;
-    fixture_start(f, method, 0);
-    CU_ASSERT(pk_integrator_to(&f->it, t) == PK_DONE);
-    const double x = f->it.q[0] / unit;
-    pk_integrator_free(&f->it);
+    fixture_set(&f, system);
+    f.options.rtol = 1e-10;
+    f.params.limit = unit;
+    f.q0[0] = x0 * unit;
+    f.v0[0] = 0;
+    fixture_start(&f, method, 0);
+    CU_ASSERT(pk_integrator_to(&f.it, t) == PK_DONE);
+    const double x = f.it.q[0] / unit;
+    pk_integrator_free(&f.it);
     return x;
 }
 
 TEST("units")
 {
-    static struct fixture f;
     static const double sizes[] = {1e-90, 1e-15, 1e-3, 1e6, 1e15};
     const struct pk_system system = free_point(duffing), late = free_point(waits);
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
-        const double one = end(&f, &system, methods[m], 1, 0.9, 20);
-        const double tight = end(&f, &system, "dop853", 1, 0.9, 20);
+        const double one = end(&system, methods[m], 1, 0.9, 20);
+        const double tight = end(&system, "dop853", 1, 0.9, 20);
         CU_ASSERT(fabs(one - tight) < 2e-7 && fabs(tight) > 1e-3);
         for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++)
-            CU_ASSERT(fabs(end(&f, &system, methods[m], sizes[k], 0.9, 20) - one) < 1e-7);
+            CU_ASSERT(fabs(end(&system, methods[m], sizes[k], 0.9, 20) - one) < 1e-7);
         if (m == 0) /* gauss wants what is smooth */
             continue;
         for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++)
-            CU_ASSERT(fabs(end(&f, &late, methods[m], sizes[k], 0, 6) - (1 - cos(5))) < 1e-4);
+            CU_ASSERT(fabs(end(&late, methods[m], sizes[k], 0, 6) - (1 - cos(5))) < 1e-4);
     }
 }
 
 TEST("an absolute tolerance")
 {
-    static struct fixture f;
     const struct pk_system system = free_point(duffing);
     fixture_set(&f, &system);
     f.params.limit = 1e-15;
@@ -75,12 +75,11 @@ TEST("an absolute tolerance")
     f.q0[0] = 0.9e-15, f.v0[0] = 0;
     CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE && pk_integrator_to(&f.it, 20) == PK_DONE);
     const double lost = f.it.q[0] / 1e-15;
-    CU_ASSERT(fabs(lost - end(&f, &system, "dop853", 1, 0.9, 20)) > 1e-2);
+    CU_ASSERT(fabs(lost - end(&system, "dop853", 1, 0.9, 20)) > 1e-2);
 }
 
 TEST("an equilibrium but for rounding")
 {
-    static struct fixture f;
     struct pk_system system = *(&kepler_system);
     system.acceleration = balances;
     system.lanes = NULL, system.steppers = NULL;

@@ -3,6 +3,8 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 static const double FALL = 1.1107207345395915; /* pi/(2 sqrt 2): from rest at 1, mu = 1 */
 
 static void distance(ARGS, double *out)
@@ -34,21 +36,20 @@ static const struct {
                {"gsl_bsimp", 0}, {"rk3", 1e-2},      {"kahan_li8", 1e-2}};
 enum { METHODS = sizeof methods / sizeof *methods };
 
-static void skew_start(struct fixture *f)
+static void skew_start(void)
 {
-    f->q0[0] = 0.6;
-    f->q0[1] = 0.8;
-    f->v0[0] = f->v0[1] = 0;
+    f.q0[0] = 0.6;
+    f.q0[1] = 0.8;
+    f.v0[0] = f.v0[1] = 0;
 }
 
 TEST("collision")
 {
-    static struct fixture f;
     struct pk_system system = guarded_kepler();
     for (int i = 0; i < METHODS; i++) {
         double q[2], v[2], t;
         fixture_set(&f, &system);
-        skew_start(&f);
+        skew_start();
         fixture_start(&f, methods[i].name, methods[i].h);
         enum pk_status status;
         do {
@@ -75,7 +76,6 @@ TEST("collision")
 /* Adaptive steps at a loose tolerance are long enough to step over it too. */
 TEST("collision at loose tolerances")
 {
-    static struct fixture f;
     struct pk_system system = guarded_kepler();
     static const char *const names[] = {"dopri5",    "dop853",    "gauss",
                                         "gsl_rkf45", "gsl_rk8pd", "gsl_bsimp"};
@@ -98,10 +98,9 @@ TEST("collision at loose tolerances")
 /* What would have come out. */
 TEST("stepped over without")
 {
-    static struct fixture f;
     for (int i = 0; i < 6; i++) {
         fixture_set(&f, &kepler_system);
-        skew_start(&f);
+        skew_start();
         fixture_start(&f, methods[i].name, methods[i].h);
         CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_DONE && isfinite(f.it.q[0]));
     }
@@ -110,7 +109,6 @@ TEST("stepped over without")
 /* Past the centre at a distance b with speed v, by steps of up to h v/b = 1. */
 TEST("near pass")
 {
-    static struct fixture f;
     struct pk_system system = guarded_kepler();
     static const char *const names[] = {"verlet", "rk4", "yoshida4", "euler"};
     for (int i = 0; i < 4; i++)
@@ -133,7 +131,6 @@ static struct pk_system polar(void)
 
 TEST("pole of a chart")
 {
-    static struct fixture f;
     struct pk_system system = polar();
     static const double parts[] = {0.1, 0.5, 1, 3};
     for (int i = 0; i < 4; i++) { /* |Delta E/E| at most .24 up to 1: it passes; by 3 too */
@@ -183,7 +180,6 @@ static const struct pk_singularity time_singularity[] = {
 /* The time is always one of the step that failed. */
 TEST("when it vanishes")
 {
-    static struct fixture f;
     struct pk_system system = polar();
     system.acceleration = closing_acceleration;
     system.singularities.table = time_singularity;
@@ -218,7 +214,6 @@ static void tiny_distance(ARGS, double *out)
 
 TEST("tiny")
 {
-    static struct fixture f;
     struct pk_system system = guarded_kepler();
     system.singularities.values = tiny_distance;
     for (int i = 0; i < METHODS; i++) {
@@ -227,7 +222,7 @@ TEST("tiny")
         fixture_start(&f, methods[i].name, methods[i].h);
         CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_DONE);
         pk_integrator_free(&f.it);
-        skew_start(&f);
+        skew_start();
         fixture_start(&f, methods[i].name, 0);
         CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_SINGULAR_TIME && f.it.reason.index == 1);
         pk_integrator_free(&f.it);
@@ -237,7 +232,6 @@ TEST("tiny")
 /* Members of an ensemble end where each does alone. */
 TEST("members")
 {
-    static struct fixture f;
     static double block[30000];
     struct pk_system system = guarded_kepler();
     const double q0[6] = {0.6, 0.8, 1, 0, 0.3, 0.4}, v0[6] = {0, 0, 0, 1, 0, 0}, times[] = {0.3, 2};
@@ -272,7 +266,6 @@ TEST("members")
 /* With displacements along the motion it ends as without. */
 TEST("with displacements")
 {
-    static struct fixture f;
     static struct pk_variation variation;
     static double block[2000], more[100];
     struct pk_system system = guarded_kepler();

@@ -2,6 +2,8 @@
  * step. */
 #include "fixture.h"
 
+static struct fixture f;
+
 /* The force of V = -sin(x)/x, written with its divisions. */
 static int removable(ARGS, double *a)
 {
@@ -44,7 +46,6 @@ static struct pk_system guarded(acceleration_function *acceleration)
 /* r^2 = 1 + t^2 never vanishes; a step of 4 that comes from r = 5.1 by r' = -.98 passes r = 0. */
 TEST("a step too long")
 {
-    static struct fixture f;
     struct pk_system system = guarded(radial_acceleration);
     static const char *const names[] = {"euler", "rk2", "symplectic_euler"};
     for (int i = 0; i < 3; i++) {
@@ -71,7 +72,6 @@ TEST("a step too long")
  * with. Where it has none, nothing of the kind is said. */
 TEST("expression or motion")
 {
-    static struct fixture f;
     static const char *const names[] = {"rk4", "verlet", "dop853", "gsl_rk8pd", "gauss"};
     static acceleration_function *const forces[] = {removable, radial_acceleration, by_a_root};
     for (int k = 0; k < 3; k++) {
@@ -97,7 +97,6 @@ TEST("expression or motion")
 /* Steps that shrink as far as round-off lets them end where longer ones do, by the same status. */
 TEST("at the end of asin")
 {
-    static struct fixture f;
     struct pk_system system = guarded(to_the_arc_s_end);
     static const char *const names[] = {"rk4", "dopri5", "dop853", "gsl_rk8pd", "gauss"};
     for (int i = 0; i < 5; i++)

@@ -7,6 +7,8 @@
 
 #include <pk/gsl_equilibria.h>
 
+static struct fixture f;
+
 /* The Brusselator from its usual start, in long double, by a Runge-Kutta method of its own. */
 static void exact(double T, double *x)
 {
@@ -26,9 +28,9 @@ static void exact(double T, double *x)
     x[0] = (double)y[0], x[1] = (double)y[1];
 }
 
-static double off(const struct fixture *f, const double *x)
+static double off(const struct fixture *one, const double *x)
 {
-    return fmax(fabs(f->it.v[0] - x[0]), fabs(f->it.v[1] - x[1]));
+    return fmax(fabs(one->it.v[0] - x[0]), fabs(one->it.v[1] - x[1]));
 }
 
 TEST("order on a nonlinear pair of states")
@@ -50,41 +52,40 @@ TEST("order on a nonlinear pair of states")
 }
 
 /* To t = 12 with the last states' integrals at `integral` where it starts: what it has come to. */
-static enum pk_status moved(struct fixture *f, const struct pk_system *system, const char *method,
-                            double integral, double *out)
+static enum pk_status moved(const struct pk_system *system, const char *method, double integral,
+                            double *out)
 {
-    fixture_set(f, system);
-    f->options.h = 0.02;
-    f->options.rtol = f->options.atol = 1e-7;
+    fixture_set(&f, system);
+    f.options.h = 0.02;
+    f.options.rtol = f.options.atol = 1e-7;
     for (size_t i = system->n - system->n_first_order; i < system->n; i++)
-        f->q0[i] = integral;
-    enum pk_status status = fixture_init(f, method);
-    if (f->it.method && f->it.method->traits & PK_ADAPTIVE) {
-        pk_integrator_free(&f->it);
-        f->options.h = 0, status = fixture_init(f, method); /* a first step of its own */
+        f.q0[i] = integral;
+    enum pk_status status = fixture_init(&f, method);
+    if (f.it.method && f.it.method->traits & PK_ADAPTIVE) {
+        pk_integrator_free(&f.it);
+        f.options.h = 0, status = fixture_init(&f, method); /* a first step of its own */
     }
     if (status >= 0)
-        status = pk_integrator_to(&f->it, 12);
+        status = pk_integrator_to(&f.it, 12);
     if (status >= 0) {
-        out[0] = f->it.v[0], out[1] = f->it.v[1];
-        out[2] = (double)f->it.count.steps, out[3] = (double)f->it.count.evaluations;
-        out[4] = system->n_first_order < system->n ? f->it.q[0] : 0;
+        out[0] = f.it.v[0], out[1] = f.it.v[1];
+        out[2] = (double)f.it.count.steps, out[3] = (double)f.it.count.evaluations;
+        out[4] = system->n_first_order < system->n ? f.it.q[0] : 0;
     }
-    pk_integrator_free(&f->it);
+    pk_integrator_free(&f.it);
     return status;
 }
 
 TEST("their integrals are seen by nobody")
 {
-    static struct fixture f;
     static const struct pk_system *const systems[] = {&brusselator_system, &maxwell_system};
     int found = 0;
     for (size_t k = 0; k < 2; k++)
         for (size_t i = 0; fixture_method(i); i++) {
             const char *name = fixture_method(i)->name;
             double at0[5], far[5];
-            const enum pk_status status = moved(&f, systems[k], name, 0, at0);
-            CU_ASSERT(moved(&f, systems[k], name, 1e9, far) == status);
+            const enum pk_status status = moved(systems[k], name, 0, at0);
+            CU_ASSERT(moved(systems[k], name, 1e9, far) == status);
             if (status == PK_REFUSED)
                 continue;
             CU_ASSERT(status == PK_DONE);
@@ -102,7 +103,6 @@ TEST("their integrals are seen by nobody")
 /* There and back, the integrals' own round-off is nobody's. */
 TEST("there and back")
 {
-    static struct fixture f;
     struct pk_reversal r[2];
     for (int k = 0; k < 2; k++) {
         fixture_set(&f, &maxwell_system);
@@ -125,7 +125,6 @@ TEST("there and back")
  */
 TEST("Lyapunov exponent")
 {
-    static struct fixture f;
     fixture_set(&f, &maxwell_system);
     f.q0[0] = 1e-3, f.v0[1] = 1e-3;     /* linear: eigenvalues of s^3 + s^2 + 10.81 s + 9.81 */
     const double expected = -0.0429345; /* the real part of the pair */
@@ -149,7 +148,6 @@ TEST("Lyapunov exponent")
 /* There are no momenta, so there is no form that a step could keep. */
 TEST("no symplectic form")
 {
-    static struct fixture f;
     struct pk_stepmap map;
     fixture_set(&f, &brusselator_system);
     const struct pk_method *rk4 = pk_method_find("rk4");

@@ -3,16 +3,17 @@
  */
 #include "fixture.h"
 
-static const char *reason(const struct fixture *f)
+static struct fixture f;
+
+static const char *reason(void)
 {
     static char text[400];
-    CU_ASSERT(pk_integrator_reason(&f->it, text, sizeof text) > 0);
+    CU_ASSERT(pk_integrator_reason(&f.it, text, sizeof text) > 0);
     return text;
 }
 
 TEST("refused where it does not apply")
 {
-    static struct fixture f;
     int found = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
         const char *name = pk_method_at(i)->name;
@@ -20,7 +21,7 @@ TEST("refused where it does not apply")
             continue;
         CU_ASSERT(fixture_run(&f, &double_pendulum_system, name, 0.01, 1) == PK_REFUSED);
         CU_ASSERT(says(&f.it, "M constant, forces independent of the rates"));
-        CU_ASSERT(strstr(reason(&f), name) != NULL);
+        CU_ASSERT(strstr(reason(), name) != NULL);
         CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_REFUSED); /* and stays so */
         CU_ASSERT(fixture_run(&f, &oscillator_system, name, 0.01, 1) == PK_DONE);
         found++;
@@ -37,7 +38,6 @@ TEST("refused where it does not apply")
 
 TEST("bad arguments")
 {
-    static struct fixture f;
     fixture_set(&f, &pendulum_system);
     CU_ASSERT(fixture_init(&f, "rk4") == PK_BAD_ARGUMENT); /* no step */
     CU_ASSERT(says(&f.it, "step"));
@@ -65,25 +65,25 @@ TEST("bad arguments")
 }
 
 /* Steps until something fails; then the state must be, to the bit, that of the last good step. */
-static enum pk_status run_to_failure(struct fixture *f, double t_end)
+static enum pk_status run_to_failure(double t_end)
 {
     double q[2], v[2], p[2], t;
     for (;;) {
-        t = f->it.t;
-        memcpy(q, f->it.q, sizeof q / 2 * f->it.n);
-        memcpy(v, f->it.v, sizeof v / 2 * f->it.n);
-        if (f->it.p)
-            memcpy(p, f->it.p, sizeof p / 2 * f->it.n);
-        const enum pk_status status = pk_integrator_step(&f->it, t_end);
+        t = f.it.t;
+        memcpy(q, f.it.q, sizeof q / 2 * f.it.n);
+        memcpy(v, f.it.v, sizeof v / 2 * f.it.n);
+        if (f.it.p)
+            memcpy(p, f.it.p, sizeof p / 2 * f.it.n);
+        const enum pk_status status = pk_integrator_step(&f.it, t_end);
         if (status < 0) {
-            CU_ASSERT(f->it.t == t);
-            CU_ASSERT(memcmp(q, f->it.q, sizeof q / 2 * f->it.n) == 0);
-            CU_ASSERT(memcmp(v, f->it.v, sizeof v / 2 * f->it.n) == 0);
-            CU_ASSERT(!f->it.p || memcmp(p, f->it.p, sizeof p / 2 * f->it.n) == 0);
-            CU_ASSERT(says(&f->it, "last valid time"));
+            CU_ASSERT(f.it.t == t);
+            CU_ASSERT(memcmp(q, f.it.q, sizeof q / 2 * f.it.n) == 0);
+            CU_ASSERT(memcmp(v, f.it.v, sizeof v / 2 * f.it.n) == 0);
+            CU_ASSERT(!f.it.p || memcmp(p, f.it.p, sizeof p / 2 * f.it.n) == 0);
+            CU_ASSERT(says(&f.it, "last valid time"));
             return status;
         }
-        CU_ASSERT_FATAL(f->it.t < t_end);
+        CU_ASSERT_FATAL(f.it.t < t_end);
     }
 }
 
@@ -96,45 +96,43 @@ enum { ALL = sizeof all / sizeof *all };
 
 TEST("not finite")
 {
-    static struct fixture f;
     for (int i = 0; i < ALL; i++) {
         fixture_set(&f, &broken_system);
         f.options.h = 0.01;
         fixture_start(&f, all[i], 0);
-        const enum pk_status status = run_to_failure(&f, 3);
+        const enum pk_status status = run_to_failure(3);
         CU_ASSERT(status == PK_NOT_FINITE);
         /* An adaptive method goes right up to it; a fixed step to the last that does not touch. */
         CU_ASSERT(f.it.t > 1.2 && f.it.t <= 1.27);
         if (f.it.method->traits & PK_ADAPTIVE)
             CU_ASSERT(fabs(f.it.t - 1.25) < 1e-5);
         if (status != PK_NOT_FINITE)
-            printf("\n    %s: %s", all[i], reason(&f));
+            printf("\n    %s: %s", all[i], reason());
         pk_integrator_free(&f.it);
     }
 }
 
 TEST("singular mass")
 {
-    static struct fixture f;
     static const char *const names[] = {"rk4", "dopri5", "dop853", "gsl_rk8pd", "gauss"};
     for (int i = 0; i < 5; i++) {
         fixture_set(&f, &folded_system);
         f.options.h = 0.01;
         fixture_start(&f, names[i], 0);
-        const enum pk_status status = run_to_failure(&f, 10);
+        const enum pk_status status = run_to_failure(10);
         /* (limit - q)^(3/2) falls linearly: t* = .55 * 2/3 / .2 = 1.8333 */
         CU_ASSERT(status == PK_SINGULAR_MASS);
         CU_ASSERT(f.it.reason.index == 0 && says(&f.it, "coordinate x"));
         CU_ASSERT(fabs(f.it.t - 0.55 * 2 / 3 / 0.2) < 0.02);
         if (status != PK_SINGULAR_MASS)
-            printf("\n    %s: %s", names[i], reason(&f));
+            printf("\n    %s: %s", names[i], reason());
         pk_integrator_free(&f.it);
     }
     for (int s = 1; s <= 4; s++) { /* Gauss: at the latest where v is to be recovered */
         char name[] = "gauss0";
         name[5] = (char)('0' + s);
         fixture_open(&f, &folded_system, name, 0.01);
-        const enum pk_status status = run_to_failure(&f, 10);
+        const enum pk_status status = run_to_failure(10);
         CU_ASSERT(status == PK_SINGULAR_MASS || status == PK_NO_CONVERGENCE);
         CU_ASSERT(fabs(f.it.t - 0.55 * 2 / 3 / 0.2) < 0.02);
     }
@@ -142,12 +140,11 @@ TEST("singular mass")
 
 TEST("no convergence")
 {
-    static struct fixture f;
     fixture_set(&f, &pendulum_system);
     f.options.h = 0.1;
     f.options.max_iterations = 1; /* nothing converges in one */
     fixture_start(&f, "gauss2", 0);
-    CU_ASSERT(run_to_failure(&f, 1) == PK_NO_CONVERGENCE);
+    CU_ASSERT(run_to_failure(1) == PK_NO_CONVERGENCE);
     CU_ASSERT(f.it.t == 0);
     f.options.max_iterations = 0;
     fixture_start(&f, "gauss2", 0);
@@ -156,31 +153,29 @@ TEST("no convergence")
 
 TEST("step underflow, too many steps")
 {
-    static struct fixture f;
     fixture_open(&f, &pendulum_system, "rk4", 1e-9);
     CU_ASSERT(pk_integrator_reset(&f.it, 1e7, f.q0, f.v0) == PK_DONE);
-    CU_ASSERT(run_to_failure(&f, 2e7) == PK_STEP_UNDERFLOW);
+    CU_ASSERT(run_to_failure(2e7) == PK_STEP_UNDERFLOW);
     fixture_set(&f, &kepler_system); /* falls straight into the centre, at a known time */
     f.v0[0] = f.v0[1] = 0;
     fixture_start(&f, "dop853", 0);
-    const enum pk_status status = run_to_failure(&f, 20);
+    const enum pk_status status = run_to_failure(20);
     CU_ASSERT(status == PK_STEP_UNDERFLOW);
     CU_ASSERT(fabs(f.it.t - acos(-1) * pow(0.4, 1.5) / sqrt(8)) < 1e-6);
-    printf(" %s;", reason(&f));
+    printf(" %s;", reason());
     fixture_set(&f, &kepler_system);
     f.options.h_min = 0.5;
     fixture_start(&f, "dop853", 0);
-    CU_ASSERT(run_to_failure(&f, 20) == PK_STEP_UNDERFLOW);
+    CU_ASSERT(run_to_failure(20) == PK_STEP_UNDERFLOW);
     fixture_set(&f, &kepler_system);
     f.options.max_steps = 7;
     fixture_start(&f, "dop853", 0);
-    CU_ASSERT(run_to_failure(&f, 20) == PK_TOO_MANY_STEPS);
+    CU_ASSERT(run_to_failure(20) == PK_TOO_MANY_STEPS);
     CU_ASSERT(f.it.count.steps == 7 && f.it.t > 0);
 }
 
 TEST("lands exactly, time without drift")
 {
-    static struct fixture f;
     for (int i = 0; i < ALL; i++) {
         fixture_set(&f, &pendulum_system);
         f.options.h = 0.1;
@@ -211,7 +206,7 @@ TEST("lands exactly, time without drift")
 
 TEST("deterministic")
 {
-    static struct fixture f, g;
+    static struct fixture g;
     for (int i = 0; i < ALL; i++) {
         CU_ASSERT(fixture_run(&f, &kepler_system, all[i], 1e-3, 5) == PK_DONE);
         CU_ASSERT(fixture_run(&g, &kepler_system, all[i], 1e-3, 5) == PK_DONE);
@@ -226,7 +221,6 @@ static void push(void *context, double t, double *u) { u[0] = *(double *)context
 
 TEST("inputs")
 {
-    static struct fixture f;
     double slope = 1.7;
     for (int i = 1; i < ALL; i++) { /* q = q0 + v0 t + slope t^3/6 */
         fixture_set(&f, &pushed_system);
@@ -246,7 +240,6 @@ TEST("inputs")
 /* What is advised is called as the caller's options are. */
 TEST("words for options")
 {
-    static struct fixture f;
     static const struct pk_words options = {.step = "",
                                             .rtol = "",
                                             .step_or_rtol = "",
@@ -260,7 +253,7 @@ TEST("words for options")
         f.options.rtol = 1e-9;
         fixture_start(&f, "dop853", 0);
         CU_ASSERT(pk_integrator_to(&f.it, 100) == PK_TOO_MANY_STEPS);
-        CU_ASSERT(strstr(reason(&f), named ? "too many steps (e): 3;" : "too many steps: 3;") !=
+        CU_ASSERT(strstr(reason(), named ? "too many steps (e): 3;" : "too many steps: 3;") !=
                   NULL);
     }
 }

@@ -5,6 +5,8 @@
 
 #include "fixture.h"
 
+static struct fixture f;
+
 enum { UNREAD = 2, ALL = 3 };
 
 /* One of the position, as an angle's rate in a reduced system; one of all that there is. */
@@ -31,10 +33,10 @@ static void ending(double t, double q, double v, double *rate)
 
 static void (*rates)(double, double, double, double *) = slow;
 
-static void force(ARGS, pk_real *f)
+static void force(ARGS, pk_real *out)
 {
-    pendulum_system.force(params, t, q, v, u, f);
-    rates(t, q[0], v[0], f + 1);
+    pendulum_system.force(params, t, q, v, u, out);
+    rates(t, q[0], v[0], out + 1);
 }
 static int acceleration(ARGS, pk_real *a)
 {
@@ -109,7 +111,7 @@ static double missed(const double *v, const double *x)
     return fmax(fabs(v[1] - x[1]), fabs(v[2] - x[2]));
 }
 
-static double off(const struct fixture *f, const double *x) { return missed(f->it.v, x); }
+static double off(const struct fixture *of, const double *x) { return missed(of->it.v, x); }
 
 /* quad/order.c goes on above order 6. */
 TEST("order")
@@ -134,7 +136,6 @@ TEST("tight tolerances")
 {
     static const char *const names_of[] = {"gauss", "dop853", "dopri5", "gauss6", "gauss8"};
     const struct pk_system system = carrying();
-    static struct fixture f;
     double x[ALL];
     exact(20, x);
     for (int k = 0; k < 5; k++) {
@@ -152,7 +153,6 @@ TEST("between steps")
 {
     static const char *const dense[] = {"gauss", "dop853"};
     const struct pk_system system = carrying();
-    static struct fixture f;
     double x[ALL], q[ALL], v[ALL];
     for (int k = 0; k < 2; k++) {
         fixture_open(&f, &system, dense[k], 1e-10);
@@ -171,7 +171,6 @@ TEST("between steps")
 TEST("large ones")
 {
     const struct pk_system system = carrying();
-    static struct fixture f;
     unsigned long count[2];
     for (int k = 0; k < 2; k++) {
         fixture_set(&f, &system);
@@ -188,7 +187,6 @@ TEST("large ones")
 TEST("step control")
 {
     static const char *const methods[] = {"gauss", "dop853", "dopri5", "radau"};
-    static struct fixture f;
     const struct pk_system system = carrying();
     const double T = 4 * acos(-1.0);
     for (int k = 0; k < 4; k++) {
@@ -208,7 +206,6 @@ TEST("step control")
 TEST("left out of Newton's equations")
 {
     static const char *const methods[] = {"gauss1", "gauss4", "lobatto3", "radau5", "radau"};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
         double end[2][ALL + 1];
         unsigned long count[2];
@@ -250,7 +247,6 @@ TEST("events")
 {
     static const struct pk_event event[] = {{{"lowest", "", ""}, 0, 0}};
     static const char *const methods[] = {"gauss", "gauss4", "rk4", "dop853"};
-    static struct fixture f;
     static double block[8192];
     struct pk_system system = carrying();
     struct pk_events watched;
