@@ -125,10 +125,10 @@ CASES = {
     ),
     "links": parts_of_links(3),
 }
-CLASSICAL = (
+CLASSICAL = [
     "double_pendulum",
     "coupled_oscillators",
     "bead_on_hoop",
     "elastic_pendulum",
     "heavy_top",
-)
+]
