@@ -1,7 +1,5 @@
 """Models for checkpoints, one of each way that a run is made, and what is common to their tests."""
 
-from __future__ import annotations
-
 import argparse
 import random
 from dataclasses import replace

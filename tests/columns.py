@@ -1,7 +1,5 @@
 """Columns of a run by their names."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

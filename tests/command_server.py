@@ -6,8 +6,6 @@ request, {"arguments", "cwd", "env", "out", "err"}; each line of standard output
 its process.
 """
 
-from __future__ import annotations
-
 import gc
 import importlib
 import json

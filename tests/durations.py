@@ -7,8 +7,6 @@ The store holds only functions that take more than `make test` gives one. A case
 takes as long as the slowest of its function. So a case of another name is never quick by accident.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import xml.etree.ElementTree as ElementTree

@@ -2,8 +2,6 @@
 rods, rings, wheels that roll, bodies on joints, states of members.
 Each start is on its constraints."""
 
-from __future__ import annotations
-
 import random
 
 SIZE = 5  # of what is written out, rows that one coordinate couples densely too

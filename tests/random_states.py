@@ -1,7 +1,5 @@
 """Random states of models with bodies."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

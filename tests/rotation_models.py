@@ -1,8 +1,6 @@
 """Random models of a family of rotations, and the same with its members one by one: names of their
 own, sums written out, ends put in by hand."""
 
-from __future__ import annotations
-
 import random
 import re
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """What add-ons import of the core, and that the core names no add-on."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

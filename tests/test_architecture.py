@@ -3,8 +3,6 @@
 `FLOORS` is docs/dev/architecture.md as data. A folder may use those on floors below its own.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import re

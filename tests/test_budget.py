@@ -1,8 +1,6 @@
 """The size of each area, in lines and in tokens of code. Lowering a row is free; raising one asks
 for a line that says what it bought."""
 
-from __future__ import annotations
-
 import io
 import re
 import subprocess

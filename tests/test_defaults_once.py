@@ -1,7 +1,5 @@
 """A default or a bound of a run is defined in one module, and an option is parsed in one."""
 
-from __future__ import annotations
-
 import ast
 import re
 

@@ -1,7 +1,5 @@
 """The documentation is true: its examples compile and run, its tables are the code's."""
 
-from __future__ import annotations
-
 import doctest
 import re
 import shlex

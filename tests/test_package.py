@@ -1,7 +1,5 @@
 """A wheel has all that is in the packages; an editable installation does not show that."""
 
-from __future__ import annotations
-
 import ast
 import os
 import re

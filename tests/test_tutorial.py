@@ -1,7 +1,5 @@
 """docs/tutorial.md as a newcomer follows it: every file, edit and command, in order, as text."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

@@ -1,8 +1,6 @@
 """Random trees of bodies as text, and their motion by another road: Newton's and Euler's equations
 of each body, summed up along the directions in which the tree can move (Kane), in NumPy."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass, field
 

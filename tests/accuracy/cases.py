@@ -1,8 +1,6 @@
 """The test set of `accuracy`: what is asked of which model. Everything in models/ is here, and of
 each class of motion something short and something long, loose and tight."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`python -m bench answers`: what it says of a chart's answers, and of worse ones."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

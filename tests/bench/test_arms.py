@@ -1,8 +1,6 @@
 """The arms of `python -m bench arms`: pkgen's C in the bench's own loop beside M and f by Jacobians
 of the links; the forms that other packages read beside the model. No time is asserted."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as Xml
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The table of a million steps: what a row says, and that what it says is measured."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

@@ -1,7 +1,5 @@
 """What `python -m bench rotations` compares: one motion in all its forms, and how it is shown."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

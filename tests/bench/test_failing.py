@@ -1,7 +1,5 @@
 """A part of the bench that fails is named and fails the bench; the others are measured."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

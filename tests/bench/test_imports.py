@@ -1,7 +1,5 @@
 """The bench starts in the peers' Python, which has no pkgen."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import subprocess

@@ -1,7 +1,5 @@
 """Whether what `accuracy` promises is kept, by a few scenes; a promise that is broken is told."""
 
-from __future__ import annotations
-
 import pytest
 
 from bench import kept

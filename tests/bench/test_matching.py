@@ -1,7 +1,5 @@
 """Matching of final errors: made-up curves whose answer is known."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The published problems: runs end where they are claimed to; exact ends, found in two ways."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -4,8 +4,6 @@ The peers' environment is made first. Who cannot be installed is named in the re
 part; without SymPy, NumPy or matplotlib there is no bench, which is a failure and not a skip.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

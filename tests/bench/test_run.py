@@ -1,7 +1,5 @@
 """The bench end to end, quickly: pkgen's own methods, no peers, one model. No time is asserted."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

@@ -1,7 +1,5 @@
 """The simulated farm keeps what a sweep promises, and loses what theory says."""
 
-from __future__ import annotations
-
 import pytest
 
 from bench.scale_farm import Farm, simulated

@@ -1,7 +1,5 @@
 """The table of all scenes: what a row says of what a run told, and that it is run."""
 
-from __future__ import annotations
-
 from bench import systems
 
 

@@ -5,8 +5,6 @@ of the model as written, in whatever place the function stands; so one is a refe
 that knows nothing of switches.
 """
 
-from __future__ import annotations
-
 import math
 import random
 import re

@@ -7,8 +7,6 @@ each is refused, fails or runs. Nothing is read outside memory, nothing hangs. W
 build/fuzz.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import shutil

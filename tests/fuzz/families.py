@@ -7,8 +7,6 @@ ensemble or a swarm, with a member held, by the accuracy asked for. Exit code 1 
 differ, where one crashes or hangs.
 """
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import io

@@ -11,8 +11,6 @@ free models is watched on the twin instead. Exit code 1 where a motion is wrong,
 differ, a proof is false or a run breaks.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import random

@@ -7,8 +7,6 @@ process or connection made, an exit code that is known; and C of what was accept
 a warning. What fails is left in build/fuzz. tests/generator/test_fuzz.py asks the front end alone.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import re

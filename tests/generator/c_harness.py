@@ -1,10 +1,9 @@
 """Compiles emitted C and calls its kernels through ctypes; the models that its tests share."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,10 +12,11 @@ from conftest import STRICT
 from pkgen.back.c import lower, render
 from pkgen.back.c.program import Program
 from pkgen.back.kernels import KERNELS
-from pkgen.equations import Equations
+from pkgen.equations import Equations, Structure
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
+from pkgen.model import Model
 from pkgen.source import Source
 
 ROOT = Path(__file__).parents[2]
@@ -102,6 +102,24 @@ def read_text(text: str, name: str = "model.lag") -> tuple[Equations, Program]:
     model, _ = check.check_text(Source(name, text))
     equations = derive.derive(model)
     return equations, lower.lower(equations, analyze.analyze(equations, with_claims=True))
+
+
+def without_facts(n: int, **known: bool) -> Structure:
+    """Of n coordinates: nothing is proved but what is said."""
+    names = "mass_constant mass_diagonal quadratic separable autonomous conservative variational"
+    return Structure(
+        **(dict.fromkeys([*names.split(), "smooth"], False) | known), cyclic=(False,) * n
+    )
+
+
+def lowered(model: Model | str, *kernels: str, unroll: bool = True, **known: bool) -> Program:
+    """The program of a model, or of its text, without its facts; M a = f is left to a loop where
+    it is not to be unrolled."""
+    if isinstance(model, str):
+        model, _ = check.check_text(Source("model.lag", model))
+    e = derive.derive(model)
+    e = e if unroll else replace(e, acceleration=None, pivots=None)
+    return lower.lower(e, without_facts(len(e.coordinates), **known), frozenset(kernels) or None)
 
 
 def write(program: Program, directory: Path, *, self_test: bool = False) -> list[str]:

@@ -1,7 +1,5 @@
 """Random chains of links whose places are defined from the former link's, one value at a time."""
 
-from __future__ import annotations
-
 import random
 
 

@@ -1,7 +1,5 @@
 """Dice for random chain models: what is declared, and bodies over i of whatever has members."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ kind, `let`s of each member and of all, chains of `let`s, states, constraints, f
 `drawn(dice)` is a text; what it starts with lies on its constraints.
 """
 
-from __future__ import annotations
-
 import random
 
 from chain_bodies import JOLTS, SMOOTH, TIMES, Family, shifted, upto

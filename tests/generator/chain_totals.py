@@ -1,7 +1,5 @@
 """Dice for sums over all members inside expressions, and for rates of states in equations."""
 
-from __future__ import annotations
-
 import re
 
 from chain_bodies import Bodies, Family, upto

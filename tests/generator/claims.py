@@ -1,7 +1,5 @@
 """Models to claim things of, and what becomes of the claims."""
 
-from __future__ import annotations
-
 from itertools import islice
 
 from conftest import case

@@ -1,7 +1,5 @@
 """Looped C loaded beside the unrolled C of the same model, at any size, through ctypes."""
 
-from __future__ import annotations
-
 import ctypes
 from pathlib import Path
 
@@ -72,7 +70,7 @@ class Looped:
         function.restype = result
         return function
 
-    def at(self, size: int) -> LoopedAt:
+    def at(self, size: int) -> "LoopedAt":
         return LoopedAt(self, size)
 
 

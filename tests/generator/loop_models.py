@@ -1,7 +1,5 @@
 """Models whose families stay loops, each with sizes down to the smallest at which it is defined."""
 
-from __future__ import annotations
-
 from conftest import case
 
 FPUT = case("fput")

@@ -1,7 +1,5 @@
 """Builds of pk/sincos.h in every variant, and its errors against mpmath."""
 
-from __future__ import annotations
-
 import ctypes
 import itertools
 import platform

@@ -1,7 +1,5 @@
 """Whole choices, of motions that are made up: what is tried, given up, left out and said."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace

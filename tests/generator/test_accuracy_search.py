@@ -1,8 +1,6 @@
 """The search of a setting, the table of candidates, and how far a reference is trusted, on methods
 that are made up: errors and times are formulas."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

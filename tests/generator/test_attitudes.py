@@ -5,8 +5,6 @@ angles s, writes L in q, s, q', s' with omega = J(s) s' read off R^T R', derives
 equations for s and solves them at s = 0, where omega = J s' and omega' = J s'' + J' s'.
 """
 
-from __future__ import annotations
-
 import random
 
 import numpy

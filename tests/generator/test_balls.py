@@ -1,7 +1,5 @@
 """Values with a bound of their rounding: the true value is inside, and the bound is small."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """Constants that no double holds are errors of the model, wherever they come from."""
 
-from __future__ import annotations
-
 import random
 import re
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Families of bodies and joints against the same tree written one by one."""
 
-from __future__ import annotations
-
 import random
 import re
 

@@ -1,8 +1,6 @@
 """`body` and `joint`: trees against Newton's and Euler's equations, each kind of joint beside the
 same model by hand, names, places."""
 
-from __future__ import annotations
-
 import random
 import re
 

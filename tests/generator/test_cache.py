@@ -1,7 +1,5 @@
 """The cache is run as code: what is not as it was made, or could be another's, is made again."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The canonical form against the kernels of the Lagrangian one, and the motion that it gives."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 """Chains of `let`s with constraints beside them, or inertia across free and periodic ends, kept as
 loops: every kernel against the unrolled code of the same model, at random states."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Random families as loops and with their members written out: tests/fuzz/families.py."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

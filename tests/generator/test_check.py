@@ -1,7 +1,5 @@
 """Statements to a Model: what comes out of a right model, and the warnings."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Constants that are stated of long families: dA/dt at random states of the members."""
 
-from __future__ import annotations
-
 import random
 from itertools import islice
 

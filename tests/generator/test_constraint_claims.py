@@ -1,7 +1,5 @@
 """`conserve` where there are constraints, rolling and rotations: proved, refuted, or neither."""
 
-from __future__ import annotations
-
 import pytest
 from test_constraints import facts
 

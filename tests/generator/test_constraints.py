@@ -1,8 +1,6 @@
 """Constraints and rolling: the forces and multipliers against the equations of d'Alembert, solved
 whole by numpy from the unconstrained model's M and f, J by hand and its rate by differences."""
 
-from __future__ import annotations
-
 import math
 import random
 

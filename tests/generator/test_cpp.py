@@ -1,7 +1,5 @@
 """Emitted C is C++ too, headers and sources, with and without the runtime."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 """Expressions lose the coordinates and attitudes that they only seem to depend on, and keep their
 values."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

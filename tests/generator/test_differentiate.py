@@ -1,7 +1,5 @@
 """Derivatives: every rule against differences, both directions against each other."""
 
-from __future__ import annotations
-
 import math
 import random
 from itertools import pairwise

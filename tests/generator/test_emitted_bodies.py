@@ -1,7 +1,5 @@
 """The C of rotations and constraints: strict in every type, for C++ too; self-test and lanes."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import re

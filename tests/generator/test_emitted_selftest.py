@@ -1,7 +1,5 @@
 """The emitted self-test: it passes, and notices a wrong factor in any kernel."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
@@ -23,20 +21,8 @@ def test_self_test_passes(model, compiler, scalar, tmp_path):
 
 
 # A wrong sign in a kernel; every one must be noticed.
-BROKEN = [
-    "acceleration",
-    "mass",
-    "force",
-    "canonical",
-    "momenta",
-    "gradient",
-    "jacobian",
-    "linear",
-    "energy",
-    "lagrangian",
-    "kinetic",
-    "potential",
-]
+BROKEN = ["acceleration", "mass", "force", "canonical", "momenta", "gradient", "jacobian"]
+BROKEN += ["linear", "energy", "lagrangian", "kinetic", "potential"]
 
 
 @pytest.mark.parametrize("kernel", BROKEN)

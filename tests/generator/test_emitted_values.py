@@ -1,12 +1,10 @@
 """The emitted C, run: its values are those of the graph, and what is no number is refused."""
 
-from __future__ import annotations
-
 import math
 import random
-from dataclasses import replace
 
 import pytest
+from building import links
 from c_harness import (
     COMPILERS,
     DERIVED,
@@ -17,14 +15,13 @@ from c_harness import (
     TYPES,
     Loaded,
     failed,
+    lowered,
     read_text,
     run,
     texts,
     write,
 )
-from hand_made import World, make, pendulum_chain, structure
 
-from pkgen.back.c.lower import lower
 from pkgen.back.kernels import KERNELS
 from pkgen.back.targets import CHECK, FILL, RETURN
 from pkgen.graph.evaluate import evaluate
@@ -135,40 +132,26 @@ def test_defaults_follow_unless_given(tmp_path):
 
 
 def test_helpers_hand_nan_on(tmp_path):
-    def energies(w: World):
-        g = w.graph
-        x, y = w.q
-        return g.add(g.power(w.v[0], 2), g.power(w.v[1], 2)), g.total(
-            [g.call("min", x, y), g.multiply(g.number(100), g.call("max", x, y))]
-        )
-
-    def observed(w: World):
-        g = w.graph
-        return {"step": g.call("step", w.q[0]), "sign": g.call("sign", w.q[0])}
-
-    program = lower(make("m", [], ["x", "y"], energies, observed=observed), structure(2))
-    loaded = Loaded(program, tmp_path)
-    nan = math.nan
-    assert loaded.call("potential", 0, [2, 3], [0, 0])[0] == 302
-    assert loaded.call("potential", 0, [3, 2], [0, 0])[0] == 302
-    assert loaded.call("potential", 0, [-math.inf, math.inf], [0, 0])[0] != 0
-    for q in ([nan, 1], [1, nan], [nan, nan]):
-        assert math.isnan(loaded.call("potential", 0, q, [0, 0])[0])
-    for x, expected in [(2.5, [1, 1]), (0.0, [1, 0]), (-2.5, [0, -1])]:
-        assert loaded.call("observe", 0, [x, 0], [0, 0])[1][0] == expected
-    assert all(map(math.isnan, loaded.call("observe", 0, [nan, 0], [0, 0])[1][0]))
+    text = "model m\ncoord x, y\nkinetic x'^2 + y'^2\nobserve low = min(x, y)\n"
+    text += "observe high = max(x, y)\nobserve up = step(x)\nobserve way = sign(x)\n"
+    loaded = Loaded(lowered(text), tmp_path)
+    nan, inf = math.nan, math.inf
+    for q, expected in (
+        ([2.5, 3], [2.5, 3, 1, 1]),
+        ([0.0, -1], [-1, 0, 1, 0]),
+        ([-inf, inf], [-inf, inf, 0, -1]),
+        ([nan, 1], [nan] * 4),
+        ([1, nan], [nan, nan, 1, 1]),
+    ):
+        assert loaded.call("observe", 0, q, [0, 0])[1][0] == pytest.approx(expected, nan_ok=True)
 
 
 def test_singular_mass_is_refused_and_nothing_written(tmp_path):
-    def energies(w: World):
-        g = w.graph
-        # (x' + cos(y) y')^2 + p y'^2: singular where p is 0, nearly so where it is tiny.
-        slide = g.add(w.v[0], g.multiply(g.call("cos", w.q[1]), w.v[1]))
-        return g.add(g.power(slide, 2), g.multiply(w.p[0], g.power(w.v[1], 2))), w.q[0]
-
+    # Singular where e is 0, nearly so where it is tiny.
+    text = "model m\nparam e = 1\ncoord x, y\nkinetic (x' + cos(y)*y')^2 + e*y'^2\npotential x\n"
     refused = failed(MASS, 1)
     for unroll in (True, False):
-        program = lower(make("m", ["e"], ["x", "y"], energies, unroll=unroll), structure(2))
+        program = lowered(text, unroll=unroll)
         (tmp_path / str(unroll)).mkdir()
         loaded = Loaded(program, tmp_path / str(unroll))
         for e, status in [(1.0, 0), (1e-3, 0), (0.0, refused), (1e-17, refused), (-0.5, refused)]:
@@ -188,7 +171,7 @@ def test_loop_solves_what_is_unrolled(tmp_path, n):
     q, v = ([rng.uniform(-2, 2) for _ in range(n)] for _ in range(2))
     for unroll in (True, False):
         (tmp_path / str(unroll)).mkdir()
-        program = lower(pendulum_chain("chain", n, unroll=unroll), structure(n))
+        program = lowered(links(n, own=True), unroll=unroll)
         kernel = program.kernel("acceleration")
         assert kernel is not None and kernel.solves is not unroll
         loaded = Loaded(program, tmp_path / str(unroll), "clang" if unroll else "gcc")
@@ -203,27 +186,20 @@ def test_loop_solves_what_is_unrolled(tmp_path, n):
 def test_a_constant_mass_is_factored_by_prepare(tmp_path, n):
     """Dense, e on its diagonal: the kernel has no factorisation, and no pivot of e = -1."""
 
-    def energies(w: World):
-        g = w.graph
-        pairs = [(i, j) for i in range(n) for j in range(i)]
-        both = [g.multiply(w.v[i], w.v[j]) for i, j in pairs]
-        coupled = [
-            g.multiply(g.power(g.number(3 + i + j), -1), both[k]) for k, (i, j) in enumerate(pairs)
-        ]
-        own = [g.multiply(w.p[0], g.power(v, 2)) for v in w.v]
-        return g.total([*own, *coupled]), g.total([g.power(q, 3) for q in w.q])
-
+    text = (
+        f"model dense\nsize n = {n}\nparam e = 1\ncoord x[1..n]\npotential sum(x[i]^3, i = 1..n)\n"
+    )
+    text += "kinetic sum(e*x[i]'^2, i = 1..n) + "
+    text += "sum(x[i]'*x[j]'/(1 + i + j), i = 2..n, j = 1..i-1)\n"
     rng = random.Random(7)
-    names = [f"x{i}" for i in range(n)]
     q, v = ([rng.uniform(-2, 2) for _ in range(n)] for _ in range(2))
     results = []
     for unroll in (True, False):
         (tmp_path / str(unroll)).mkdir()
-        known = replace(structure(n), mass_constant=True)
-        program = lower(make("dense", ["e"], names, energies, unroll=unroll), known)
+        program = lowered(text, unroll=unroll, mass_constant=True)
         loaded = Loaded(program, tmp_path / str(unroll), "clang" if unroll else "gcc")
-        text = (tmp_path / str(unroll) / "dense.h").read_text()
-        assert ("factors_" in text) is not unroll
+        header = (tmp_path / str(unroll) / "dense.h").read_text()
+        assert ("factors_" in header) is not unroll
         for e in (1.0, 2.5):
             loaded.params[0] = e
             assert loaded.prepare() == 0
@@ -247,14 +223,14 @@ def test_parts_of_a_long_kernel_work_together(tmp_path, monkeypatch):
         monkeypatch.setattr(chunk, "_LONGEST", longest)
         monkeypatch.setattr(chunk, "_BLOCK", part)
         (tmp_path / str(part)).mkdir()
-        program = lower(pendulum_chain("chain", 6), structure(6))
+        program = lowered(links(6, own=True))
         kernel = program.kernel("acceleration")
         assert kernel is not None and (len(kernel.blocks) > 5) == (part == 9)
         write(program, tmp_path / str(part))
         for scalar in TYPES.values():
             for compiler in COMPILERS:
                 run(
-                    compiler, *STRICT, *scalar, "-fsyntax-only", "chain.c", cwd=tmp_path / str(part)
+                    compiler, *STRICT, *scalar, "-fsyntax-only", "links.c", cwd=tmp_path / str(part)
                 )
         loaded = Loaded(program, tmp_path / str(part))
         results.append([loaded.call(k.name, 0, q, v) for k in program.kernels])

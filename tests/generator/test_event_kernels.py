@@ -1,7 +1,5 @@
 """Events and scenes as the language has them: what is understood, what becomes C."""
 
-from __future__ import annotations
-
 import random
 
 import mpmath

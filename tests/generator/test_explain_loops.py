@@ -1,7 +1,5 @@
 """What `explain` shows of families kept as loops has the values of the unrolled equations."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

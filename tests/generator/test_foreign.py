@@ -1,7 +1,5 @@
 """What people write from Modelica, SymPy, MATLAB, LaTeX and others: the line to write instead."""
 
-from __future__ import annotations
-
 import pytest
 
 from pkgen.compiler import check_model

@@ -1,8 +1,6 @@
 """Chains of turns, differentiated as frames, beside the same chains in pieces too short for that;
 accelerations by pushing L down its graph beside M a = f."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """Mutated models: whatever the text, there is a Model or a ModelError, and in good time."""
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys

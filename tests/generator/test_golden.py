@@ -4,8 +4,6 @@ embedded, and one of the runtime with families as loops.
 After a wanted change: PKGEN_UPDATE=1 pytest tests/generator/test_golden.py  (make golden)
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

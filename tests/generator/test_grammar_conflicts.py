@@ -1,7 +1,5 @@
 """Lark resolves a conflict silently as a shift; its log tells, so this test reads the log."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

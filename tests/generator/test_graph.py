@@ -1,7 +1,5 @@
 """The expression graph: what its constructors simplify, and what they must leave alone."""
 
-from __future__ import annotations
-
 from fractions import Fraction as F
 from itertools import pairwise
 

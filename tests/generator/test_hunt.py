@@ -1,7 +1,5 @@
 """A few random models with a bend or a jump beside their smooth twins: tests/fuzz/hunt.py."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

@@ -1,11 +1,9 @@
 """Every kernel against SymPy, at seeded states, to 1e-12.
 
-Each case (see `kernel_cases.py`) states its Lagrangian a second time, in SymPy and by hand. The
+The parts of each case (see `kernel_cases.py`) are read a second time by `sympy_reading.py`. The
 reference is differentiated by SymPy and evaluated with 40 digits; for the classical systems
 SymPy's own LagrangesMethod is asked as well. Nothing of pkgen is in the reference.
 """
-
-from __future__ import annotations
 
 import random
 from dataclasses import dataclass
@@ -14,9 +12,10 @@ from itertools import pairwise
 import mpmath
 import pytest
 import sympy as sp
-from kernel_cases import CASES, Case
+from building import model
+from kernel_cases import CASES, CLASSICAL
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
-from sympy_lagrangians import t
+from sympy_reading import Reading, t
 
 from pkgen.equations import Equations
 from pkgen.graph.evaluate import evaluate
@@ -25,10 +24,6 @@ from pkgen.middle.derive.derive import derive
 
 RTOL = 1e-12
 STATES = 4
-
-
-def _renamed(parameters: dict[str, sp.Symbol]) -> dict[str, sp.Symbol]:
-    return {"length" if name == "l" else name: x for name, x in parameters.items()}
 
 
 @dataclass(frozen=True)
@@ -41,16 +36,13 @@ class Reference:
     kernels: dict[str, list[sp.Expr]]
 
 
-def reference(case: Case) -> Reference:
-    e = case.model
-    n = len(derive(e, frozenset()).coordinates)
-    names = [p.name for p in e.parameters]
-    q = [sp.Symbol(f"q{i}", real=True) for i in range(n)]
-    v = [sp.Symbol(f"v{i}", real=True) for i in range(n)]
+def reference(parts: dict, n: int) -> Reference:
+    q, v = ([sp.Symbol(f"{x}{i}", real=True) for i in range(n)] for x in "qv")
     u = [sp.Symbol(f"u{i}", real=True) for i in range(3)]
-    parameters = {name: sp.Symbol("P_" + name, positive=True) for name in names}
-    made = case.lagrangian(q, v, u, **_renamed(parameters))
-    L, drag, applied = made if isinstance(made, tuple) else (made, sp.Integer(0), [0] * n)
+    parameters = {name: sp.Symbol("P_" + name, positive=True) for name in parts["params"]}
+    read = Reading(parts, q, v, u, parameters)
+    L, drag = read.lagrangian(), read.energy("dissipation")
+    applied = read.forces() or [sp.Integer(0)] * n
     p = [sp.diff(L, x) for x in v]
     gradient = [sp.diff(L, x) for x in q]
     pdot = [a + b - sp.diff(drag, x) for a, b, x in zip(gradient, applied, v, strict=True)]
@@ -90,7 +82,7 @@ def flat(value: object) -> list[int]:
     return [node for part in value for node in flat(part)]
 
 
-def state(case: Case, e: Equations, seed: int) -> tuple[dict[Symbol, float], list[float]]:
+def state(e: Equations, seed: int) -> tuple[dict[Symbol, float], list[float]]:
     """The same random numbers for both sides: by graph symbol, and in the reference's order."""
     draw = random.Random(seed)
     n = len(e.coordinates)
@@ -116,8 +108,8 @@ def outputs(e: Equations, name: str) -> list[int]:
 
 @pytest.fixture(scope="module", params=list(CASES))
 def made(request):
-    case = CASES[request.param]
-    return case, derive(case.model), reference(case)
+    e = derive(model(**CASES[request.param]))
+    return e, reference(CASES[request.param], len(e.coordinates))
 
 
 def close(name: str, ours: list[float], theirs: list, scale: float) -> None:
@@ -127,14 +119,14 @@ def close(name: str, ours: list[float], theirs: list, scale: float) -> None:
 
 
 def test_every_kernel(made):
-    case, e, expected = made
+    e, expected = made
     compiled = {
         name: sp.lambdify(expected.symbols, kernel, "mpmath")
         for name, kernel in expected.kernels.items()
     }
     moved = 0
     for seed in range(STATES):
-        values, numbers = state(case, e, seed)
+        values, numbers = state(e, seed)
         with mpmath.workdps(40):
             exact = {n: k(*map(mpmath.mpf, numbers)) for n, k in compiled.items()}
         for name, theirs in exact.items():
@@ -155,24 +147,24 @@ def test_every_kernel(made):
     assert moved > 5 * STATES
 
 
-@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.classical])
+@pytest.mark.parametrize("name", CLASSICAL)
 def test_against_lagranges_method(name):
-    case = CASES[name]
-    e = derive(case.model)
+    e = derive(model(**CASES[name]))
     n = len(e.coordinates)
     q = dynamicsymbols(f"q0:{n}")
     v = [x.diff(dynamicsymbols._t) for x in q]
     plain = [sp.Symbol(f"x{i}") for i in range(2 * n)]
-    parameters = {p.name: sp.Symbol("P_" + p.name, positive=True) for p in case.model.parameters}
-    made = case.lagrangian(list(q), v, [], **_renamed(parameters))
+    parameters = {x: sp.Symbol("P_" + x, positive=True) for x in CASES[name]["params"]}
+    swap = dict(zip(plain, [*q, *v], strict=True))
+    L = Reading(CASES[name], plain[:n], plain[n:], [t, t], parameters).lagrangian()
+    made = L.subs(t, 0).subs(swap)  # which does not know the time
     method = LagrangesMethod(made, list(q))
     method.form_lagranges_equations()
     swap = dict(zip(v, plain[n:], strict=True)) | dict(zip(q, plain[:n], strict=False))
-    mass = method.mass_matrix.subs(swap)
-    forcing = method.forcing.subs(swap)
-    kernel = sp.lambdify([*plain, *parameters.values()], [list(mass), list(forcing)], "mpmath")
+    both = [list(m.subs(swap)) for m in (method.mass_matrix, method.forcing)]
+    kernel = sp.lambdify([*plain, *parameters.values()], both, "mpmath")
     for seed in range(STATES):
-        values, numbers = state(case, e, seed)
+        values, numbers = state(e, seed)
         with mpmath.workdps(40):
             arguments = [*numbers[1 : 1 + 2 * n], *numbers[1 + 2 * n + 3 : -n]]
             M, f = kernel(*map(mpmath.mpf, arguments))

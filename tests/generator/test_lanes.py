@@ -1,8 +1,6 @@
 """Lane kernels: vector code of both compilers on AVX2, AVX-512 and NEON, and the scalar kernel's
 results in every lane."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Families as loops: every kernel against the unrolled code of the same model."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import random

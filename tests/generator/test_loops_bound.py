@@ -3,8 +3,6 @@
 At random states, which fulfil no constraint: accelerations and multipliers are functions of any
 state. An input stands in each row, so that nothing is asked of the start."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 from pathlib import Path

@@ -1,8 +1,6 @@
 """Values carried along the members of a family: every kernel against the unrolled code, of random
 chains; time and code of a long one."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import subprocess

@@ -1,7 +1,5 @@
 """What a reviewer found in families as loops, once each."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 

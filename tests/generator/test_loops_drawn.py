@@ -1,8 +1,6 @@
 """Random models, drawn for sums inside expressions and rates of states: kernels as loops against
 the unrolled code."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,8 +1,6 @@
 """C of families as loops: clean in every type with gcc and clang, sound under sanitizers, the same
 code for every size."""
 
-from __future__ import annotations
-
 import random
 import re
 

@@ -1,7 +1,5 @@
 """Singularities of families kept as loops: which, over which members, and their values."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 

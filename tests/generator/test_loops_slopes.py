@@ -1,7 +1,5 @@
 """Bands of derivatives of families kept as loops: against the dense ones of the unrolled code."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 

@@ -1,8 +1,6 @@
 """Switches of families kept as loops: which, over which members, with which sides; and what is
 refused."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import random

@@ -1,7 +1,5 @@
 """Sums inside expressions and rates of states: every kernel against the unrolled code."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import random

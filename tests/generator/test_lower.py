@@ -1,14 +1,13 @@
 """lower: what becomes a statement, what is hoisted, how expressions read, what is counted."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from c_harness import MODELS, read_model, read_text
-from hand_made import World, make, pendulum_chain, structure
+from building import links
+from c_harness import MODELS, lowered, read_model, read_text, without_facts
 
 from pkgen.back.c.ctext import comment, fold, fold_call, string
 from pkgen.back.c.expressions import (
@@ -28,79 +27,39 @@ from pkgen.back.c.lower import lower
 from pkgen.back.c.names import LOCAL_RESERVED, Names, local_wish
 from pkgen.back.c.program import operations_text
 from pkgen.back.targets import CHECK, LOCAL, RETURN, STORE
-from pkgen.graph.graph import ZERO, Graph, Node
+from pkgen.front.check.check import check_text
+from pkgen.graph.graph import ZERO, Graph
+from pkgen.middle.derive.derive import derive
+from pkgen.source import Source
 
-
-def potential_text(build) -> tuple[str, list[str]]:
-    """The returned text and the hoisted constants of a potential in x (with x' = w), m and k."""
-
-    def energies(w: World) -> tuple[Node, Node]:
-        g = w.graph
-        return g.multiply(w.p[0], g.power(w.v[0], 2)), build(g, w.q[0], w.p[0], w.p[1])
-
-    program = lower(
-        make("toy", ["m", "k"], ["x"], energies), structure(1), frozenset({"potential"})
-    )
-    kernel = program.kernel("potential")
-    assert kernel is not None
-    texts = [
-        str(s).removeprefix("const pk_real ").removesuffix(";")
-        for b in kernel.blocks
-        for s in b.statements
-        if s.kind != "load"
-    ]
-    hoisted = [s.text for b in program.prepare.blocks for s in b.statements if s.kind == STORE]
-    return "; ".join(texts), hoisted
+TOY = "model toy\nparam m = 1\nparam k = 2 in (0, inf)\ncoord x\nkinetic m*x'^2\npotential {}\n"
 
 
 @pytest.mark.parametrize(
-    ("build", "expected", "hoisted"),
+    ("potential", "expected", "hoisted"),
     [
-        (lambda g, x, m, k: g.subtract(x, k), "return x - p->k", []),
-        (lambda g, x, m, k: g.subtract(k, x), "return p->k - x", []),
-        (lambda g, x, m, k: g.divide(k, x), "return p->k / x", []),
-        (lambda g, x, m, k: g.power(x, -2), "inv_x = 1 / x; return inv_x * inv_x", []),
-        (lambda g, x, m, k: g.power(x, Fraction(1, 2)), "return PK_F(sqrt)(x)", []),
-        (
-            lambda g, x, m, k: g.power(x, Fraction(3, 2)),
-            "sqrt_x = PK_F(sqrt)(x); return sqrt_x * sqrt_x * sqrt_x",
-            [],
-        ),
-        (
-            lambda g, x, m, k: g.power(x, Fraction(2, 3)),
-            "return PK_F(pow)(x, PK_C(2.0) / PK_C(3.0))",
-            [],
-        ),
-        (
-            lambda g, x, m, k: g.power(x, 5),
-            "x_sq = x * x; return x * x_sq * x_sq",
-            [],
-        ),
-        (
-            lambda g, x, m, k: g.multiply(m, g.multiply(x, k)),
-            "return p->m_k * x",
-            ["p->m * p->k"],
-        ),
-        (lambda g, x, m, k: g.divide(x, m), "return p->inv_m * x", ["1 / p->m"]),
-        (
-            lambda g, x, m, k: g.divide(g.call("exp", x), g.add(x, k)),
-            "return PK_F(exp)(x) / (p->k + x)",
-            [],
-        ),
-        (
-            lambda g, x, m, k: g.multiply(g.number(Fraction(1, 3)), x),
-            "return (PK_C(1.0) / PK_C(3.0)) * x",
-            [],
-        ),
-        (
-            lambda g, x, m, k: g.multiply(g.number(Fraction(-981, 100)), x),
-            "return -PK_C(9.81) * x",
-            [],
-        ),
+        ("x - k", "return x - p->k", []),
+        ("k - x", "return p->k - x", []),
+        ("k/x", "return p->k / x", []),
+        ("x^(-2)", "inv_x = 1 / x; return inv_x * inv_x", []),
+        ("x^(1/2)", "return PK_F(sqrt)(x)", []),
+        ("x^(3/2)", "sqrt_x = PK_F(sqrt)(x); return sqrt_x * sqrt_x * sqrt_x", []),
+        ("x^(2/3)", "return PK_F(pow)(x, PK_C(2.0) / PK_C(3.0))", []),
+        ("x^5", "x_sq = x * x; return x * x_sq * x_sq", []),
+        ("m*(x*k)", "return p->m_k * x", ["p->m * p->k"]),
+        ("x/m", "return p->inv_m * x", ["1 / p->m"]),
+        ("exp(x)/(x^2 + k)", "return PK_F(exp)(x) / (x * x + p->k)", []),
+        ("1/3*x", "return (PK_C(1.0) / PK_C(3.0)) * x", []),
+        ("-9.81*x", "return -PK_C(9.81) * x", []),
     ],
 )
-def test_expression_reads_as_a_person_writes_it(build, expected, hoisted):
-    assert potential_text(build) == (expected, hoisted)
+def test_expression_reads_as_a_person_writes_it(potential, expected, hoisted):
+    program = lowered(TOY.format(potential), "potential")
+    kernel = program.kernel("potential")
+    texts = [str(s) for b in kernel.blocks for s in b.statements if s.kind != "load"]
+    text = "; ".join(t.removeprefix("const pk_real ").removesuffix(";") for t in texts)
+    stored = [s for b in program.prepare.blocks for s in b.statements if s.kind == STORE]
+    assert (text, [s.text for s in stored if s.target in text]) == (expected, hoisted)
 
 
 def test_double_pendulum_is_small():
@@ -152,11 +111,9 @@ def test_checks_come_before_everything_that_is_written():
 
 
 def test_kernels_can_be_chosen_and_bring_what_they_call():
-    equations = pendulum_chain("chain", 3, unroll=False)
-    program = lower(equations, structure(3), frozenset({"acceleration"}))
-    assert [k.name for k in program.kernels] == ["acceleration", "mass", "force"]
-    program = lower(pendulum_chain("chain", 3), structure(3), frozenset({"energy"}))
-    assert [k.name for k in program.kernels] == ["energy"]
+    names = [k.name for k in lowered(links(3), "acceleration", unroll=False).kernels]
+    assert names == ["acceleration", "mass", "force"]
+    assert [k.name for k in lowered(links(3), "energy").kernels] == ["energy"]
 
 
 def test_dump_is_text():
@@ -166,32 +123,19 @@ def test_dump_is_text():
 
 
 def test_a_deep_chain_needs_no_recursion():
-    def energies(w: World) -> tuple[Node, Node]:
-        g = w.graph
-        x = w.q[0]
-        for _ in range(10_000):
-            x = g.call("sin", x)
-        return g.power(w.v[0], 2), x
-
-    equations = make("deep", ["m"], ["x"], energies, unroll=False)
-    program = lower(equations, structure(1), frozenset({"potential"}))
-    kernel = program.kernel("potential")
-    assert kernel is not None
-    assert kernel.operations["sin"] == 10_000
-    longest = max(len(s.text) for b in kernel.blocks for s in b.statements)
-    assert longest < 300
+    e = derive(check_text(Source("deep.lag", TOY.format("sin(x)")))[0])
+    node = e.potential
+    for _ in range(10_000):
+        node = e.graph.call("sin", node)
+    e = replace(e, potential=node, acceleration=None, pivots=None)
+    (kernel,) = lower(e, without_facts(1), frozenset({"potential"})).kernels
+    assert kernel.operations["sin"] == 10_001
+    assert max(len(s.text) for b in kernel.blocks for s in b.statements) < 300
     assert len(kernel.blocks) > 1  # cut up for the compiler's sake
 
 
 def test_a_long_sum_is_cut_into_lines_and_blocks_hand_values_on():
-    def energies(w: World) -> tuple[Node, Node]:
-        g = w.graph
-        terms = [g.call("sin", g.multiply(g.number(i), w.q[0])) for i in range(2, 3000)]
-        return g.power(w.v[0], 2), g.total(terms)
-
-    program = lower(make("long", ["m"], ["x"], energies), structure(1), frozenset({"potential"}))
-    kernel = program.kernel("potential")
-    assert kernel is not None
+    (kernel,) = lowered(TOY.format("sum(sin(i*x), i = 2..2999)"), "potential").kernels
     assert kernel.operations["sin"] == 2998
     assert max(len(s.text) for b in kernel.blocks for s in b.statements) < 300
 
@@ -277,8 +221,8 @@ def test_a_return_is_last():
 
 
 def test_the_graph_is_not_touched():
-    equations = pendulum_chain("chain", 2)
+    equations = derive(links(2))
     before = len(equations.graph)
-    lower(equations, structure(2))
+    lower(equations, without_facts(2))
     assert len(equations.graph) == before
     assert isinstance(equations.graph, Graph) and equations.graph.number(0) == ZERO

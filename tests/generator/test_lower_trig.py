@@ -1,13 +1,9 @@
 """lower: sine and cosine of one angle are one statement, two angles share a call."""
 
-from __future__ import annotations
-
-from c_harness import MODELS, read_model, read_text
-from hand_made import World, make, structure
+from c_harness import MODELS, lowered, read_model, read_text, without_facts
 
 from pkgen.back.c.lower import lower
 from pkgen.back.targets import LOCAL, TRIG
-from pkgen.graph.graph import Node
 
 
 def trig_statements(kernel) -> list[tuple[list[str], list[str]]]:
@@ -29,21 +25,12 @@ def test_sine_and_cosine_of_one_angle_are_one_call_and_have_names():
 
 
 def test_two_angles_known_from_the_start_share_a_call_others_wait():
-    def energies(w: World) -> tuple[Node, Node]:
-        g = w.graph
-        x, y, z = w.q
-        inner = g.call("sin", g.call("cos", x))
-        total = g.total([inner, g.call("sin", y), g.call("sin", z), g.call("cos", z)])
-        return g.total([g.power(v, 2) for v in w.v]), total
-
-    program = lower(
-        make("toy", ["m"], ["x", "y", "z"], energies), structure(3), frozenset({"potential"})
-    )
-    kernel = program.kernel("potential")
-    assert kernel is not None
+    text = "model toy\ncoord x, y, z\nkinetic x'^2 + y'^2 + z'^2\n"
+    text += "potential sin(cos(x)) + sin(y) + sin(z) + cos(z)\n"
+    (kernel,) = lowered(text, "potential").kernels
     assert trig_statements(kernel) == [
-        (["z", "x"], ["sin_z", "cos_z", "NULL", "cos_x"]),
-        (["cos_x", "y"], ["sin_cos_x", "NULL", "sin_y", "NULL"]),
+        (["x", "y"], ["NULL", "cos_x", "sin_y", "NULL"]),
+        (["cos_x", "z"], ["sin_cos_x", "NULL", "sin_z", "cos_z"]),
     ]
     assert (kernel.operations["sin"], kernel.operations["cos"]) == (3, 2)
 
@@ -58,7 +45,7 @@ def test_what_is_not_needed_is_not_counted():
 
 def test_with_libm_sine_and_cosine_are_its_functions_next_to_each_other():
     equations, _ = read_model(next(p for p in MODELS if p.stem == "double_pendulum"))
-    program = lower(equations, structure(2), libm=True)
+    program = lower(equations, without_facts(2), libm=True)
     assert not program.has_sincos
     for kernel in program.kernels:
         assert not trig_statements(kernel)

@@ -1,7 +1,5 @@
 """What is said to be constant of families whose members differ by their index, or by N."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """Any name that a model may have links with the driver that `pkgen run` puts around it."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 """Names that mean something in C: whatever they name in a model, the C compiles, or pkgen says why
 it cannot be. What there is, is asked of the compilers and headers at hand."""
 
-from __future__ import annotations
-
 import random
 import re
 import shutil

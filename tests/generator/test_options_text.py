@@ -1,7 +1,5 @@
 """What stands in the options of the command line."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

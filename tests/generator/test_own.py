@@ -1,7 +1,5 @@
 """Methods of the author's own: the order conditions, tableau files, what is wrong in them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import random

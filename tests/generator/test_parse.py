@@ -1,7 +1,5 @@
 """Text to statements: precedence, brackets, comments, scenes, limits."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """The parser's tables are kept in the cache; a broken file there costs time, and nothing else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Which particles a kinetic energy is of, by its text; and that the kernel of a model has them."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 

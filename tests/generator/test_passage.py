@@ -1,8 +1,6 @@
 """Through positions where branches of a motion meet: a parallelogram that lies flat stays one, an
 antiparallelogram too, by each family of methods; or the run ends and says so."""
 
-from __future__ import annotations
-
 import math
 import random
 import subprocess

@@ -1,7 +1,5 @@
 """C to be embedded, beside that for the runtime: the same values, less text, no double in float."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import re

@@ -1,7 +1,5 @@
 """The plan of a compile: a run has the method and the numbers with which its C was made."""
 
-from __future__ import annotations
-
 import pytest
 
 from pkgen.__main__ import parser_of

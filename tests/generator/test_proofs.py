@@ -1,7 +1,5 @@
 """`conserve`: proved, refuted and not proved, each where it is so; SymPy has a second opinion."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from itertools import islice

@@ -1,7 +1,5 @@
 """`conserve` where accelerations are not written out, and of families."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import islice
 

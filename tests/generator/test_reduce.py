@@ -1,7 +1,5 @@
 """Reduced equations against the whole ones, at states where nothing is special."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,8 +1,6 @@
 """Rows that follow from others: random mechanisms with and without them move alike, by each family
 of methods; rows that cease to follow, or contradict, end a run or are refused."""
 
-from __future__ import annotations
-
 import random
 
 import numpy

@@ -1,7 +1,5 @@
 """Sizes of terms: what doubles lose of an expression, and no more, against 60 digits by mpmath."""
 
-from __future__ import annotations
-
 import random
 import sys
 

@@ -1,7 +1,5 @@
 """Clang's sanitizers over emitted C: straight lines, loops, members, lanes; see `make asan`."""
 
-from __future__ import annotations
-
 import subprocess
 
 import pytest

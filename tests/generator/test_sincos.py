@@ -1,7 +1,5 @@
 """The inline sine and cosine: at most 1.5 units in the last place, for every finite argument."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 

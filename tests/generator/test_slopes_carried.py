@@ -1,8 +1,6 @@
 """Matrices of derivatives of chains of `let`s kept as loops: bands in which carried values, their
 rates and what hangs on them are unknowns, against the dense ones of members written out."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

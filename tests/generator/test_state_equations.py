@@ -1,7 +1,5 @@
 """First-order variables: their part in Lagrange's equations, what is proved, their C."""
 
-from __future__ import annotations
-
 import random
 import re
 from pathlib import Path

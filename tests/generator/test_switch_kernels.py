@@ -1,7 +1,5 @@
 """Switches of the equations: which there are, and what the kernels are with their sides given."""
 
-from __future__ import annotations
-
 import ctypes
 import itertools
 import random

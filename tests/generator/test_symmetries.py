@@ -1,7 +1,5 @@
 """Noether's constants, found without being told; and none where there is none."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import islice
 

@@ -1,7 +1,5 @@
 """Units: text to a factor, a power of pi and a dimension."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pint

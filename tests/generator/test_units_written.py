@@ -1,7 +1,5 @@
 """What a unit belongs to: items as people write them, beside the same with brackets."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -4,8 +4,6 @@
 anew; read the difference before you keep it.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

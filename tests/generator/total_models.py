@@ -1,7 +1,5 @@
 """Models in which sums stand inside of expressions, and rates of states in others' equations."""
 
-from __future__ import annotations
-
 from conftest import case
 
 # A potential of totals, one of them in another, products and quotients, a scalar that feels them.

@@ -1,7 +1,5 @@
 """docs/dev/long-runs.md: what the long tests measured, a section each (PKGEN_UPDATE=1)."""
 
-from __future__ import annotations
-
 import os
 import re
 

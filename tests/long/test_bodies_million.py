@@ -3,8 +3,6 @@
 `make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/dev/long-runs.md.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@ D2 and D3 by `pkgen run --diagnose`. From (3, 3) D2 is too small: RK4 at h = 0.0
 written by hand, two motions 1e-8 apart and drawn together again each second, has 1.0265 and 1.0262
 over 1e5 s from starts 1e-5 apart."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -5,8 +5,6 @@ run that nobody stopped.
 those of programs, which start in milliseconds.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

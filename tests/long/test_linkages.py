@@ -1,8 +1,6 @@
 """Random planar linkages through their singular positions, by each family of methods: a run arrives
 with the motion of all others and its energy, or ends and says when; none is silent, none hangs."""
 
-from __future__ import annotations
-
 import json
 import math
 import random

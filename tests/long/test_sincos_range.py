@@ -4,8 +4,6 @@ thousand against mpmath, in each variant.
 `make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/dev/long-runs.md.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from functools import cache

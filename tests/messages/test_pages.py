@@ -5,8 +5,6 @@ what it says. Files stay until another of their name comes. Words are compared a
 to four digits; lines about the length of a run are left out. `make golden` writes pages anew.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

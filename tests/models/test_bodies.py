@@ -4,8 +4,6 @@ The starts are nobody's special case: of general direction, far from rest. What 
 expected by the models' own scenes. Each bound is missed by a loose tolerance.
 """
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -3,8 +3,6 @@
 So a page, a film and a plot of it do too.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import atan2, degrees
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The results of models name each model and scene; what they say to try can be tried."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,8 +1,6 @@
 """The oracles of rigid and constrained bodies against themselves: motions integrated by their laws
 against their closed forms, and both against published figures. Nothing here runs pkgen."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

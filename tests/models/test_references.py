@@ -4,8 +4,6 @@ The references were derived and integrated independently (their parameters, star
 stand with them). The worse method of each pair shows that the bound can fail.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Each is derived again here by SymPy's LagrangesMethod from Cartesian positions, 
 Taylor-free classical method in this file, and compared with `pkgen run`; their invariants too.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

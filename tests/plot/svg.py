@@ -1,7 +1,5 @@
 """What an SVG of ours shows, read back: labels, curves in the numbers of their axes."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from xml.etree import ElementTree

@@ -1,8 +1,6 @@
 """Rows are joined by lines where these are near the motion; else the plot has denser rows, or
 points and a word."""
 
-from __future__ import annotations
-
 import json
 import math
 import random

@@ -1,7 +1,5 @@
 """One colour and one marker a method, in all pictures."""
 
-from __future__ import annotations
-
 import json
 from itertools import combinations
 

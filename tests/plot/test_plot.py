@@ -1,7 +1,5 @@
 """`pkgen plot`: what is on the pictures."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

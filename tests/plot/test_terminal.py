@@ -1,7 +1,5 @@
 """Pictures in a terminal."""
 
-from __future__ import annotations
-
 import io
 import re
 import subprocess

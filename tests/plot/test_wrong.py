@@ -1,7 +1,5 @@
 """Bad input of `pkgen plot` and `run --plot`: a message that says what, exit code 2, no file."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What steps too long, or of the wrong kind, do to a motion: ghosts, parasites, chatter, drifts."""
 
-from __future__ import annotations
-
 from math import acosh, atan, cos, exp, log, pi, sin, sqrt
 
 from .prediction import BOUNDARY, CLOSED, MEASURED, ORDER

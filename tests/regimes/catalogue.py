@@ -1,7 +1,5 @@
 """All predictions, in the order of the page."""
 
-from __future__ import annotations
-
 from . import (
     beyond,
     chains,

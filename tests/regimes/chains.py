@@ -1,7 +1,5 @@
 """Chains (F1, S1, S3) and Henon and Heiles' model (H1, H2)."""
 
-from __future__ import annotations
-
 from functools import cache
 from math import inf, nan, pi, sin, sqrt
 

@@ -1,7 +1,5 @@
 """The double pendulum (D) and two coupled oscillators (O)."""
 
-from __future__ import annotations
-
 from math import log, pi, sqrt
 
 from .prediction import BOUNDARY, MEASURED

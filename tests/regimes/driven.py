@@ -1,7 +1,5 @@
 """Oscillators that are driven (A13, A14)."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import mpmath as mp

@@ -1,7 +1,5 @@
 """Euler's disk (X1), whose motion ends, and a throw through air (X2), whose force has a kink."""
 
-from __future__ import annotations
-
 import mpmath as mp
 
 from .shown import listed

@@ -1,7 +1,5 @@
 """Kepler's problem, mu = a = 1, from the pericentre (K1 to K6), and Arenstorf's orbit (K7)."""
 
-from __future__ import annotations
-
 from functools import cache
 from math import pi
 

@@ -1,7 +1,5 @@
 """Linear limits and phase (L1 to L14): the oscillator q'' = -q, y = h omega, and q'' = -q'."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import asin, atan, pi
 

@@ -1,7 +1,5 @@
 """What ends or bends a motion within a step: pulses, switches, peaks, singular times."""
 
-from __future__ import annotations
-
 from math import acos, asin, pi, sqrt
 
 from .shown import shown

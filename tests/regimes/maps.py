@@ -1,8 +1,6 @@
 """Steps as area-preserving maps: a pendulum that looks at rest, a separatrix that splits, a
 resonance 1:3 (A3 to A5)."""
 
-from __future__ import annotations
-
 from math import exp, pi, sqrt
 from math import log as ln
 

@@ -1,7 +1,5 @@
 """Limits and resonances as `pkgen stability` measures them, and one that is slow."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import mpmath as mp

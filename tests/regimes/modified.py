@@ -1,8 +1,6 @@
 """What the modified Hamiltonian of Verlet, H + h^2 (p V'' p/12 - |V'|^2/24) + O(h^4) (GNI IX.8),
 foretells (A1, A2, A6)."""
 
-from __future__ import annotations
-
 from math import cos, pi, sin, sqrt
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pendulum, bead on a hoop, Foucault's pendulum (P)."""
 
-from __future__ import annotations
-
 from math import atan2, degrees, pi, radians, sin, sqrt
 
 import mpmath as mp

@@ -7,8 +7,6 @@ at the head of the list of regimes: closed forms (V, C) within 1% or the digits 
 (B) within .1%, what was only measured (M) within its band or 20%.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A model of models/*.lag and a method of the runtime, step by step: probe.c through ctypes."""
 
-from __future__ import annotations
-
 import ctypes
 import hashlib
 import os

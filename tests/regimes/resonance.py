@@ -1,7 +1,5 @@
 """Nonlinear resonance of the step with the motion (N2 to N8), and misuse of a step."""
 
-from __future__ import annotations
-
 from math import pi, sqrt
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sums of many steps, and drifts that only many steps show."""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 from functools import cache

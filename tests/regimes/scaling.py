@@ -1,7 +1,5 @@
 """How errors scale with step, tolerance and eccentricity (A7 to A12)."""
 
-from __future__ import annotations
-
 from math import sin
 
 from .kepler import TURNED

@@ -9,8 +9,6 @@ EXPRESSION" is the exponent by which what is read, h in it, goes with it. Betwee
 at the first, true at the second. Both are infinite where the ends do not differ.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

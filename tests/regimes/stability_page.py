@@ -4,8 +4,6 @@ Each test that runs puts its own row in place, so that the long ones' stay when 
 measured again; text, order and predictions are the catalogue's.
 """
 
-from __future__ import annotations
-
 import fcntl
 import math
 import os

@@ -1,7 +1,5 @@
 """Stiff, fast and forced motions, and what methods make of a step that is long for them."""
 
-from __future__ import annotations
-
 from math import atan
 
 from .linear import axis_limit

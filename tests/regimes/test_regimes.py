@@ -1,7 +1,5 @@
 """Each prediction of the catalogue: met, and not met by the worse method or step beside it."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """Elastic pendulum (E) and tops (T)."""
 
-from __future__ import annotations
-
 from math import acos, cos, degrees, pi, sin, sqrt
 
 import mpmath as mp

@@ -1,7 +1,5 @@
 """What a step makes of orbits and waves, exactly."""
 
-from __future__ import annotations
-
 from math import asin
 
 from .shown import shown

@@ -1,8 +1,6 @@
 """The promises of docs/dev/compatibility.md: older texts mean the same, and a number goes
 with what it numbers."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -1,8 +1,6 @@
 """pkgen as its user has it: of a wheel, or of a Debian package, in a root with a C compiler and
 nothing else of ours, without GSL and without a network."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

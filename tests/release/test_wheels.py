@@ -1,7 +1,5 @@
 """The wheel of pkgen: the same bytes wherever and whenever it is built, and its bill."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

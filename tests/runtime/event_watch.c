@@ -20,9 +20,7 @@ void watch_set(struct watch *w, const struct pk_system *system, event_function *
 {
     memset(w, 0, sizeof *w);
     w->system = *system;
-    w->system.events.n = n;
-    w->system.events.table = w->declared;
-    w->system.events.values = g;
+    w->system.events = (struct pk_part_events){.n = n, .table = w->declared, .values = g};
     for (size_t k = 0; k < n; k++)
         w->declared[k] = one_event[0];
     fixture_set(&w->f, &w->system);
@@ -52,17 +50,15 @@ void watch_free(struct watch *w)
     pk_integrator_free(&w->f.it);
 }
 
-void at_zero(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-             pk_real *g)
+void at_zero(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = q[0];
 }
 
-void at_rest(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-             pk_real *g)
+void at_rest(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)q, (void)u;
+    UNUSED;
     g[0] = v[0];
 }
 

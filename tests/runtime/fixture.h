@@ -13,19 +13,26 @@
 
 #include "systems.h"
 
+enum { FIXTURE_N = 20 };
 struct fixture {
     struct pk_problem problem;
     struct test_params params;
     struct pk_options options;
     struct pk_integrator it;
-    double q0[3], v0[3];
-    double block[4096];
+    double q0[FIXTURE_N], v0[FIXTURE_N];
+    double block[1 << 16];
 };
 
-/* Defaults, start and options; then change what the test is about and call fixture_init(). */
+/* Defaults, start and options; then change what the test is about and call one of the next. */
 void fixture_set(struct fixture *f, const struct pk_system *system);
+/* By the options as they are. */
 enum pk_status fixture_init(struct fixture *f, const char *method);
-/* Both, and to t_end in steps of h (fixed) or at rtol = atol = h (adaptive). */
+/* By steps of h (fixed) or at rtol = atol = h (adaptive); with 0 by the options as they are. */
+enum pk_status fixture_begin(struct fixture *f, const char *method, double h);
+/* The same, which has to succeed; and all of a system's own. */
+void fixture_start(struct fixture *f, const char *method, double h);
+void fixture_open(struct fixture *f, const struct pk_system *system, const char *method, double h);
+/* And to t_end. */
 enum pk_status fixture_run(struct fixture *f, const struct pk_system *system, const char *method,
                            double h, double t_end);
 /* A reference: gauss8 at short steps, in (q, p), from a start to t. */
@@ -40,13 +47,15 @@ struct pk_system guarded_point(acceleration_function *acceleration,
                                void (*singularity)(const void *, pk_real, const pk_real *,
                                                    const pk_real *, const pk_real *, pk_real *));
 /* r'' = J^2/r^3, the radial equation of a free point: limit is J. */
-int radial_acceleration(const void *p, double t, const double *q, const double *v, const double *u,
-                        double *a);
+int radial_acceleration(ARGS, double *a);
 /* The singularity q[0]. */
-void first_coordinate(const void *p, double t, const double *q, const double *v, const double *u,
-                      double *out);
-/* Distance in (q, v), maximum norm. */
+void first_coordinate(ARGS, double *out);
+/* Distance to v, and to q without the integrals of states; maximum norm. */
 double fixture_distance(const struct fixture *f, const double *q, const double *v);
+struct pk_residuals fixture_residuals(const struct fixture *f);
+double fixture_energy(const struct fixture *f);
+/* The reason of the last status has this in it. */
+int says(const struct pk_integrator *it, const char *part);
 /* Least-squares slope of log y over log x. */
 double fit_slope(const double *x, const double *y, int count);
 /* Number i of the core's methods and then GSL's; NULL behind them. */
@@ -56,57 +65,31 @@ const struct pk_method *fixture_method(size_t i);
 double fixture_order(const struct pk_system *system, const struct pk_method *method, double t_end,
                      double rounding, double (*off)(const struct fixture *, const double *),
                      const double *exact);
+/* The same by the distance to a run of another method in so many steps. */
+double fixture_order_beside(const struct pk_system *system, const struct pk_method *method,
+                            double t_end, double rounding, const char *other, int steps);
 
-void add_tables(void);
-void add_switches(void);
-void add_switch_families(void);
-void add_order(void);
-void add_gauss(void);
-void add_dense(void);
-void add_memory(void);
-void add_memory_blocks(void);
-void add_keep(void);
-void add_faults(void);
-void add_geometry(void);
-void add_status(void);
-void add_silence(void);
-void add_control(void);
-void add_scale(void);
-void add_marks(void);
-void add_limits(void);
-void add_equilibria(void);
-void add_action(void);
-void add_particles(void);
-void add_diagnostics(void);
-void add_ensemble(void);
-void add_advance(void);
-void add_adaptive_verlet(void);
-void add_linear(void);
-void add_band(void);
-void add_singularity(void);
-void add_singularity_families(void);
-void add_singularity_cause(void);
-void add_after_failure(void);
-void add_events(void);
-void add_events_within(void);
-void add_events_found(void);
-void add_variation(void);
-void add_chaos(void);
-void add_spectrum(void);
-void add_branch(void);
-void add_implicit(void);
-void add_exponential(void);
-void add_linear_drag(void);
-void add_unread(void);
-void add_subsystems(void);
-void add_least_action(void);
-void add_states(void);
-void add_states_between(void);
-void add_rotation(void);
-void add_rotation_beside(void);
-void add_constraint(void);
-void add_constraint_told(void);
-void add_variational(void);
-void add_variational_end(void);
+/* What is asked of methods on groups and on constraints: variational methods first, then others of
+ * fixed step, then adaptive ones, GSL's too. */
+enum { BOUND_VARIATIONAL = 6, BOUND_FIXED = 13, BOUND_METHODS = 18, BOUND_GAUSS = 15 };
+extern const char *const bound_methods[BOUND_METHODS];
+
+/* A test, which main() runs: TEST("what it checks") and its body. The file is its suite. */
+struct test {
+    const char *file, *title;
+    void (*run)(void);
+    struct test *next;
+};
+void add_test(struct test *test);
+#define TEST(title) TEST_OF(title, __LINE__)
+#define TEST_OF(title, line) TEST_OF_LINE(title, line)
+#define TEST_OF_LINE(title, line)                                       \
+    static void test_##line(void);                                      \
+    __attribute__((constructor)) static void add_##line(void)           \
+    {                                                                   \
+        static struct test test = {__FILE__, title, test_##line, NULL}; \
+        add_test(&test);                                                \
+    }                                                                   \
+    static void test_##line(void)
 
 #endif

@@ -3,8 +3,6 @@
 Rows go to standard output, messages to standard error, the report where `report PATH` says.
 """
 
-from __future__ import annotations
-
 import array
 import sys
 from dataclasses import replace

@@ -155,7 +155,7 @@ msan-runtime:
 	        BUILD=$(BUILD) run-msan-runtime
 .PHONY: run-msan-runtime
 run-msan-runtime: $(RT_TESTS)/runtime
-	$< "" memory "memory of blocks" "dense output"
+	$< "" test_memory test_memory_blocks test_dense
 
 # libFuzzer over the runtime; emitted C is linked with the same library (tests/fuzz).
 RT_FUZZ = -w -O1 -g -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all

@@ -12,6 +12,10 @@ struct test_params {
     pk_real hoisted[40]; /* as many as a model's, of what depends on parameters alone */
 };
 
+/* The arguments of a kernel, and what says that it does not read them all. */
+#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
+#define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
+
 /* theta'' = -g sin theta, separable. */
 extern const struct pk_system pendulum_system;
 /* q'' = -g q. */

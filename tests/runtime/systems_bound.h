@@ -17,8 +17,6 @@
 
 #define G(params) (((const struct test_params *)(params))->g)
 #define LIMIT(params) (((const struct test_params *)(params))->limit)
-#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
-#define UNUSED (void)params, (void)t, (void)q, (void)v, (void)u
 
 enum { MOST_N = 20, MOST_C = 4, MOST_ALL = MOST_N + MOST_C };
 
@@ -170,6 +168,21 @@ static inline void constant_inertia(size_t n, const pk_real *masses, size_t coun
     for (size_t i = 0; i < n; i++)
         M[i * n + i] = i < count ? masses[i] : 1;
 }
+
+/* Unit masses at N coordinates. */
+#define UNIT_MASSES(NAME, N)                                          \
+    static void NAME##_inertia(ARGS, pk_real *M)                      \
+    {                                                                 \
+        UNUSED;                                                       \
+        constant_inertia(N, NULL, 0, M);                              \
+    }                                                                 \
+    static void NAME##_unconstrained(ARGS, pk_real *p, pk_real *pdot) \
+    {                                                                 \
+        memcpy(p, v, (N) * sizeof *p);                                \
+        NAME##_drift(params, t, q, v, u, pdot);                       \
+    }
+
+#define NAMED(x) {x, "", ""}
 
 static const struct pk_parameter bound_parameters[] = {
     {{"g", "", ""}, offsetof(struct test_params, g), 0, 1, 0},

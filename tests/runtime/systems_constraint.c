@@ -1,27 +1,16 @@
 /* Systems of systems.h with constraints of positions, of time too, and redundant ones. */
 #include "systems_bound.h"
 
-#define NAMED(x) {x, "", ""}
-
 /* A unit mass on a unit rod: the pendulum as a particle. */
 static const struct pk_quantity rod_names[] = {NAMED("x"), NAMED("y")};
 static const struct pk_quantity rod_constraints[] = {NAMED("lambda_rod")};
-static void rod_inertia(ARGS, pk_real *M)
-{
-    UNUSED;
-    constant_inertia(2, NULL, 0, M);
-}
 static void rod_drift(ARGS, pk_real *f)
 {
     UNUSED;
     f[0] = 0;
     f[1] = -G(params);
 }
-static void rod_unconstrained(ARGS, pk_real *p, pk_real *pdot)
-{
-    memcpy(p, v, 2 * sizeof *p);
-    rod_drift(params, t, q, v, u, pdot);
-}
+UNIT_MASSES(rod, 2)
 UNIT_ROD(rod)
 static pk_real rod_energy(ARGS)
 {
@@ -34,7 +23,7 @@ BOUND(rod, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
       .constraints.scale = rod_terms);
 
 /* On a circle through 0 about (-3 limit, -4 limit): the numbers of phi are beside small x and y. */
-static const struct pk_quantity circle_names[] = {NAMED("x"), NAMED("y")};
+#define circle_names rod_names
 #define ACROSS (3 * LIMIT(params))
 #define ALONG (4 * LIMIT(params))
 #define circle_inertia rod_inertia
@@ -66,7 +55,7 @@ static void circle_sizes(ARGS, pk_real *phi_size, pk_real *rate_size)
 }
 
 /* The same, said twice over. */
-static const struct pk_quantity twice_names[] = {NAMED("x"), NAMED("y")};
+#define twice_names rod_names
 static const struct pk_quantity twice_constraints[] = {NAMED("lambda_rod"), NAMED("lambda_again")};
 #define twice_inertia rod_inertia
 #define twice_drift rod_drift
@@ -97,22 +86,13 @@ BOUND(twice, 2, 2, 0, 2, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
 /* Two unit masses on unit rods: double_pendulum as particles. */
 static const struct pk_quantity rods_names[] = {NAMED("x1"), NAMED("y1"), NAMED("x2"), NAMED("y2")};
 static const struct pk_quantity rods_constraints[] = {NAMED("lambda_upper"), NAMED("lambda_lower")};
-static void rods_inertia(ARGS, pk_real *M)
-{
-    UNUSED;
-    constant_inertia(4, NULL, 0, M);
-}
 static void rods_drift(ARGS, pk_real *f)
 {
     UNUSED;
     f[0] = f[2] = 0;
     f[1] = f[3] = -G(params);
 }
-static void rods_unconstrained(ARGS, pk_real *p, pk_real *pdot)
-{
-    memcpy(p, v, 4 * sizeof *p);
-    rods_drift(params, t, q, v, u, pdot);
-}
+UNIT_MASSES(rods, 4)
 static void rods_constraint(ARGS, pk_real *phi)
 {
     const pk_real x = q[2] - q[0], y = q[3] - q[1];
@@ -148,23 +128,18 @@ BOUND(rods, 4, 4, 0, 2, BOUND_FACTS, PK_C(1.0), 0,
       .constraints.scale = rods_terms);
 
 /* A bead on a wire through the origin that turns by A(t) = t + .3 sin 2t, V = g r^2/2 + x^4/4. */
-static const struct pk_quantity wire_names[] = {NAMED("x"), NAMED("y")};
+#define wire_names rod_names
 static const struct pk_quantity wire_constraints[] = {NAMED("lambda_wire")};
 #define ANGLE (t + PK_C(0.3) * PK_F(sin)(2 * t))
 #define ANGLE_1 (1 + PK_C(0.6) * PK_F(cos)(2 * t))
 #define ANGLE_2 (-PK_C(1.2) * PK_F(sin)(2 * t))
-#define wire_inertia rod_inertia
 static void wire_drift(ARGS, pk_real *f)
 {
     UNUSED;
     f[0] = -G(params) * q[0] - q[0] * q[0] * q[0];
     f[1] = -G(params) * q[1];
 }
-static void wire_unconstrained(ARGS, pk_real *p, pk_real *pdot)
-{
-    memcpy(p, v, 2 * sizeof *p);
-    wire_drift(params, t, q, v, u, pdot);
-}
+UNIT_MASSES(wire, 2)
 static void wire_constraint(ARGS, pk_real *phi)
 {
     UNUSED;

@@ -12,8 +12,6 @@
 
 #define G(params) (((const struct test_params *)(params))->g)
 #define LIMIT(params) (((const struct test_params *)(params))->limit)
-#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
-#define UNUSED (void)params, (void)t, (void)q, (void)v, (void)u
 
 static void derive(void *params, const unsigned char *given) { (void)params, (void)given; }
 static int prepare(void *params) { return G(params) - G(params) == 0 && G(params) > 0 ? 0 : 1; }
@@ -144,6 +142,34 @@ static const unsigned char none_cyclic[] = {0, 0};
      PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH | PK_FAST)
 #define GENERAL (NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_SEPARABLE))
 #define DRIVEN (NATURAL & ~(unsigned)(PK_AUTONOMOUS | PK_CONSERVATIVE))
+
+/* M = 1 of N degrees of freedom: what follows from the force; and what from the jacobian, where
+ * nothing depends on the time. */
+#define UNIT_MASS(NAME, N)                                        \
+    static int NAME##_acceleration(ARGS, pk_real *a)              \
+    {                                                             \
+        NAME##_force(params, t, q, v, u, a);                      \
+        return 0;                                                 \
+    }                                                             \
+    static void NAME##_mass(ARGS, pk_real *M)                     \
+    {                                                             \
+        UNUSED;                                                   \
+        for (size_t i = 0; i < (N) * (N); i++)                    \
+            M[i] = i % ((N) + 1) == 0;                            \
+    }                                                             \
+    static void NAME##_canonical(ARGS, pk_real *p, pk_real *pdot) \
+    {                                                             \
+        memcpy(p, v, (N) * sizeof *p);                            \
+        NAME##_force(params, t, q, v, u, pdot);                   \
+    }
+#define LINEAR(NAME, N)                                                                         \
+    static void NAME##_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t) \
+    {                                                                                           \
+        pk_real p_q[(N) * (N)];                                                                 \
+        (void)a;                                                                                \
+        NAME##_jacobian(params, t, q, v, u, p_q, r_q, r_v);                                     \
+        memset(r_t, 0, (N) * sizeof *r_t);                                                      \
+    }
 
 /* One degree of freedom and M = 1: all kernels from V(q, t), the force, and its derivatives by q
  * and t. */

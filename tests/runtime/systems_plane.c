@@ -91,24 +91,8 @@ static void kepler_gradient(ARGS, pk_real *d)
     d[0] = -k * q[0];
     d[1] = -k * q[1];
 }
-static int kepler_acceleration(ARGS, pk_real *a)
-{
-    kepler_gradient(params, t, q, v, u, a);
-    return 0;
-}
 #define kepler_force kepler_gradient
-static void kepler_mass(ARGS, pk_real *M)
-{
-    UNUSED;
-    M[0] = M[3] = 1;
-    M[1] = M[2] = 0;
-}
-static void kepler_canonical(ARGS, pk_real *p, pk_real *pdot)
-{
-    p[0] = v[0];
-    p[1] = v[1];
-    kepler_gradient(params, t, q, v, u, pdot);
-}
+UNIT_MASS(kepler, 2)
 static void kepler_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
 {
     const pk_real r2 = q[0] * q[0] + q[1] * q[1], k = G(params) / (r2 * PK_F(sqrt)(r2));
@@ -118,13 +102,7 @@ static void kepler_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v
         pdot_q[i] = k * (3 * q[i / 2] * q[i % 2] / r2 - (i / 2 == i % 2 ? 1 : 0));
     }
 }
-static void kepler_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
-{
-    pk_real none[4];
-    (void)a;
-    kepler_jacobian(params, t, q, v, u, none, r_q, r_v);
-    r_t[0] = r_t[1] = 0;
-}
+LINEAR(kepler, 2)
 static pk_real kepler_energy(ARGS)
 {
     UNUSED;

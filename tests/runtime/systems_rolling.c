@@ -1,8 +1,6 @@
 /* Systems of systems.h that roll: constraints of the rates alone. */
 #include "systems_bound.h"
 
-#define NAMED(x) {x, "", ""}
-
 /* Chaplygin's sleigh: a knife's edge at (x, y), the centre of its unit mass `limit` ahead of it,
  * the moment about that g. */
 static const struct pk_quantity sleigh_names[] = {NAMED("x"), NAMED("y"), NAMED("theta")};

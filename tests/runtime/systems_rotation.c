@@ -25,12 +25,6 @@ static void torque_of(const pk_real *I, const pk_real *omega, const pk_real *add
     for (int i = 0; i < 3; i++)
         f[i] += added ? added[i] : 0;
 }
-static void unit_of(size_t n, size_t at, size_t count, pk_real *M)
-{
-    for (size_t i = at; i < at + count; i++)
-        M[i * n + i] = 1;
-}
-
 /* A body free to turn, I = (1, 2, 3). */
 static const pk_real free_I[] = {PK_C(1.0), PK_C(2.0), PK_C(3.0)};
 static const struct pk_quantity free_body_names[] = {OMEGA("R"), QUATERNION("R")};
@@ -39,9 +33,7 @@ static const struct pk_quantity free_body_names[] = {OMEGA("R"), QUATERNION("R")
 static void free_body_inertia(ARGS, pk_real *M)
 {
     UNUSED;
-    memset(M, 0, 49 * sizeof *M);
-    inertia_of(7, free_I, 0, M);
-    unit_of(7, 3, 4, M);
+    constant_inertia(7, free_I, 3, M);
 }
 static void free_body_drift(ARGS, pk_real *f)
 {
@@ -71,9 +63,7 @@ static const struct pk_quantity metered_names[] = {OMEGA("R"), QUATERNION("R"), 
 static void metered_inertia(ARGS, pk_real *M)
 {
     UNUSED;
-    memset(M, 0, 64 * sizeof *M);
-    inertia_of(8, free_I, 0, M);
-    unit_of(8, 3, 5, M);
+    constant_inertia(8, free_I, 3, M);
 }
 static void metered_drift(ARGS, pk_real *f)
 {
@@ -98,9 +88,7 @@ static const struct pk_quantity top_names[] = {OMEGA("R"), QUATERNION("R")};
 static void top_inertia(ARGS, pk_real *M)
 {
     UNUSED;
-    memset(M, 0, 49 * sizeof *M);
-    inertia_of(7, top_I, 0, M);
-    unit_of(7, 3, 4, M);
+    constant_inertia(7, top_I, 3, M);
 }
 static void top_drift(ARGS, pk_real *f)
 {
@@ -139,10 +127,8 @@ static const struct pk_quantity bodies_names[] = {OMEGA("A"), OMEGA("B"), QUATER
 static void bodies_inertia(ARGS, pk_real *M)
 {
     UNUSED;
-    memset(M, 0, 196 * sizeof *M);
-    inertia_of(14, free_I, 0, M);
+    constant_inertia(14, free_I, 3, M);
     inertia_of(14, second_I, 3, M);
-    unit_of(14, 6, 8, M);
 }
 static void bodies_drift(ARGS, pk_real *f)
 {
@@ -206,12 +192,10 @@ static void carriage_inertia(ARGS, pk_real *M)
     pk_real k[3], arm[3];
     UNUSED;
     carriage_arm(v, k, arm);
-    memset(M, 0, 64 * sizeof *M);
-    M[0] = carriage_m;
+    constant_inertia(8, &carriage_m, 1, M);
     inertia_of(8, free_I, 1, M);
     for (size_t i = 0; i < 3; i++)
         M[1 + i] = M[(1 + i) * 8] = carriage_m * arm[i];
-    unit_of(8, 4, 4, M);
 }
 static void carriage_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {

@@ -10,23 +10,7 @@ static void brusselator_force(ARGS, pk_real *f)
     f[0] = 1 + v[0] * v[0] * v[1] - 4 * v[0];
     f[1] = 3 * v[0] - v[0] * v[0] * v[1];
 }
-static int brusselator_acceleration(ARGS, pk_real *a)
-{
-    brusselator_force(params, t, q, v, u, a);
-    return 0;
-}
-static void brusselator_mass(ARGS, pk_real *M)
-{
-    UNUSED;
-    M[0] = M[3] = 1;
-    M[1] = M[2] = 0;
-}
-static void brusselator_canonical(ARGS, pk_real *p, pk_real *pdot)
-{
-    p[0] = v[0];
-    p[1] = v[1];
-    brusselator_force(params, t, q, v, u, pdot);
-}
+UNIT_MASS(brusselator, 2)
 static void brusselator_gradient(ARGS, pk_real *d)
 {
     UNUSED;
@@ -42,13 +26,7 @@ static void brusselator_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *p
     pdot_v[2] = 3 - 2 * v[0] * v[1];
     pdot_v[3] = -v[0] * v[0];
 }
-static void brusselator_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
-{
-    pk_real p_q[4];
-    (void)a;
-    brusselator_jacobian(params, t, q, v, u, p_q, r_q, r_v);
-    r_t[0] = r_t[1] = 0;
-}
+LINEAR(brusselator, 2)
 #define brusselator_energy NULL
 SIZES(brusselator, 2, 0)
 #undef PK_MODEL
@@ -66,18 +44,7 @@ static void maxwell_force(ARGS, pk_real *f)
     f[0] = -G(params) * PK_F(sin)(q[0]) - v[1];
     f[1] = v[0] - v[1];
 }
-static int maxwell_acceleration(ARGS, pk_real *a)
-{
-    maxwell_force(params, t, q, v, u, a);
-    return 0;
-}
-static void maxwell_mass(ARGS, pk_real *M) { brusselator_mass(params, t, q, v, u, M); }
-static void maxwell_canonical(ARGS, pk_real *p, pk_real *pdot)
-{
-    p[0] = v[0];
-    p[1] = v[1];
-    maxwell_force(params, t, q, v, u, pdot);
-}
+UNIT_MASS(maxwell, 2)
 static void maxwell_gradient(ARGS, pk_real *d)
 {
     UNUSED;
@@ -93,13 +60,7 @@ static void maxwell_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_
     pdot_v[1] = pdot_v[3] = -1;
     pdot_v[2] = 1;
 }
-static void maxwell_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
-{
-    pk_real p_q[4];
-    (void)a;
-    maxwell_jacobian(params, t, q, v, u, p_q, r_q, r_v);
-    r_t[0] = r_t[1] = 0;
-}
+LINEAR(maxwell, 2)
 static pk_real maxwell_energy(ARGS)
 {
     UNUSED;
@@ -121,17 +82,7 @@ static void turning_force(ARGS, pk_real *f)
     f[0] = G(params) / (q[0] * q[0] * q[0]) - 1 / (q[0] * q[0]);
     f[1] = PK_F(sqrt)(G(params)) / (q[0] * q[0]);
 }
-static int turning_acceleration(ARGS, pk_real *a)
-{
-    turning_force(params, t, q, v, u, a);
-    return 0;
-}
-static void turning_mass(ARGS, pk_real *M) { brusselator_mass(params, t, q, v, u, M); }
-static void turning_canonical(ARGS, pk_real *p, pk_real *pdot)
-{
-    memcpy(p, v, 2 * sizeof *p);
-    turning_force(params, t, q, v, u, pdot);
-}
+UNIT_MASS(turning, 2)
 static void turning_gradient(ARGS, pk_real *d)
 {
     turning_force(params, t, q, v, u, d);
@@ -145,13 +96,7 @@ static void turning_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_
     pdot_q[0] = 2 / (q[0] * q[0] * q[0]) - 3 * G(params) / (q[0] * q[0] * q[0] * q[0]);
     pdot_q[2] = -2 * PK_F(sqrt)(G(params)) / (q[0] * q[0] * q[0]);
 }
-static void turning_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
-{
-    pk_real p_q[4];
-    (void)a;
-    turning_jacobian(params, t, q, v, u, p_q, r_q, r_v);
-    r_t[0] = r_t[1] = 0;
-}
+LINEAR(turning, 2)
 static pk_real turning_energy(ARGS)
 {
     UNUSED;

@@ -10,21 +10,7 @@ static void van_der_pol_force(ARGS, pk_real *f)
     UNUSED;
     f[0] = G(params) * (1 - q[0] * q[0]) * v[0] - q[0];
 }
-static int van_der_pol_acceleration(ARGS, pk_real *a)
-{
-    van_der_pol_force(params, t, q, v, u, a);
-    return 0;
-}
-static void van_der_pol_mass(ARGS, pk_real *M)
-{
-    UNUSED;
-    M[0] = 1;
-}
-static void van_der_pol_canonical(ARGS, pk_real *p, pk_real *pdot)
-{
-    p[0] = v[0];
-    van_der_pol_force(params, t, q, v, u, pdot);
-}
+UNIT_MASS(van_der_pol, 1)
 static void van_der_pol_gradient(ARGS, pk_real *d)
 {
     UNUSED;
@@ -57,23 +43,7 @@ static void damped_force(ARGS, pk_real *f)
     f[0] = pull - PK_F(sin)(q[0]);
     f[1] = -pull;
 }
-static int damped_acceleration(ARGS, pk_real *a)
-{
-    damped_force(params, t, q, v, u, a);
-    return 0;
-}
-static void damped_mass(ARGS, pk_real *M)
-{
-    UNUSED;
-    M[0] = M[3] = 1;
-    M[1] = M[2] = 0;
-}
-static void damped_canonical(ARGS, pk_real *p, pk_real *pdot)
-{
-    p[0] = v[0];
-    p[1] = v[1];
-    damped_force(params, t, q, v, u, pdot);
-}
+UNIT_MASS(damped, 2)
 static void damped_gradient(ARGS, pk_real *d)
 {
     UNUSED;

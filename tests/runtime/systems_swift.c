@@ -4,8 +4,6 @@
  */
 #include "systems_bound.h"
 
-#define NAMED(x) {x, "", ""}
-
 static const struct pk_quantity swift_names[] = {NAMED("x"), NAMED("y")};
 static const struct pk_quantity swift_constraints[] = {NAMED("lambda_rod")};
 static pk_real gamma_of(const pk_real *v) { return 1 / PK_F(sqrt)(1 - v[0] * v[0] - v[1] * v[1]); }

@@ -49,7 +49,7 @@ static void swings(const struct pk_system *system)
 }
 
 /* Published: periods over that of small swings, and of m = .5 the action and the frequency. */
-static void pendulum_swings(void)
+TEST("a swinging pendulum by elliptic integrals")
 {
     static const double period[][2] = {
         {90, 1.1803405990}, {170, 2.4393627197}, {179, 3.9010651604}, {179.9, 5.3668671090}};
@@ -76,27 +76,24 @@ static void turns(const struct pk_system *system, double extra)
         }
 }
 
-static void pendulum_turns(void) { turns(&pendulum_system, 0); }
+TEST("a turning pendulum") { turns(&pendulum_system, 0); }
 
 /* The same pendulum in another coordinate, its angle is Q = q + sin(q)/2; and with a term b(q) v in
  * L that changes no motion: the action of what turns has its mean. */
-static void bent_mass(const void *params, double t, const double *q, const double *v,
-                      const double *u, double *M)
+static void bent_mass(ARGS, double *M)
 {
-    (void)params, (void)t, (void)v, (void)u;
+    UNUSED;
     M[0] = (1 + cos(q[0]) / 2) * (1 + cos(q[0]) / 2);
 }
 
-static void bent_gradient(const void *params, double t, const double *q, const double *v,
-                          const double *u, double *d)
+static void bent_gradient(ARGS, double *d)
 {
-    (void)params, (void)t, (void)u;
+    UNUSED;
     CU_ASSERT_FATAL(!(v[0] < 0 || v[0] > 0)); /* at rest alone it is -dW/dq */
     d[0] = -sin(q[0] + sin(q[0]) / 2) * (1 + cos(q[0]) / 2);
 }
 
-static void bent_canonical(const void *params, double t, const double *q, const double *v,
-                           const double *u, double *p, double *pdot)
+static void bent_canonical(ARGS, double *p, double *pdot)
 {
     double M;
     bent_mass(params, t, q, v, u, &M);
@@ -113,7 +110,7 @@ static struct pk_system bent(void)
     return system;
 }
 
-static void in_another_coordinate(void)
+TEST("the same in another coordinate")
 {
     const struct pk_system system = bent();
     for (double q = 0.2; q < 3; q += 0.2) {
@@ -133,7 +130,7 @@ static void in_another_coordinate(void)
     }
 }
 
-static void others(void)
+TEST("an oscillator, and Kepler's radius")
 {
     /* The oscillator: J = h/omega. */
     const struct action a = found_of(&oscillator_system, 0.7, 0.2);
@@ -154,7 +151,7 @@ static void others(void)
     CU_ASSERT(near(k.action, sqrt(semi) - sqrt(0.75), 1e-12));
 }
 
-static void without(void)
+TEST("motions that have none")
 {
     CU_ASSERT(found_of(&pendulum_system, 0, 0).orbit == EQUILIBRIUM);
     CU_ASSERT(found_of(&pendulum_system, PI, 0).orbit == EQUILIBRIUM);
@@ -179,14 +176,4 @@ static void without(void)
     }
     for (int k = 0; k < ORBIT_COUNT; k++)
         CU_ASSERT(strlen(orbit_text((enum orbit)k)) > 5);
-}
-
-void add_action(void)
-{
-    CU_pSuite suite = CU_add_suite("action and period", NULL, NULL);
-    CU_add_test(suite, "a swinging pendulum by elliptic integrals", pendulum_swings);
-    CU_add_test(suite, "a turning pendulum", pendulum_turns);
-    CU_add_test(suite, "the same in another coordinate", in_another_coordinate);
-    CU_add_test(suite, "an oscillator, and Kepler's radius", others);
-    CU_add_test(suite, "motions that have none", without);
 }

@@ -4,46 +4,47 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 static const char name[] = "adaptive_verlet";
 
 /* Kepler, mu = a = 1, from pericentre, first step x r^1.5. */
-static void kepler_set(struct fixture *f, double e, double x)
+static void kepler_set(struct fixture *one, double e, double x)
 {
-    fixture_set(f, &kepler_system);
-    f->q0[0] = 1 - e, f->q0[1] = 0;
-    f->v0[0] = 0, f->v0[1] = sqrt((1 + e) / (1 - e));
-    f->options.h = x * pow(1 - e, 1.5);
+    fixture_set(one, &kepler_system);
+    one->q0[0] = 1 - e, one->q0[1] = 0;
+    one->v0[0] = 0, one->v0[1] = sqrt((1 + e) / (1 - e));
+    one->options.h = x * pow(1 - e, 1.5);
 }
 
-static double energy_error(const struct fixture *f, double e)
+static double energy_error(double e)
 {
-    const struct pk_system *system = f->problem.system;
+    const struct pk_system *system = f.problem.system;
     (void)e;
-    return fabs(system->energy(&f->params, 0, f->it.q, f->it.v, NULL) + 0.5);
+    return fabs(system->energy(&f.params, 0, f.it.q, f.it.v, NULL) + 0.5);
 }
 
 /* e = .8, h = .05 r^1.5: within .0014318, to the digits given after 10 and 100 orbits; Verlet whose
  * step is .05 r^1.5 of where it is drifts .0034 and .0138. */
-static void energy_stays(void)
+TEST("energy stays")
 {
-    static struct fixture f;
     for (int orbits = 10; orbits <= 100; orbits *= 10) {
         const double end = 2 * acos(-1) * orbits;
         double worst = 0, naive = 0;
         kepler_set(&f, 0.8, 0.05);
-        CU_ASSERT_FATAL(fixture_init(&f, name) == PK_DONE);
+        fixture_start(&f, name, 0);
         while (f.it.t < end) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 2 * end) == PK_DONE);
-            worst = fmax(worst, energy_error(&f, 0.8));
+            worst = fmax(worst, energy_error(0.8));
         }
         const unsigned long steps = f.it.count.steps;
         kepler_set(&f, 0.8, 0.05);
-        CU_ASSERT_FATAL(fixture_init(&f, "verlet") == PK_DONE);
+        fixture_start(&f, "verlet", 0);
         while (f.it.t < end) {
             const double r = hypot(f.it.q[0], f.it.q[1]);
             pk_integrator_set_step(&f.it, 0.05 * pow(r, 1.5));
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 2 * end) == PK_DONE);
-            naive = energy_error(&f, 0.8);
+            naive = energy_error(0.8);
         }
         printf("\n    %d orbits: %lu steps, energy within %.7f, naive %.4f in %lu", orbits, steps,
                worst, naive, f.it.count.steps);
@@ -53,11 +54,10 @@ static void energy_stays(void)
 }
 
 /* Forth and back over the same points, also where it stopped and looked aside on the way. */
-static void way_back(void)
+TEST("the way back")
 {
-    static struct fixture f;
     kepler_set(&f, 0.8, 0.05);
-    CU_ASSERT_FATAL(fixture_init(&f, name) == PK_DONE);
+    fixture_start(&f, name, 0);
     for (int i = 0; i < 600; i++) {
         double q[2], v[2];
         CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
@@ -75,14 +75,14 @@ static void way_back(void)
 
 /* Rows at any times, by landing or dense output: the sequence of steps is the same, and rows are
  * as accurate as steps. */
-static void aside(void)
+TEST("rows leave the steps as they are")
 {
     static struct fixture plain, landed, exact;
     double worst = 0, q[2], v[2];
     kepler_set(&plain, 0.5, 0.05);
-    CU_ASSERT_FATAL(fixture_init(&plain, name) == PK_DONE);
+    fixture_start(&plain, name, 0);
     kepler_set(&landed, 0.5, 0.05);
-    CU_ASSERT_FATAL(fixture_init(&landed, name) == PK_DONE);
+    fixture_start(&landed, name, 0);
     for (int row = 1; row <= 50; row++) {
         const double t = 0.237 * row;
         CU_ASSERT(pk_integrator_to(&landed.it, t) == PK_DONE && landed.it.t == t);
@@ -103,30 +103,26 @@ static void aside(void)
 }
 
 /* Without a step the tolerance is that of the local frequency. */
-static void by_tolerance(void)
+TEST("by tolerance")
 {
-    static struct fixture f;
     fixture_set(&f, &oscillator_system);
     f.options.rtol = 1e-4;
-    CU_ASSERT_FATAL(fixture_init(&f, name) == PK_DONE);
+    fixture_start(&f, name, 0);
     CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
     CU_ASSERT(fabs(f.it.t - sqrt(24e-4)) < 1e-14);
     const double frequency = 2 * asin(f.it.t / 2) / f.it.t;
     CU_ASSERT(fabs((frequency - 1) / 1e-4 - 1) < 0.01);
 }
 
-static void cannot_follow(void)
+TEST("what it cannot follow")
 {
-    static struct fixture f;
-    char text[300];
     fixture_set(&f, &pendulum_system); /* da/dq = -g cos q passes 0 */
     f.options.h = 0.05;
-    CU_ASSERT_FATAL(fixture_init(&f, name) == PK_DONE);
+    fixture_start(&f, name, 0);
     CU_ASSERT(pk_integrator_to(&f.it, 100) == PK_STEP_UNDERFLOW);
-    pk_integrator_reason(&f.it, text, sizeof text);
-    CU_ASSERT(strstr(text, "a largest step") != NULL && f.it.t > 1 && f.it.t < 10);
+    CU_ASSERT(says(&f.it, "a largest step") && f.it.t > 1 && f.it.t < 10);
     f.options.h_max = 0.1;
-    CU_ASSERT_FATAL(fixture_init(&f, name) == PK_DONE);
+    fixture_start(&f, name, 0);
     CU_ASSERT(pk_integrator_to(&f.it, 100) == PK_DONE);
     CU_ASSERT(f.it.count.steps > 1000 && f.it.count.steps < 2400); /* between h and h_max */
 
@@ -137,14 +133,4 @@ static void cannot_follow(void)
     CU_ASSERT(fixture_init(&f, name) == PK_DONE); /* cos(pi/2) is 6e-17 in double */
     CU_ASSERT(pk_integrator_to(&f.it, 100) == PK_STEP_UNDERFLOW);
     CU_ASSERT(fixture_run(&f, &driven_system, name, 1e-4, 1) == PK_REFUSED);
-}
-
-void add_adaptive_verlet(void)
-{
-    CU_pSuite suite = CU_add_suite("adaptive Verlet", NULL, NULL);
-    CU_add_test(suite, "energy stays", energy_stays);
-    CU_add_test(suite, "the way back", way_back);
-    CU_add_test(suite, "rows leave the steps as they are", aside);
-    CU_add_test(suite, "by tolerance", by_tolerance);
-    CU_add_test(suite, "what it cannot follow", cannot_follow);
 }

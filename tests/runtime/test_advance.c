@@ -4,6 +4,8 @@
 #include <pk/step/state.h>
 #include "fixture.h"
 
+static struct fixture f;
+
 static const struct pk_system *fused_of;
 static unsigned long fused_steps; /* made in all, those undone as well */
 
@@ -26,7 +28,7 @@ static void advance(const void *params, int stages, const pk_real *kick, const p
 }
 
 /* To t_end by steps of 1e-3, at most max_steps (0: any number), fused or one by one. */
-static enum pk_status run(struct fixture *f, const struct pk_system *system, const char *method,
+static enum pk_status run(struct fixture *one, const struct pk_system *system, const char *method,
                           int fused, unsigned long max_steps, double t_end)
 {
     static struct pk_system own;
@@ -34,14 +36,14 @@ static enum pk_status run(struct fixture *f, const struct pk_system *system, con
     own.families.advance = fused ? advance : NULL;
     fused_of = system;
     fused_steps = 0;
-    fixture_set(f, &own);
-    f->options.h = 1e-3;
-    f->options.max_steps = max_steps;
-    fixture_init(f, method);
-    return pk_integrator_steps(&f->it, t_end, 0);
+    fixture_set(one, &own);
+    one->options.h = 1e-3;
+    one->options.max_steps = max_steps;
+    fixture_init(one, method);
+    return pk_integrator_steps(&one->it, t_end, 0);
 }
 
-static void as_single_steps(void)
+TEST("as single steps")
 {
     static const char *const methods[] = {"symplectic_euler", "verlet", "yoshida4", "kahan_li8",
                                           "blanes_moan6"};
@@ -63,11 +65,10 @@ static void as_single_steps(void)
 }
 
 /* Rows are ten steps apart, up to rounding of the time: no step is left over, none goes back. */
-static void row_after_row(void)
+TEST("row after row")
 {
     static const double steps[] = {0.01, 0.1, 0.02}, rows[] = {0.1, 0.7, 0.3};
     static const unsigned long each[] = {10, 7, 15};
-    static struct fixture f;
     static struct pk_system own;
     own = driven_system;
     own.families.advance = advance;
@@ -84,15 +85,14 @@ static void row_after_row(void)
     }
 }
 
-static void no_more_steps_than_allowed(void)
+TEST("no more than allowed")
 {
-    static struct fixture f;
     CU_ASSERT(run(&f, &driven_system, "verlet", 1, 700, 3) == PK_TOO_MANY_STEPS);
     CU_ASSERT(f.it.count.steps == 700 && fabs(f.it.t - 0.7) < 1e-12);
 }
 
 /* Not a number after t = 1.25: the 1250 valid steps are found by bisection. */
-static void the_step_that_fails(void)
+TEST("the step that fails")
 {
     static struct fixture one, all;
     CU_ASSERT(run(&one, &broken_system, "verlet", 0, 0, 3) == PK_NOT_FINITE);
@@ -100,13 +100,4 @@ static void the_step_that_fails(void)
     CU_ASSERT(one.it.t == all.it.t && fabs(all.it.t - 1.25) < 1e-12);
     CU_ASSERT(fixture_distance(&all, one.it.q, one.it.v) < 1e-12);
     CU_ASSERT(fused_steps > 3000 && fused_steps < 60000);
-}
-
-void add_advance(void)
-{
-    CU_pSuite suite = CU_add_suite("fused steps", NULL, NULL);
-    CU_add_test(suite, "as single steps", as_single_steps);
-    CU_add_test(suite, "row after row", row_after_row);
-    CU_add_test(suite, "no more than allowed", no_more_steps_than_allowed);
-    CU_add_test(suite, "the step that fails", the_step_that_fails);
 }

@@ -3,15 +3,14 @@
  */
 #include "fixture.h"
 
-static void no_dense_output(void)
+static struct fixture f;
+
+TEST("no dense output")
 {
-    static struct fixture f;
     static const char *const names[] = {"dopri5", "dop853", "gauss"};
     for (int i = 0; i < 3; i++) {
         double q, v;
-        fixture_set(&f, &folded_system);
-        CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
-        CU_ASSERT(pk_integrator_to(&f.it, 0.5) == PK_DONE);
+        CU_ASSERT(fixture_run(&f, &folded_system, names[i], 0, 0.5) == PK_DONE);
         const double inside = (f.it.last_t + f.it.t) / 2;
         CU_ASSERT(pk_integrator_dense(&f.it, inside, &q, &v) == PK_DONE && q > f.q0[0]);
         const enum pk_status status = pk_integrator_to(&f.it, 10);
@@ -26,9 +25,9 @@ static void no_dense_output(void)
 }
 
 /* `broken` is no number from t = 1.25 on: a step over it fails, a shorter one up to it does not. */
-static void going_on(void)
+TEST("going on")
 {
-    static struct fixture f, fresh;
+    static struct fixture fresh;
     static const char *const names[] = {"verlet", "yoshida4", "rk4",   "gauss2",   "gauss8",
                                         "dopri5", "dop853",   "gauss", "gsl_rk8pd"};
     for (int i = 0; i < 9; i++) {
@@ -37,7 +36,7 @@ static void going_on(void)
         f.params.limit = 1.25;
         f.options.h = adaptive ? 0 : 0.2;
         f.options.atol = f.options.rtol;
-        CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+        fixture_start(&f, names[i], 0);
         CU_ASSERT(pk_integrator_to(&f.it, 2) < 0 && f.it.t > 0.5);
         fixture_set(&fresh, &broken_system);
         fresh.params.limit = 1.25;
@@ -58,11 +57,4 @@ static void going_on(void)
         pk_integrator_free(&f.it);
         pk_integrator_free(&fresh.it);
     }
-}
-
-void add_after_failure(void)
-{
-    CU_pSuite suite = CU_add_suite("after a failure", NULL, NULL);
-    CU_add_test(suite, "no dense output", no_dense_output);
-    CU_add_test(suite, "going on", going_on);
 }

@@ -71,7 +71,7 @@ static double solved(struct pk_band *b, double *error)
     return residual(dense, m, x, right);
 }
 
-static void random_matrices(void)
+TEST("as dense LU")
 {
     double worst = 0, error = 0;
     for (seed = 1; seed < 400; seed++) {
@@ -93,7 +93,7 @@ static void random_matrices(void)
 
 /* Springs in a ring, of which the last mass is the border: free, the band is a chain's with nothing
  * that holds it, but for a little. And rows of zeros on the diagonal, as multipliers have. */
-static void band_alone_is_singular(void)
+TEST("the band alone is singular")
 {
     double error = 0;
     for (int little = 0; little < 3; little++) {
@@ -127,7 +127,7 @@ static void band_alone_is_singular(void)
     CU_ASSERT(error < 1e-9);
 }
 
-static void units_do_not_matter(void)
+TEST("units do not matter")
 {
     double error = 0;
     struct pk_band b = shape(30, 2, 1, 2);
@@ -143,7 +143,7 @@ static void units_do_not_matter(void)
 
 /* Masses that share inertia, the last ones with all; among them rows of what is no coordinate, with
  * negative pivots. */
-static void definite(void)
+TEST("positive definite ones")
 {
     double worst = 0;
     for (seed = 1; seed < 200; seed++) {
@@ -179,7 +179,7 @@ static void definite(void)
     CU_ASSERT(worst > 0 && worst < 1e-14);
 }
 
-static void singular(void)
+TEST("singular matrices")
 {
     for (size_t column = 0; column < 12; column += 11) {
         struct pk_band b = shape(10, 1, 1, 2);
@@ -193,14 +193,4 @@ static void singular(void)
     for (size_t i = 0; i < 10; i++)
         set(&b, i, i, i == 4 ? (double)NAN : 1);
     CU_ASSERT(!pk_band_factor(&b));
-}
-
-void add_band(void)
-{
-    CU_pSuite suite = CU_add_suite("bands", NULL, NULL);
-    CU_add_test(suite, "as dense LU", random_matrices);
-    CU_add_test(suite, "the band alone is singular", band_alone_is_singular);
-    CU_add_test(suite, "units do not matter", units_do_not_matter);
-    CU_add_test(suite, "positive definite ones", definite);
-    CU_add_test(suite, "singular matrices", singular);
 }

@@ -6,10 +6,12 @@
 
 #include "implicit/gauss.h"
 
-static const char *reason(const struct fixture *f)
+static struct fixture f;
+
+static const char *reason(void)
 {
     static char text[400];
-    CU_ASSERT(pk_integrator_reason(&f->it, text, sizeof text) > 0);
+    CU_ASSERT(pk_integrator_reason(&f.it, text, sizeof text) > 0);
     return text;
 }
 
@@ -43,25 +45,24 @@ static int roots(double q0, double v0, double h, double *root)
 }
 
 /* One step of gauss1 from that guess of V: its status, and the y at which it ended. */
-static enum pk_status from_guess(struct fixture *f, double q0, double v0, double h, double *y)
+static enum pk_status from_guess(double q0, double v0, double h, double *y)
 {
-    fixture_set(f, &pendulum_system);
-    f->q0[0] = q0;
-    f->v0[0] = v0;
-    f->options.h = h;
-    CU_ASSERT_FATAL(fixture_init(f, "gauss1") == PK_DONE);
-    struct pk_gauss_work w = pk_gauss_parts(&f->it);
-    f->it.own->h = h;
-    pk_gauss_set_step(&f->it, &w, h);
+    fixture_set(&f, &pendulum_system);
+    f.q0[0] = q0;
+    f.v0[0] = v0;
+    fixture_start(&f, "gauss1", h);
+    struct pk_gauss_work w = pk_gauss_parts(&f.it);
+    f.it.own->h = h;
+    pk_gauss_set_step(&f.it, &w, h);
     w.V[0] = (*y - q0) * 2 / h;
-    const enum pk_status status = f->it.status = pk_gauss_solve(&f->it, &w);
+    const enum pk_status status = f.it.status = pk_gauss_solve(&f.it, &w);
     *y = w.Q[0];
     return status;
 }
 
 /* Every root satisfies the equations; from each the one of short steps is found, or it is said that
  * this one does not come so far. */
-static void all_roots(void)
+TEST("all roots of the midpoint rule")
 {
     static const struct {
         double q0, v0, h;
@@ -72,14 +73,13 @@ static void all_roots(void)
                 {1.2, 0, 6, 5, 2},
                 {-1.7, 0.4, 6, 5, 2},
                 {2.385, 0.13, 1.9, 1, 0}};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double root[9];
         const int count = roots(rows[k].q0, rows[k].v0, rows[k].h, root);
         CU_ASSERT(count == rows[k].roots);
         for (int i = 0; i < count; i++) {
             double y = root[i];
-            const enum pk_status status = from_guess(&f, rows[k].q0, rows[k].v0, rows[k].h, &y);
+            const enum pk_status status = from_guess(rows[k].q0, rows[k].v0, rows[k].h, &y);
             if (rows[k].right < 0) {
                 CU_ASSERT(status == PK_AMBIGUOUS_STEP);
                 CU_ASSERT(fabs(f.it.reason.value - 2) < 2e-3); /* where the solutions part */
@@ -92,18 +92,16 @@ static void all_roots(void)
 }
 
 /* The same by whole runs; the reason says how long a step may be. */
-static void upright(void)
+TEST("upright: L14")
 {
-    static struct fixture f;
     fixture_set(&f, &pendulum_system);
     f.q0[0] = acos(-1);
     f.v0[0] = 0;
-    f.options.h = 6;
-    CU_ASSERT_FATAL(fixture_init(&f, "gauss1") == PK_DONE);
+    fixture_start(&f, "gauss1", 6);
     CU_ASSERT(pk_integrator_to(&f.it, 12) == PK_AMBIGUOUS_STEP && f.it.t == 0);
     CU_ASSERT(f.it.q[0] == f.q0[0] && f.it.v[0] == 0);
-    CU_ASSERT(strstr(reason(&f), "several solutions") && strstr(reason(&f), "not to 6:"));
-    printf("\n    %s", reason(&f));
+    CU_ASSERT(says(&f.it, "several solutions") && says(&f.it, "not to 6:"));
+    printf("\n    %s", reason());
     for (int above = 0; above < 2; above++) {
         pk_integrator_reset(&f.it, 0, f.q0, f.v0);
         pk_integrator_set_step(&f.it, above ? 2.002 : 1.998);
@@ -114,33 +112,30 @@ static void upright(void)
     fixture_set(&f, &double_pendulum_system);
     f.q0[0] = f.q0[1] = acos(-1);
     f.v0[0] = f.v0[1] = 0;
-    f.options.h = 0.9;
-    CU_ASSERT_FATAL(fixture_init(&f, "gauss1") == PK_DONE);
+    fixture_start(&f, "gauss1", 0.9);
     CU_ASSERT(pk_integrator_to(&f.it, 9) == PK_AMBIGUOUS_STEP);
     CU_ASSERT(fabs(f.it.reason.value - 2 / 5.7873512980) < 4e-4);
     /* An adaptive method cuts its step instead. gamma of A, 3 stages, is .27489: h < 3.6378. */
     fixture_set(&f, &pendulum_system);
     f.q0[0] = acos(-1);
     f.v0[0] = 0;
-    CU_ASSERT_FATAL(fixture_init(&f, "radau") == PK_DONE);
+    fixture_start(&f, "radau", 0);
     double longest = 0;
     while (f.it.t < 40) {
         CU_ASSERT_FATAL(pk_integrator_step(&f.it, 40) == PK_DONE);
         longest = fmax(longest, f.it.t - f.it.last_t);
     }
     CU_ASSERT(longest > 1 && longest < 3.6378);
-    f.options.h = 4;
-    CU_ASSERT_FATAL(fixture_init(&f, "radau5") == PK_DONE);
+    fixture_start(&f, "radau5", 4);
     CU_ASSERT(pk_integrator_to(&f.it, 8) == PK_AMBIGUOUS_STEP);
     CU_ASSERT(fabs(f.it.reason.value - 3.6378342) < 4e-3);
 }
 
 /* Stiffness without a second solution is not stopped, and costs little: the matrix stays. */
-static void convex(void)
+TEST("convex stiffness")
 {
     static const char *const names[] = {"gauss1", "gauss2", "gauss3", "gauss4",
                                         "gauss6", "gauss8", "radau5", "radau9"};
-    static struct fixture f;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         CU_ASSERT(fixture_run(&f, &oscillator_system, names[i], 100, 1000) == PK_DONE);
         CU_ASSERT(f.it.count.steps == 10 && f.it.count.jacobians > 0);
@@ -155,43 +150,23 @@ static void convex(void)
 }
 
 /* Steps at which nothing is in doubt cost no derivative but Newton's. */
-static void nothing_in_doubt(void)
+TEST("nothing in doubt")
 {
-    static struct fixture f;
     CU_ASSERT(fixture_run(&f, &double_pendulum_system, "gauss4", 0.02, 10) == PK_DONE);
     CU_ASSERT(f.it.count.jacobians == 4 * f.it.count.factorisations + 1); /* one at the start */
 }
 
-/* Prediction L13 has what a fixed-point iteration must say. */
-static void fixed_point(void)
+/* Newton's says how far it came: the rates of L = -sqrt(1 - v^2) must stay below 1. */
+TEST("no convergence")
 {
-    static const double limit[] = {2, 3.4641016, 4.6443707};
-    static struct fixture f;
-    for (int s = 1; s <= 3; s++)
-        for (int above = 0; above < 2; above++) {
-            char name[] = "gauss0";
-            name[5] = (char)('0' + s);
-            fixture_set(&f, &oscillator_system);
-            f.options.h = limit[s - 1] * (above ? 1.01 : 0.97);
-            f.options.iteration = PK_FIXED_POINT;
-            f.options.max_iterations = 20000;
-            CU_ASSERT_FATAL(fixture_init(&f, name) == PK_DONE);
-            const enum pk_status status = pk_integrator_to(&f.it, 100);
-            CU_ASSERT(status == (above ? PK_NO_CONVERGENCE : PK_DONE));
-            if (above)
-                CU_ASSERT(strstr(reason(&f), "fixed-point") && strstr(reason(&f), "Newton's"));
-        }
-    /* Newton's says how far it came: the rates of L = -sqrt(1 - v^2) must stay below 1. */
-    fixture_set(&f, &double_pendulum_system);
-    f.options.h = 0.5;
-    CU_ASSERT_FATAL(fixture_init(&f, "gauss4") == PK_DONE);
+    fixture_open(&f, &double_pendulum_system, "gauss4", 0.5);
     CU_ASSERT(pk_integrator_to(&f.it, 100) < 0);
     CU_ASSERT(f.it.reason.value > 0.1 && f.it.reason.value < 0.5);
-    CU_ASSERT(strstr(reason(&f), "make the step shorter") != NULL);
+    CU_ASSERT(says(&f.it, "make the step shorter"));
 }
 
 /* M indefinite at an inner stage alone: in the first step, and where the matrix was kept. */
-static void mass_inside(void)
+TEST("M indefinite inside a step")
 {
     static const struct {
         const char *method;
@@ -199,13 +174,11 @@ static void mass_inside(void)
     } rows[] = {{"gauss1", 0.5},          {"gauss3", 0.5},   {"gauss4", 0.3300094782},
                 {"gauss8", 0.5917173212}, {"lobatto3", 0.5}, {"radau5", 0.6449489743},
                 {"radau9", 0.2768430136}};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
         for (int step = 0; step < 8; step += 7) {
             fixture_set(&f, &dipping_system);
             f.params.limit = step + rows[k].c;
-            f.options.h = 1;
-            CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
+            fixture_start(&f, rows[k].method, 1);
             CU_ASSERT(pk_integrator_to(&f.it, 10) == PK_SINGULAR_MASS);
             CU_ASSERT(f.it.t == step && fabs(f.it.reason.time - f.params.limit) < 1e-9);
             CU_ASSERT(f.it.v[0] == f.v0[0] && f.it.reason.value < -0.999);
@@ -213,8 +186,7 @@ static void mass_inside(void)
     /* Between the stages nothing is asked. */
     fixture_set(&f, &dipping_system);
     f.params.limit = 0.9;
-    f.options.h = 1;
-    CU_ASSERT_FATAL(fixture_init(&f, "gauss1") == PK_DONE);
+    fixture_start(&f, "gauss1", 1);
     CU_ASSERT(pk_integrator_to(&f.it, 10) == PK_DONE);
 }
 
@@ -229,7 +201,7 @@ static double norm_of(const double *X, size_t n)
 
 /* The norm sees through rows that take and do not give, one after the other, and units, and stays
  * above the spectral radius of |X|. */
-static void norm(void)
+TEST("a norm for any units")
 {
     static const double sink[9] = {0.1, 0, 0, 700, 0, 0, 40, -700, 0.1};
     static const double turning[9] = {0, 0.5, 0, 0, 0, 2, -0.512, 0, 0}; /* cube: 0.512 */
@@ -240,16 +212,4 @@ static void norm(void)
     CU_ASSERT(found >= 0.8 - 1e-12 && found < 0.87);
     CU_ASSERT(of_units >= 0.7 - 1e-12 && of_units < 0.75);
     CU_ASSERT(isnan(norm_of(broken, 2)));
-}
-
-void add_branch(void)
-{
-    CU_pSuite suite = CU_add_suite("which solution of an implicit step", NULL, NULL);
-    CU_add_test(suite, "all roots of the midpoint rule", all_roots);
-    CU_add_test(suite, "upright: L14", upright);
-    CU_add_test(suite, "convex stiffness", convex);
-    CU_add_test(suite, "nothing in doubt", nothing_in_doubt);
-    CU_add_test(suite, "no convergence: L13", fixed_point);
-    CU_add_test(suite, "M indefinite inside a step", mass_inside);
-    CU_add_test(suite, "a norm for any units", norm);
 }

@@ -36,7 +36,7 @@ static struct growth exponent(double angle, const char *name, double rtol, doubl
     return lyapunov_growth(&l);
 }
 
-static void chaos(void)
+TEST("Lyapunov exponents of the double pendulum")
 {
     static const struct {
         double angle, lambda;
@@ -63,7 +63,7 @@ static void chaos(void)
 }
 
 /* An inverted oscillator: exactly sqrt(-g); and an upright one, which has none. */
-static void exact_rates(void)
+TEST("Lyapunov exponents in closed form")
 {
     struct pk_system oscillator = oscillator_system;
     struct test_params params = {.g = -2.385};
@@ -114,7 +114,7 @@ static struct reversal there_and_back(double angle, const char *name, double h, 
     return r;
 }
 
-static void reversal(void)
+TEST("there and back")
 {
     const struct reversal lost = there_and_back(acos(0), "gauss1", 0.01, 60, 1e-3);
     const struct reversal kept = there_and_back(0.5, "gauss1", 0.01, 60, 1e-3);
@@ -133,12 +133,4 @@ static void reversal(void)
         CU_ASSERT(fabs(remainder(kept.at[i].t, 0.01)) < 1e-12);
     }
     memory_end(&memory);
-}
-
-void add_chaos(void)
-{
-    CU_pSuite suite = CU_add_suite("chaos", NULL, NULL);
-    CU_add_test(suite, "Lyapunov exponents of the double pendulum", chaos);
-    CU_add_test(suite, "Lyapunov exponents in closed form", exact_rates);
-    CU_add_test(suite, "there and back", reversal);
 }

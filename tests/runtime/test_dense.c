@@ -6,12 +6,14 @@
 
 #include <pk/step/gauss_stages.h>
 
+static struct fixture f;
+
 /* The stages' own polynomial, integrated from the step's start. */
-static void stage_polynomial(struct fixture *f, double t, double *q, double *v)
+static void stage_polynomial(double t, double *q, double *v)
 {
-    const size_t n = f->it.n;
-    const struct pk_gauss_lanes w = pk_gauss_lanes(&f->it, f->it.n_q, n, f->it.own->work);
-    const double h = *w.h, x = (t - f->it.last_t) / h - 1;
+    const size_t n = f.it.n;
+    const struct pk_gauss_lanes w = pk_gauss_lanes(&f.it, f.it.n_q, n, f.it.own->work);
+    const double h = *w.h, x = (t - f.it.last_t) / h - 1;
     for (size_t i = 0; i < n; i++) {
         const double *c = w.poly + i * PK_GAUSS_S;
         double once = 0, twice = 0, first = 0;
@@ -26,14 +28,12 @@ static void stage_polynomial(struct fixture *f, double t, double *q, double *v)
     }
 }
 
-static void dense(void)
+TEST("as accurate as the steps")
 {
-    static struct fixture f, e;
+    static struct fixture e;
     for (double tol = 1e-6; tol > 5e-13; tol /= 1000) {
         double inside = 0, stages = 0, ends = 0;
-        fixture_set(&f, &double_pendulum_system);
-        f.options.rtol = f.options.atol = tol;
-        CU_ASSERT_FATAL(fixture_init(&f, "gauss") == PK_DONE);
+        fixture_open(&f, &double_pendulum_system, "gauss", tol);
         while (f.it.t < 3) {
             double q0[2], v0[2], q[2], v[2];
             const double t0 = f.it.t;
@@ -47,7 +47,7 @@ static void dense(void)
                 CU_ASSERT_FATAL(pk_integrator_dense(&f.it, t, q, v) == PK_DONE);
                 double *worst = k == 4 ? &ends : &inside;
                 *worst = fmax(*worst, fixture_distance(&e, q, v));
-                stage_polynomial(&f, t, q, v);
+                stage_polynomial(t, q, v);
                 if (k < 4)
                     stages = fmax(stages, fixture_distance(&e, q, v));
             }
@@ -67,10 +67,9 @@ static void dense(void)
 enum { MASSES = 400 };
 
 /* q_i'' = q_i+1 - 2 q_i + q_i-1 between walls. */
-static int chain_acceleration(const void *params, double t, const double *q, const double *v,
-                              const double *u, double *a)
+static int chain_acceleration(ARGS, double *a)
 {
-    (void)params, (void)t, (void)v, (void)u;
+    UNUSED;
     for (int i = 0; i < MASSES; i++)
         a[i] = (i + 1 < MASSES ? q[i + 1] : 0) - 2 * q[i] + (i > 0 ? q[i - 1] : 0);
     return 0;
@@ -103,7 +102,7 @@ static double chain_error(double t, const double *q, const double *v)
 
 /* A long chain oscillates much faster than it moves: h omega is some 30 where a fixed point of the
  * whole step is out of reach. */
-static void long_chain(void)
+TEST("longer steps than it contracts over")
 {
     static const struct pk_system system = {.abi = PK_ABI,
                                             .name = "chain",
@@ -145,12 +144,12 @@ static void long_chain(void)
 /* Each method that has it: the end of a step is the step's, and inside it errs as its end does, or
  * as the tolerance, of an interpolant of lower order a hundred times; a straight line between both
  * ends does not. */
-static void every_method(void)
+TEST("every method")
 {
     static const struct pk_system *const systems[] = {&pendulum_system,   &double_pendulum_system,
                                                       &kepler_system,     &driven_system,
                                                       &oscillator_system, &relativistic_system};
-    static struct fixture f, e;
+    static struct fixture e;
     int made = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
         double worst = 0, line = 0, ends = 0;
@@ -172,7 +171,7 @@ static void every_method(void)
                 e.options.rtol = e.options.atol = 1e-13;
                 memcpy(e.q0, q0, sizeof q0);
                 memcpy(e.v0, v0, sizeof v0);
-                CU_ASSERT_FATAL(fixture_init(&e, "dop853") == PK_DONE);
+                fixture_start(&e, "dop853", 0);
                 CU_ASSERT_FATAL(pk_integrator_reset(&e.it, t0, q0, v0) == PK_DONE);
                 double inside = 0, straight = 0;
                 for (int part = 1; part <= 8; part++) {
@@ -202,12 +201,4 @@ static void every_method(void)
         }
     }
     CU_ASSERT(made > 200);
-}
-
-void add_dense(void)
-{
-    CU_pSuite suite = CU_add_suite("dense output", NULL, NULL);
-    CU_add_test(suite, "every method", every_method);
-    CU_add_test(suite, "as accurate as the steps", dense);
-    CU_add_test(suite, "longer steps than it contracts over", long_chain);
 }

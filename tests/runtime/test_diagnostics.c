@@ -1,7 +1,9 @@
 /* Drifts against their definitions, on data with known answers and on a run. */
 #include "fixture.h"
 
-static void definitions(void)
+static struct fixture f;
+
+TEST("definitions")
 {
     struct pk_drift d;
     pk_drift_init(&d);
@@ -48,7 +50,7 @@ static enum pk_growth growth_of(int law, double size, int samples, double *expon
     return pk_drift_growth(&d, exponent, &spread);
 }
 
-static void growth(void)
+TEST("growth of known laws")
 {
     struct pk_drift d;
     double e;
@@ -93,7 +95,7 @@ static void growth(void)
 }
 
 /* Of the pendulum's energy, 1e5 steps of .1: the laws that the methods are known for. */
-static void growth_of_methods(void)
+TEST("growth under methods")
 {
     static const struct {
         const char *method;
@@ -102,14 +104,13 @@ static void growth_of_methods(void)
                 {"gauss2", PK_GROWTH_BOUNDED},
                 {"rk4", PK_GROWTH_LINEAR},
                 {"gauss8", PK_GROWTH_ROUND_OFF}};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         struct pk_monitor m;
         double e, spread, memory[200];
         fixture_set(&f, &pendulum_system);
         f.options.h = 0.1;
         f.q0[0] = 1.3, f.v0[0] = 0.2;
-        CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
+        fixture_start(&f, rows[k].method, 0);
         CU_ASSERT_FATAL(pk_monitor_init(&m, &f.problem, memory, sizeof memory) == PK_DONE);
         pk_monitor_update(&m, 0, f.it.q, f.it.v);
         for (int i = 0; i < 100000; i++) {
@@ -123,9 +124,8 @@ static void growth_of_methods(void)
     }
 }
 
-static void monitor(void)
+TEST("monitor")
 {
-    static struct fixture f;
     static const unsigned char cyclic[] = {1, 0};
     struct pk_system system = kepler_system;
     struct pk_monitor m;
@@ -151,13 +151,4 @@ static void monitor(void)
     CU_ASSERT(m.momenta[1].samples == 0);
     f.problem.system = &driven_system;
     CU_ASSERT(pk_monitor_init(&m, &f.problem, block, sizeof block) == PK_DONE && !m.has_energy);
-}
-
-void add_diagnostics(void)
-{
-    CU_pSuite suite = CU_add_suite("diagnostics", NULL, NULL);
-    CU_add_test(suite, "definitions", definitions);
-    CU_add_test(suite, "growth of known laws", growth);
-    CU_add_test(suite, "growth under methods", growth_of_methods);
-    CU_add_test(suite, "monitor", monitor);
 }

@@ -127,7 +127,7 @@ static const struct {
 
 /* Rows that are no whole number of steps: by lanes and one by one, with and without momenta, each
  * is what a step aside of one integrator is, and the steps are what they are without rows. */
-static void rows_between(void)
+TEST("rows between steps")
 {
     static const struct {
         const struct pk_system *system;
@@ -175,7 +175,7 @@ static void rows_between(void)
         }
 }
 
-static void as_alone(void)
+TEST("each member as alone, to the bit")
 {
     static struct crowd c;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
@@ -190,7 +190,7 @@ static void as_alone(void)
 }
 
 /* dop853 at a fixed step: of order 8 against an adaptive run, and the same by each route. */
-static void adaptive_tables_at_fixed_steps(void)
+TEST("dop853 at fixed steps")
 {
     static struct crowd c, exact;
     static double q[2 * MEMBERS * ROWS];
@@ -216,7 +216,7 @@ static void adaptive_tables_at_fixed_steps(void)
 }
 
 /* Any thread count, any grouping: the same bits. */
-static void any_company(void)
+TEST("any threads, any company")
 {
     static struct crowd c, other;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -251,7 +251,7 @@ static int is_told(struct crowd *c, size_t i, const char *part)
            memcmp(&before.q, &c->q, sizeof c->q) == 0;
 }
 
-static void failures(void)
+TEST("members fail alone")
 {
     static struct crowd c;
     static const char *const methods[] = {"rk4", "dop853"};
@@ -286,16 +286,15 @@ static void failures(void)
         }
 }
 
-static void distance(const void *p, double t, const double *q, const double *v, const double *u,
-                     double *out)
+static void distance(ARGS, double *out)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     out[0] = sqrt(q[0] * q[0] + q[1] * q[1]);
 }
 
 /* Members that fall into the centre, seen lane by lane: without singularities all of them arrive.
  */
-static void singularities(void)
+TEST("singularities are watched in lanes")
 {
     static const struct pk_singularity centre = {{"r", "", ""}, PK_SINGULARITY_DIVISOR};
     static const char *const methods[] = {"verlet", "rk4"};
@@ -303,9 +302,8 @@ static void singularities(void)
     for (int guarded = 0; guarded < 2; guarded++)
         for (int k = 0; k < 6; k++) {
             crowd_set(&c, &kepler_system, (enum route)(k % 3), methods[k / 3], 0.01);
-            c.system.singularities.n = (size_t)guarded;
-            c.system.singularities.table = &centre;
-            c.system.singularities.values = distance;
+            c.system.singularities = (struct pk_part_singularities){
+                .n = (size_t)guarded, .table = &centre, .values = distance};
             c.v0[2 * 3 + 1] = c.v0[2 * 64 + 1] = c.v0[2 * 149 + 1] = 0;
             c.q0[2 * 64] = 0.8;                /* falls later, between rows */
             c.q0[2 * 5] = c.q0[2 * 5 + 1] = 0; /* starts there */
@@ -319,23 +317,21 @@ static void singularities(void)
         }
 }
 
-static void to_the_fold(const void *p, double t, const double *q, const double *v, const double *u,
-                        double *out)
+static void to_the_fold(ARGS, double *out)
 {
     (void)t, (void)v, (void)u;
-    out[0] = ((const struct test_params *)p)->limit - q[0];
+    out[0] = ((const struct test_params *)params)->limit - q[0];
 }
 
 /* M is singular where a singularity vanishes: the singularity is the reason. */
-static void singularities_know_why(void)
+TEST("singularities know why a member failed")
 {
     static const struct pk_singularity fold = {{"limit - q", "", ""}, PK_SINGULARITY_COORDINATES};
     static struct crowd c;
     for (int route = OWN; route <= SCALAR; route++) {
         crowd_set(&c, &folded_system, (enum route)route, "rk4", 0.01);
-        c.system.singularities.n = 1;
-        c.system.singularities.table = &fold;
-        c.system.singularities.values = to_the_fold;
+        c.system.singularities =
+            (struct pk_part_singularities){.n = 1, .table = &fold, .values = to_the_fold};
         for (size_t i = 0; i < MEMBERS; i++)
             c.params[i].limit = i % 50 == 3 ? 0.9 : 9;
         CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) ==
@@ -351,7 +347,7 @@ static int after_a_while(void *context)
     return ++*calls > 12;
 }
 
-static void refusals(void)
+TEST("refusals")
 {
     static struct crowd c;
     int calls = 0;
@@ -375,17 +371,4 @@ static void refusals(void)
         CU_ASSERT(pk_ensemble_run(&c.e, 0, count, c.block, sizeof c.block) == PK_STOPPED_USER);
         CU_ASSERT(c.status[0] == PK_STOPPED_USER && fabs((double)c.last_t[0] - 1.2) < 1e-6);
     }
-}
-
-void add_ensemble(void)
-{
-    CU_pSuite suite = CU_add_suite("ensembles", NULL, NULL);
-    CU_add_test(suite, "each member as alone, to the bit", as_alone);
-    CU_add_test(suite, "rows between steps", rows_between);
-    CU_add_test(suite, "dop853 at fixed steps", adaptive_tables_at_fixed_steps);
-    CU_add_test(suite, "any threads, any company", any_company);
-    CU_add_test(suite, "members fail alone", failures);
-    CU_add_test(suite, "singularities are watched in lanes", singularities);
-    CU_add_test(suite, "singularities know why a member failed", singularities_know_why);
-    CU_add_test(suite, "refusals", refusals);
 }

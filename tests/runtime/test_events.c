@@ -26,7 +26,7 @@ static void watch_pendulum(struct watch *w, event_function *g, double degrees)
 
 /* REGIMES P1: periods over those of small swings, from rest to rest on the same side; also across
  * the lowest point, which is a quarter of a period earlier. */
-static void periods(void)
+TEST("periods of the pendulum")
 {
     const double degrees[] = {90, 170, 179, 179.9};
     const double ratio[] = {1.1803405990, 2.4393627197, 3.9010651604, 5.3668671090};
@@ -52,7 +52,7 @@ static void periods(void)
 
 /* Every method: the time of the lowest point, as accurate as the method; the crossing of its own
  * map to the last digits; a state behind it. */
-static void every_method(void)
+TEST("every method")
 {
     static struct watch w;
     const double T = period(1.5);
@@ -83,7 +83,7 @@ static void every_method(void)
 }
 
 /* The order of the method shows in the times of events. */
-static void order_of_times(void)
+TEST("times have the method's order")
 {
     static struct watch w;
     double h[5], error[5];
@@ -98,7 +98,7 @@ static void order_of_times(void)
 }
 
 /* Another step on the way: crossings are those of the new step's map. */
-static void changed_step(void)
+TEST("a changed step")
 {
     static struct watch w;
     double t[2];
@@ -113,7 +113,7 @@ static void changed_step(void)
 }
 
 /* Locating leaves the trajectory alone, to the bit. */
-static void undisturbed(void)
+TEST("the trajectory is undisturbed")
 {
     static struct watch w;
     static struct fixture f;
@@ -126,7 +126,7 @@ static void undisturbed(void)
         f.options = w.f.options;
         memcpy(f.q0, w.f.q0, sizeof f.q0);
         memcpy(f.v0, w.f.v0, sizeof f.v0);
-        CU_ASSERT(fixture_init(&f, method[m]) == PK_DONE);
+        fixture_start(&f, method[m], 0);
         CU_ASSERT(pk_integrator_to(&f.it, 50) == PK_DONE);
         CU_ASSERT(pk_events_to(&w.events, &w.f.it, 50) == PK_DONE);
         CU_ASSERT(w.count > 10 && w.events.tries > 20);
@@ -142,7 +142,7 @@ static void down(void *context, pk_real t, pk_real *u)
 }
 
 /* q'' = -9.81 above a floor: stops at the floor, is thrown back, goes on. Closed form. */
-static void bounces(void)
+TEST("bounces")
 {
     static struct watch w;
     const char *const method[] = {"verlet", "rk4", "dop853", "gauss", "gauss2"};
@@ -173,7 +173,7 @@ static void bounces(void)
 }
 
 /* Stops name the event; a second call goes on; found() can stop too. */
-static void stops(void)
+TEST("stops")
 {
     static struct watch w;
     char reason[100];
@@ -203,7 +203,7 @@ static void stops(void)
 }
 
 /* q >= 0 of a harmonic motion: to where it goes from q and v, forwards and backwards in time. */
-static void limits(void)
+TEST("limits")
 {
     const double pi = acos(-1),
                  starts[][4] = {{1, 0, 1, pi / 2}, {1, 0, -1, -pi / 2}, {0, -1, 1, 0},
@@ -226,15 +226,14 @@ static void limits(void)
     }
 }
 
-static void no_number(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u, pk_real *g)
+static void no_number(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = sqrt(q[0] - 0.5) - 0.1;
 }
 
 /* What fails: its function, its memory, the motion. */
-static void failures(void)
+TEST("failures")
 {
     static struct watch w;
     char reason[100];
@@ -244,8 +243,7 @@ static void failures(void)
     CU_ASSERT_EQUAL(w.count, 1); /* at cos t = .51 */
     CU_ASSERT_DOUBLE_EQUAL(w.t[0], acos(0.51), 1e-7);
     CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, acos(0.5), 0.011);
-    pk_integrator_reason(&w.f.it, reason, sizeof reason);
-    CU_ASSERT(strstr(reason, "function of event crossing is not finite at t = 1.0") != NULL);
+    CU_ASSERT(says(&w.f.it, "function of event crossing is not finite at t = 1.0"));
     /* The motion's own failure has the motion's reason, after an event's too. */
     watch_set(&w, &broken_system, at_zero, 1);
     watch_init(&w, "rk4", 0.01);
@@ -270,26 +268,11 @@ static void failures(void)
 }
 
 /* Without events in the system all is as without them. */
-static void none(void)
+TEST("no events")
 {
     static struct watch w;
     watch_set(&w, &pendulum_system, NULL, 0);
     watch_init(&w, "verlet", 0.1);
     CU_ASSERT(pk_events_to(&w.events, &w.f.it, 1) == PK_DONE);
     CU_ASSERT_EQUAL(w.f.it.count.steps, 10);
-}
-
-void add_events(void)
-{
-    CU_pSuite suite = CU_add_suite("events", NULL, NULL);
-    CU_add_test(suite, "periods of the pendulum", periods);
-    CU_add_test(suite, "every method", every_method);
-    CU_add_test(suite, "times have the method's order", order_of_times);
-    CU_add_test(suite, "a changed step", changed_step);
-    CU_add_test(suite, "the trajectory is undisturbed", undisturbed);
-    CU_add_test(suite, "bounces", bounces);
-    CU_add_test(suite, "stops", stops);
-    CU_add_test(suite, "limits", limits);
-    CU_add_test(suite, "failures", failures);
-    CU_add_test(suite, "no events", none);
 }

@@ -13,8 +13,7 @@ static struct {
     double w, c, a, d, unit;
 } law;
 
-static void lawful(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-                   pk_real *g)
+static void lawful(ARGS, pk_real *g)
 {
     const double away = (t - law.a) * (t - law.a);
     const double all[] = {sin(law.w * t + law.c),
@@ -23,7 +22,7 @@ static void lawful(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                           fabs(t - law.a) - law.d,
                           sin(law.w * t + law.c) * (t - law.a),
                           v[0] - law.c / 4};
-    (void)p, (void)q, (void)u;
+    UNUSED;
     g[0] = law.unit * all[law.kind];
 }
 
@@ -63,7 +62,7 @@ static int roots(double T, double *t)
 
 static double chance(void) { return rand() / (RAND_MAX + 1.0); }
 
-static void all_are_found(void)
+TEST("all are found")
 {
     static const struct {
         const char *method;
@@ -119,7 +118,7 @@ static int nothing(void *context, const struct pk_events *events)
     return 0;
 }
 
-static void too_often(void)
+TEST("what turns too often is told")
 {
     static struct watch w;
     law.kind = SINE, law.w = 1e7, law.c = 0.3, law.unit = 1;
@@ -132,16 +131,15 @@ static void too_often(void)
 }
 
 /* A jump over zero is one crossing, and no doubt; a touch none, be it smooth or a kink. */
-static void jumping(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-                    pk_real *g)
+static void jumping(ARGS, pk_real *g)
 {
-    (void)p, (void)q, (void)v, (void)u;
+    UNUSED;
     g[0] = t < law.a ? -1 : 2;
     g[1] = fabs(t - law.a);
     g[2] = (t - law.a) * (t - law.a);
 }
 
-static void jumps_and_touches(void)
+TEST("jumps and touches")
 {
     static const char *const methods[] = {"gauss", "dop853", "rk4"};
     static struct watch w;
@@ -154,12 +152,4 @@ static void jumps_and_touches(void)
         CU_ASSERT(w.which[0] == 0 && fabs(w.t[0] - law.a) < 1e-14);
         CU_ASSERT(w.events.doubts == 0);
     }
-}
-
-void add_events_found(void)
-{
-    CU_pSuite suite = CU_add_suite("events that are hard to see", NULL, NULL);
-    CU_add_test(suite, "all are found", all_are_found);
-    CU_add_test(suite, "what turns too often is told", too_often);
-    CU_add_test(suite, "jumps and touches", jumps_and_touches);
 }

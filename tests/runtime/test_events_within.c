@@ -1,10 +1,9 @@
 /* Which crossings there are: several in a step, at the same time, both ways, near to each other. */
 #include "event_watch.h"
 
-static void four(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-                 pk_real *g)
+static void four(ARGS, pk_real *g)
 {
-    (void)p, (void)u, (void)v;
+    UNUSED;
     g[0] = t - 0.61;
     g[1] = 0.32 - t;
     g[2] = q[0] - cos(0.32); /* with the second, to rounding */
@@ -12,7 +11,7 @@ static void four(const void *p, pk_real t, const pk_real *q, const pk_real *v, c
 }
 
 /* Several in one step, in order of time; both directions of integration. */
-static void in_order(void)
+TEST("several in a step, in order")
 {
     static struct watch w;
     for (int backward = 0; backward < 2; backward++) {
@@ -40,16 +39,15 @@ static void in_order(void)
     }
 }
 
-static void both_at_once(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                         const pk_real *u, pk_real *g)
+static void both_at_once(ARGS, pk_real *g)
 {
-    (void)p, (void)u, (void)q, (void)v;
+    UNUSED;
     g[0] = t - 0.25;
     g[1] = g[0];
     g[2] = t - 0.125; /* at a sample, exactly zero there */
 }
 
-static void ties(void)
+TEST("ties")
 {
     static struct watch w;
     watch_set(&w, &oscillator_system, both_at_once, 3);
@@ -61,7 +59,7 @@ static void ties(void)
 }
 
 /* What stops hides nothing that happens at the same time; going on finds none of it again. */
-static void ties_with_a_stop(void)
+TEST("ties with an event that stops")
 {
     static struct watch w;
     watch_set(&w, &oscillator_system, both_at_once, 3);
@@ -75,7 +73,7 @@ static void ties_with_a_stop(void)
     CU_ASSERT_EQUAL(w.count, 3);
 }
 
-static void directions(void)
+TEST("directions, zero at the start")
 {
     static struct watch w;
     for (int direction = -1; direction <= 1; direction++) {
@@ -90,23 +88,21 @@ static void directions(void)
     }
 }
 
-static void near_the_top(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                         const pk_real *u, pk_real *g)
+static void near_the_top(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = q[0] - 0.9999;
 }
 
-static void touching(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-                     pk_real *g)
+static void touching(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = q[0] - 1.0001;
 }
 
 /* Two crossings within a step, for 2 acos(.9999) = .028, while the step is ten times as long and
  * more (dop853: six times). */
-static void twice_in_a_step(void)
+TEST("two crossings within a step")
 {
     static struct watch w;
     const char *const method[] = {"gauss4", "gauss8", "gauss", "dop853"};
@@ -130,15 +126,14 @@ static void twice_in_a_step(void)
     }
 }
 
-static void inside(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-                   pk_real *g)
+static void inside(ARGS, pk_real *g)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = q[0] - 0.3;
 }
 
 /* Steps of almost a period, which gauss8 makes well and no cubic follows. */
-static void long_steps(void)
+TEST("steps longer than a cubic follows")
 {
     static struct watch w;
     watch_cosine(&w, inside, 1);
@@ -149,15 +144,4 @@ static void long_steps(void)
         const double top = 2 * acos(-1) * ((k + 1) / 2), away = acos(0.3);
         CU_ASSERT_DOUBLE_EQUAL(w.t[k], top + (k % 2 ? -away : away), 1e-3);
     }
-}
-
-void add_events_within(void)
-{
-    CU_pSuite suite = CU_add_suite("events within a step", NULL, NULL);
-    CU_add_test(suite, "several in a step, in order", in_order);
-    CU_add_test(suite, "ties", ties);
-    CU_add_test(suite, "ties with an event that stops", ties_with_a_stop);
-    CU_add_test(suite, "directions, zero at the start", directions);
-    CU_add_test(suite, "two crossings within a step", twice_in_a_step);
-    CU_add_test(suite, "steps longer than a cubic follows", long_steps);
 }

@@ -55,15 +55,14 @@ static void spoil(enum kernel which, pk_real *out, size_t count)
             out[i] = with[fault.as_number];
 }
 
-#define CALLED const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
-#define WITH p, t, q, v, u
+#define WITH params, t, q, v, u
 
 /* Of pivot k of M, or of the constraints behind its n. */
 static int some_failure(size_t k, size_t n)
 {
     return k < n ? PK_FAILED(PK_FAILURE_MASS, k) : PK_FAILED(PK_FAILURE_CONSTRAINT, k - n);
 }
-static int acceleration(CALLED, pk_real *a)
+static int acceleration(ARGS, pk_real *a)
 {
     const size_t n = fault.of->n;
     const int failed = fault.of->acceleration(WITH, a);
@@ -81,64 +80,64 @@ static unsigned long long lanes(const void *p, const pk_real *t, const pk_real *
     const unsigned long long failed = fault.of->lanes(p, t, q, v, u, a);
     return now(LANES) ? failed | 5 : failed;
 }
-static void mass(CALLED, pk_real *M)
+static void mass(ARGS, pk_real *M)
 {
     fault.of->mass(WITH, M);
     spoil(MASS, M, fault.of->n * fault.of->n);
 }
-static void canonical(CALLED, pk_real *x, pk_real *y)
+static void canonical(ARGS, pk_real *x, pk_real *y)
 {
     fault.of->canonical(WITH, x, y);
     spoil(CANONICAL, fault.at % 2 ? x : y, fault.of->n);
 }
-static void unconstrained(CALLED, pk_real *x, pk_real *y)
+static void unconstrained(ARGS, pk_real *x, pk_real *y)
 {
     fault.of->unconstrained(WITH, x, y);
     spoil(UNCONSTRAINED, fault.at % 2 ? x : y, fault.of->n);
 }
-static void jacobian(CALLED, pk_real *a, pk_real *b, pk_real *c)
+static void jacobian(ARGS, pk_real *a, pk_real *b, pk_real *c)
 {
     fault.of->jacobian(WITH, a, b, c);
     spoil(JACOBIAN, b, fault.of->n * fault.of->n);
 }
-static void linear(CALLED, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
+static void linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
 {
     fault.of->linear(WITH, a, r_q, r_v, r_t);
     spoil(LINEAR, r_q, fault.of->n * fault.of->n);
 }
-static void one_singularity(CALLED, pk_real *out)
+static void one_singularity(ARGS, pk_real *out)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     out[0] = 100 + q[0];
     spoil(SINGULARITY, out, 1);
 }
-static void one_event(CALLED, pk_real *out)
+static void one_event(ARGS, pk_real *out)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     out[0] = q[0] - 0.69;
     spoil(EVENT, out, 1);
 }
-static void constraint(CALLED, pk_real *phi)
+static void constraint(ARGS, pk_real *phi)
 {
     fault.of->constraints.values(WITH, phi);
     spoil(CONSTRAINT, phi, fault.of->constraints.n_holonomic);
 }
-static void rows(CALLED, pk_real *J, pk_real *residual)
+static void rows(ARGS, pk_real *J, pk_real *residual)
 {
     fault.of->constraints.jacobian(WITH, J, residual);
     spoil(ROWS, fault.at % 2 ? J : residual, fault.of->constraints.n);
 }
-static void terms(CALLED, pk_real *x, pk_real *y)
+static void terms(ARGS, pk_real *x, pk_real *y)
 {
     fault.of->constraints.scale(WITH, x, y);
     spoil(TERMS, y, fault.of->constraints.n);
 }
-static void inertia(CALLED, pk_real *M)
+static void inertia(ARGS, pk_real *M)
 {
     fault.of->inertia(WITH, M);
     spoil(INERTIA, M, fault.of->n * fault.of->n);
 }
-static void marking(CALLED, pk_real *out)
+static void marking(ARGS, pk_real *out)
 {
     fault.of->marks.values(WITH, out);
     spoil(MARKING, out, fault.of->marks.n);
@@ -275,7 +274,7 @@ static void of_system(const struct pk_system *system, double h, long deep)
     }
 }
 
-static void each_kernel(void)
+TEST("each kernel")
 {
     failures = survived = 0;
     of_system(&double_pendulum_system, 0.01, DEEP);
@@ -288,10 +287,4 @@ static void each_kernel(void)
     }
     printf("\n    %ld failed, %ld did not", failures, survived);
     CU_ASSERT(failures > 1000 && survived > 1000);
-}
-
-void add_faults(void)
-{
-    CU_pSuite suite = CU_add_suite("faults", NULL, NULL);
-    CU_add_test(suite, "each kernel", each_kernel);
 }

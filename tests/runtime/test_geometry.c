@@ -11,8 +11,7 @@ static double energy_drift(const char *method, double h, double t_end, double *s
     pk_drift_init(&drift);
     fixture_set(&f, &double_pendulum_system);
     f.q0[0] = 0.5, f.q0[1] = 0.5, f.v0[0] = f.v0[1] = 0;
-    f.options.h = h;
-    CU_ASSERT_FATAL(fixture_init(&f, method) == PK_DONE);
+    fixture_start(&f, method, h);
     while (f.it.t < t_end) {
         CU_ASSERT_FATAL(pk_integrator_step(&f.it, t_end) == PK_DONE);
         const struct pk_system *s = f.problem.system;
@@ -22,7 +21,7 @@ static double energy_drift(const char *method, double h, double t_end, double *s
     return pk_drift_max(&drift);
 }
 
-static void long_energy(void)
+TEST("energy of the double pendulum over 1e5 steps")
 {
     double slope, slope4;
     const double gauss = energy_drift("gauss2", 0.02, 2000, &slope); /* 1e5 steps */
@@ -41,7 +40,7 @@ static void map(const char *method, const double *z, double *out, double h, int 
     double M[4], pdot[2];
     const struct pk_system *s = &double_pendulum_system;
     fixture_set(&f, s);
-    memcpy(f.q0, z, sizeof f.q0);
+    memcpy(f.q0, z, 2 * sizeof *z);
     s->mass(&f.params, 0, z, z, NULL, M);
     const double det = M[0] * M[3] - M[1] * M[2];
     f.v0[0] = (M[3] * z[2] - M[1] * z[3]) / det;
@@ -49,7 +48,7 @@ static void map(const char *method, const double *z, double *out, double h, int 
     f.options.h = f.options.h_max = h;
     f.options.rtol = f.options.atol = 1e10; /* adaptive: a fixed step, its equations solved */
     f.options.newton_tol = strcmp(method, "gauss") == 0 ? 1e-15 : 0;
-    CU_ASSERT_FATAL(fixture_init(&f, method) == PK_DONE);
+    fixture_start(&f, method, 0);
     CU_ASSERT_FATAL(pk_integrator_to(&f.it, h * steps) == PK_DONE);
     CU_ASSERT(f.it.count.steps == (unsigned long)steps);
     memcpy(out, f.it.q, 2 * sizeof *out);
@@ -88,7 +87,7 @@ static double symplectic_defect(const char *method, double h)
     return worst;
 }
 
-static void symplectic(void)
+TEST("the step map is symplectic in (q, p)")
 {
     const double rk4 = symplectic_defect("rk4", 0.2);
     printf("\n    symplectic defect: rk4 %.1e", rk4);
@@ -110,9 +109,7 @@ static void symplectic(void)
 static double reversal(const struct pk_system *system, const char *method)
 {
     static struct fixture f;
-    fixture_set(&f, system);
-    f.options.h = 0.01;
-    CU_ASSERT_FATAL(fixture_init(&f, method) == PK_DONE);
+    fixture_open(&f, system, method, 0.01);
     CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_DONE);
     CU_ASSERT(f.it.q[0] != f.q0[0]);
     CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE);
@@ -120,7 +117,7 @@ static double reversal(const struct pk_system *system, const char *method)
     return fixture_distance(&f, f.q0, f.v0);
 }
 
-static void reversible(void)
+TEST("reversal")
 {
     for (size_t i = 0; pk_method_at(i); i++) {
         const unsigned traits = pk_method_at(i)->traits;
@@ -133,7 +130,7 @@ static void reversible(void)
     CU_ASSERT(reversal(&double_pendulum_system, "rk4") > 1e-10);
 }
 
-static void compensated(void)
+TEST("compensated sums")
 {
     /* Kepler, e = .6: angular momentum is exact for Verlet but for round-off, whose random walk
      * of 1e5 plain sums would reach some 3e-14. */
@@ -164,7 +161,7 @@ static void compensated(void)
 /* Energy of Kepler, e = .6, over 600 periods, seen at the start's phase so that the method's own
  * wave drops out: a random walk below 1e-14. Rounded h a_ij, or iterations that end at round-off,
  * make it a slope: 9e-17 a period by gauss4. gauss8 has its stages in the lanes. */
-static void brouwer(void)
+TEST("round-off of Gauss is a random walk")
 {
     static const struct {
         const char *method;
@@ -179,7 +176,7 @@ static void brouwer(void)
         fixture_set(&f, &kepler_system);
         f.options.h = 2 * acos(-1) / rows[k].steps;
         f.options.newton_tol = rows[k].tol;
-        CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
+        fixture_start(&f, rows[k].method, 0);
         for (int turn = 0; turn < 600; turn++) {
             for (int i = 0; i < rows[k].steps; i++)
                 CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
@@ -196,7 +193,7 @@ static void brouwer(void)
     CU_ASSERT(slope[2] > 10 * slope[0]);
 }
 
-static void newton_is_fast(void)
+TEST("Newton converges as Newton")
 {
     /* A wrong Jacobian still converges, only slower: so count (2.3 and 4.0 or more). */
     static struct fixture f;
@@ -205,20 +202,9 @@ static void newton_is_fast(void)
     fixture_set(&f, &double_pendulum_system);
     f.options.h = 0.01;
     f.options.iteration = PK_FIXED_POINT; /* the matrix without its derivatives */
-    CU_ASSERT(fixture_init(&f, "gauss2") == PK_DONE);
+    fixture_start(&f, "gauss2", 0);
     CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_DONE);
     const double slow = (double)f.it.count.iterations / (double)f.it.count.steps;
     printf("\n    iterations a step: Newton %.2f, fixed-point %.2f", each, slow);
     CU_ASSERT(each > 1 && each < 3 && slow > 4);
-}
-
-void add_geometry(void)
-{
-    CU_pSuite suite = CU_add_suite("geometry", NULL, NULL);
-    CU_add_test(suite, "energy of the double pendulum over 1e5 steps", long_energy);
-    CU_add_test(suite, "the step map is symplectic in (q, p)", symplectic);
-    CU_add_test(suite, "reversal", reversible);
-    CU_add_test(suite, "Newton converges as Newton", newton_is_fast);
-    CU_add_test(suite, "compensated sums", compensated);
-    CU_add_test(suite, "round-off of Gauss is a random walk", brouwer);
 }

@@ -4,6 +4,8 @@
 #include "fixture.h"
 #include "core/tableau.h"
 
+static struct fixture f;
+
 struct table {
     int stages;
     double c[5], b[5];
@@ -68,7 +70,7 @@ static double defect_d(const struct table *t, double a[5][5], int order)
 /* Butcher's simplifying assumptions, which give the orders (Hairer, Wanner II, IV.5; GNI II.1.4),
  * hold so far and no further. B, C, D of Radau IIA: 2s-1, s, s-1; IIIA: 2s-2, s, s-2; IIIB: ..,
  * s-2, s. */
-static void tables(void)
+TEST("tables")
 {
     static const char *const names[] = {"radau5", "radau9", "lobatto2", "lobatto3", "lobatto4"};
     for (int m = 0; m < 5; m++) {
@@ -101,9 +103,9 @@ static void tables(void)
 }
 
 /* Two stages on a separable system are Verlet; on M(q) they are not, and it is refused there. */
-static void verlet(void)
+TEST("lobatto2 is Verlet")
 {
-    static struct fixture f, v;
+    static struct fixture v;
     for (int k = 0; k < 2; k++) {
         const struct pk_system *system = k ? &kepler_system : &pendulum_system;
         CU_ASSERT(fixture_run(&f, system, "lobatto2", 0.05, 20) == PK_DONE);
@@ -117,7 +119,7 @@ static void verlet(void)
 }
 
 /* Energy of the double pendulum over 2e4 steps: bounded for the pairs, not for Radau. */
-static void energy(void)
+TEST("energy over long times")
 {
     static const struct {
         const char *method;
@@ -126,13 +128,10 @@ static void energy(void)
                 {"lobatto3", 5e-4, 1e-7},
                 {"lobatto4", 1e-5, 2e-9},
                 {"radau5", 1, 1}};
-    static struct fixture f;
     for (int k = 0; k < 4; k++) {
         struct pk_drift drift;
         pk_drift_init(&drift);
-        fixture_set(&f, &double_pendulum_system);
-        f.options.h = 0.02;
-        CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
+        fixture_open(&f, &double_pendulum_system, rows[k].method, 0.02);
         for (int i = 0; i < 20000; i++) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
             pk_drift_update_scaled(
@@ -148,22 +147,20 @@ static void energy(void)
 }
 
 /* L-stable: what is infinitely fast is gone after one step; A-stable alone keeps it for ever. */
-static void l_stable(void)
+TEST("L-stable")
 {
     static const struct {
         const char *method;
         double least, most;
     } rows[] = {
         {"radau5", 0, 1e-3}, {"radau9", 0, 1e-3}, {"gauss2", 0.9, 1.1}, {"gauss3", 0.9, 1.1}};
-    static struct fixture f;
     for (int k = 0; k < 4; k++) {
         fixture_set(&f, &damped_system); /* spread decays by exp(-5000 t), or stays */
         f.params.g = 1e12;
         f.params.limit = 1e9;
         f.q0[1] = 1;
         f.v0[1] = 2;
-        f.options.h = 1e-1;
-        CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
+        fixture_start(&f, rows[k].method, 1e-1);
         CU_ASSERT(pk_integrator_step(&f.it, 10) == PK_DONE);
         if (k < 2) /* p is that of the last stage: from the sum of stiff forces it errs by 1e-8 */
             CU_ASSERT(f.it.p[1] == f.it.v[1] && f.it.p[0] == f.it.v[0]);
@@ -174,7 +171,7 @@ static void l_stable(void)
 }
 
 /* Final error of radau against its tolerance, and what it costs where explicit methods creep. */
-static void stiff(void)
+TEST("stiff")
 {
     static const struct {
         const struct pk_system *system;
@@ -185,7 +182,7 @@ static void stiff(void)
                 {&double_pendulum_system, 3, 0},
                 {&forced_system, 4, 0},
                 {&relativistic_system, 10, 0}};
-    static struct fixture f, e;
+    static struct fixture e;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double tol[8], error[8];
         int count = 0;
@@ -215,54 +212,32 @@ static void stiff(void)
     }
 }
 
-/* Backward, an input, a singular end, no tolerance for what is not there. */
-static void control(void)
+/* A longest step, an input, a singular end, no tolerance for what is not there. */
+TEST("control")
 {
-    static struct fixture f;
-    fixture_set(&f, &double_pendulum_system);
-    f.options.rtol = f.options.atol = 1e-11;
-    CU_ASSERT_FATAL(fixture_init(&f, "radau") == PK_DONE);
-    CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_DONE && fixture_distance(&f, f.q0, f.v0) > 0.1);
-    CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE && f.it.t == 0);
-    CU_ASSERT(fixture_distance(&f, f.q0, f.v0) > 0 && fixture_distance(&f, f.q0, f.v0) < 1e-8);
     double q, v;
-    CU_ASSERT(pk_integrator_dense(&f.it, 1, &q, &v) == PK_BAD_ARGUMENT);
-
     fixture_set(&f, &driven_system);
     driven_exact(7, &q, &v);
     f.options.rtol = f.options.atol = 1e-10;
     f.options.h_max = 0.2;
-    CU_ASSERT_FATAL(fixture_init(&f, "radau") == PK_DONE);
+    fixture_start(&f, "radau", 0);
     while (f.it.t < 7) {
         CU_ASSERT_FATAL(pk_integrator_step(&f.it, 7) == PK_DONE);
         CU_ASSERT(f.it.t - f.it.last_t <= 0.2 * 1.0101);
     }
     CU_ASSERT(fixture_distance(&f, &q, &v) < 1e-8);
+    CU_ASSERT(pk_integrator_dense(&f.it, 1, &q, &v) == PK_BAD_ARGUMENT);
 
-    fixture_set(&f, &folded_system);
-    CU_ASSERT_FATAL(fixture_init(&f, "radau") == PK_DONE);
-    CU_ASSERT(pk_integrator_to(&f.it, 10) == PK_SINGULAR_MASS);
+    CU_ASSERT(fixture_run(&f, &folded_system, "radau", 0, 10) == PK_SINGULAR_MASS);
     CU_ASSERT(fabs(f.it.t - 0.55 * 2 / 3 / 0.2) < 0.02);
-    fixture_set(&f, &broken_system);
-    CU_ASSERT_FATAL(fixture_init(&f, "radau") == PK_DONE);
-    CU_ASSERT(pk_integrator_to(&f.it, 10) == PK_NOT_FINITE && f.it.t < 1.25 && f.it.t > 1.2);
+    CU_ASSERT(fixture_run(&f, &broken_system, "radau", 0, 10) == PK_NOT_FINITE && f.it.t < 1.25 &&
+              f.it.t > 1.2);
     fixture_set(&f, &pendulum_system);
     f.options.atol = 0;
     f.v0[0] = 0;
-    CU_ASSERT_FATAL(fixture_init(&f, "radau") == PK_DONE);
+    fixture_start(&f, "radau", 0);
     CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_DONE && f.it.count.steps < 300);
     f.options.h_min = 0.5;
-    CU_ASSERT_FATAL(fixture_init(&f, "radau") == PK_DONE);
+    fixture_start(&f, "radau", 0);
     CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_STEP_UNDERFLOW);
-}
-
-void add_implicit(void)
-{
-    CU_pSuite suite = CU_add_suite("Lobatto and Radau", NULL, NULL);
-    CU_add_test(suite, "tables", tables);
-    CU_add_test(suite, "lobatto2 is Verlet", verlet);
-    CU_add_test(suite, "energy over long times", energy);
-    CU_add_test(suite, "L-stable", l_stable);
-    CU_add_test(suite, "stiff", stiff);
-    CU_add_test(suite, "control", control);
 }

@@ -62,7 +62,7 @@ static enum pk_status read_from(struct pk_integrator *it, size_t size)
 }
 
 /* After an odd number of steps and an even one, since each turns the two states. */
-static void every_method(void)
+TEST("every method goes on to the bit")
 {
     static struct motion a, b;
     size_t made = 0, size;
@@ -94,7 +94,7 @@ static void every_method(void)
 }
 
 /* What is told of a step that failed. */
-static void failure(void)
+TEST("failure")
 {
     static struct motion a, b;
     const struct pk_method *method = pk_method_find("dop853");
@@ -113,7 +113,7 @@ static void failure(void)
     CU_ASSERT(b.it.t == a.it.t && b.it.last_t == a.it.last_t && b.it.last_t > 0);
 }
 
-static void other_shapes(void)
+TEST("other shapes")
 {
     static struct motion a, b;
     const struct pk_method *method = pk_method_find("verlet"),
@@ -146,12 +146,4 @@ static void other_shapes(void)
     begin(&b, &oscillator_system, pk_gsl_method_find("gsl_msadams"), room + REALS);
     CU_ASSERT(read_from(&b.it, sizeof bytes) == PK_REFUSED);
     pk_integrator_free(&b.it);
-}
-
-void add_keep(void)
-{
-    CU_pSuite suite = CU_add_suite("what is kept", NULL, NULL);
-    CU_add_test(suite, "every method goes on to the bit", every_method);
-    CU_add_test(suite, "failure", failure);
-    CU_add_test(suite, "other shapes", other_shapes);
 }

@@ -34,7 +34,7 @@ static int modes_of(const struct least_action *found, size_t modes, double *lamb
 }
 
 /* lambda_k = 1 - (omega T/(k pi))^2, conjugate points at each half period, S = [q v]/2. */
-static void oscillator(void)
+TEST("an oscillator's second variation")
 {
     enum { MODES = 20 };
     struct least_action found;
@@ -72,7 +72,7 @@ static void oscillator(void)
 }
 
 /* A path that no motion takes is not stationary: rk4 at a long step. */
-static void worse(void)
+TEST("what is no motion is not stationary")
 {
     struct least_action found;
     struct fixture f;
@@ -88,7 +88,7 @@ static void worse(void)
  * displacements from a circular orbit (J. Aerosp. Sci. 27 (1960) 653): 0 at 2 pi, and later. */
 static double displaced(double t) { return 8 * (1 - cos(t)) - 3 * t * sin(t); }
 
-static void circular_orbit(void)
+TEST("conjugate points of a circular orbit")
 {
     struct least_action found;
     struct fixture f;
@@ -117,7 +117,7 @@ static void circular_orbit(void)
 
 /* To second order in the neighbour: what is left falls by 8 as it is halved. M depends on q here.
  */
-static void second_order(void)
+TEST("neighbours to second order")
 {
     enum { MODES = 6, M = 2 * MODES };
     struct least_action found;
@@ -136,13 +136,4 @@ static void second_order(void)
     }
     CU_ASSERT(fabs(left[0]) > 1e-10);
     CU_ASSERT_DOUBLE_EQUAL(left[0] / left[1], 8, 0.2);
-}
-
-void add_least_action(void)
-{
-    CU_pSuite suite = CU_add_suite("least action", NULL, NULL);
-    CU_add_test(suite, "an oscillator's second variation", oscillator);
-    CU_add_test(suite, "what is no motion is not stationary", worse);
-    CU_add_test(suite, "conjugate points of a circular orbit", circular_orbit);
-    CU_add_test(suite, "neighbours to second order", second_order);
 }

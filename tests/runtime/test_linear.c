@@ -4,25 +4,25 @@
  */
 #include "fixture.h"
 
+static struct fixture f;
+
 enum { N = 2, NN = N * N };
 static const struct pk_system *of; /* whose force and mass are differenced */
 static const double H = 1e-3;
 static const double weight[4] = {1. / 12, -2. / 3, 2. / 3, -1. / 12};
 static const double at[4] = {-2, -1, 1, 2};
 
-static void remainder_of_motion(const void *p, double t, const double *q, const double *v,
-                                const double *u, const double *a, double *r)
+static void remainder_of_motion(ARGS, const double *a, double *r)
 {
     double M[NN];
-    of->force(p, t, q, v, u, r);
-    of->mass(p, t, q, v, u, M);
+    of->force(params, t, q, v, u, r);
+    of->mass(params, t, q, v, u, M);
     for (size_t i = 0; i < of->n; i++)
         for (size_t j = 0; j < of->n; j++)
             r[i] -= M[i * of->n + j] * a[j];
 }
 
-static void linear(const void *p, double t, const double *q, const double *v, const double *u,
-                   const double *a, double *r_q, double *r_v, double *r_t)
+static void linear(ARGS, const double *a, double *r_q, double *r_v, double *r_t)
 {
     const size_t n = of->n;
     memset(r_q, 0, n * n * sizeof *r_q);
@@ -31,7 +31,7 @@ static void linear(const void *p, double t, const double *q, const double *v, co
     for (size_t k = 0; k < 4; k++) {
         const double w = weight[k] / H, d = at[k] * H;
         double r[N];
-        remainder_of_motion(p, t + d, q, v, u, a, r);
+        remainder_of_motion(params, t + d, q, v, u, a, r);
         for (size_t i = 0; i < n; i++)
             r_t[i] += w * r[i];
         for (size_t j = 0; j < n; j++) {
@@ -39,11 +39,11 @@ static void linear(const void *p, double t, const double *q, const double *v, co
             memcpy(q1, q, n * sizeof *q);
             memcpy(v1, v, n * sizeof *v);
             q1[j] += d;
-            remainder_of_motion(p, t, q1, v, u, a, r);
+            remainder_of_motion(params, t, q1, v, u, a, r);
             for (size_t i = 0; i < n; i++)
                 r_q[i * n + j] += w * r[i];
             v1[j] += d;
-            remainder_of_motion(p, t, q, v1, u, a, r);
+            remainder_of_motion(params, t, q, v1, u, a, r);
             for (size_t i = 0; i < n; i++)
                 r_v[i * n + j] += w * r[i];
         }
@@ -51,17 +51,17 @@ static void linear(const void *p, double t, const double *q, const double *v, co
 }
 
 /* How far a row or column of derivatives is from differences of the acceleration. */
-static double missed(const struct fixture *f, double t, size_t by, size_t j, const double *given,
-                     size_t stride, double *size)
+static double missed(double t, size_t by, size_t j, const double *given, size_t stride,
+                     double *size)
 {
     const size_t n = of->n;
     double sum[N] = {0}, d = 0;
     for (size_t k = 0; k < 4; k++) {
         double q[N], v[N], a[N];
-        memcpy(q, f->q0, n * sizeof *q);
-        memcpy(v, f->v0, n * sizeof *v);
+        memcpy(q, f.q0, n * sizeof *q);
+        memcpy(v, f.v0, n * sizeof *v);
         (by == 0 ? q : v)[j] += by < 2 ? at[k] * H : 0;
-        CU_ASSERT(!of->acceleration(&f->params, t + (by == 2 ? at[k] * H : 0), q, v, NULL, a));
+        CU_ASSERT(!of->acceleration(&f.params, t + (by == 2 ? at[k] * H : 0), q, v, NULL, a));
         for (size_t i = 0; i < n; i++)
             sum[i] += weight[k] / H * a[i];
     }
@@ -72,9 +72,8 @@ static double missed(const struct fixture *f, double t, size_t by, size_t j, con
     return d;
 }
 
-static void derivatives_of_acceleration(void)
+TEST("derivatives of the acceleration")
 {
-    static struct fixture f;
     const struct pk_system *const systems[] = {&double_pendulum_system, &forced_system};
     for (int s = 0; s < 2; s++) {
         struct pk_system system = *systems[s];
@@ -92,19 +91,18 @@ static void derivatives_of_acceleration(void)
         system.linear = linear;
         CU_ASSERT(pk_system_linear(&f.problem, t, f.q0, f.v0, a, a_q, a_v, a_t, work) == PK_DONE);
         for (size_t j = 0; j < n; j++) {
-            worst = fmax(worst, missed(&f, t, 0, j, a_q + j, n, &size[0]));
-            worst = fmax(worst, missed(&f, t, 1, j, a_v + j, n, &size[1]));
+            worst = fmax(worst, missed(t, 0, j, a_q + j, n, &size[0]));
+            worst = fmax(worst, missed(t, 1, j, a_v + j, n, &size[1]));
         }
-        worst = fmax(worst, missed(&f, t, 2, 0, a_t, 1, &size[2]));
+        worst = fmax(worst, missed(t, 2, 0, a_t, 1, &size[2]));
         CU_ASSERT(worst < 1e-8);
         CU_ASSERT(size[0] > 0.05 && size[1] > 0.1 && (s == 0 || size[2] > 0.1));
     }
 }
 
 /* Where M is singular there is no derivative; nor where the state is no number. */
-static void refused(void)
+TEST("refused where there are none")
 {
-    static struct fixture f;
     struct pk_system system = folded_system;
     double a, a_q, a_v, a_t, work[2];
     of = &folded_system;
@@ -119,11 +117,4 @@ static void refused(void)
     fixture_set(&f, &system);
     CU_ASSERT(pk_system_linear(&f.problem, 2 * f.params.limit, f.q0, f.v0, &a, &a_q, &a_v, &a_t,
                                work) == PK_NOT_FINITE);
-}
-
-void add_linear(void)
-{
-    CU_pSuite suite = CU_add_suite("linearised", NULL, NULL);
-    CU_add_test(suite, "derivatives of the acceleration", derivatives_of_acceleration);
-    CU_add_test(suite, "refused where there are none", refused);
 }

@@ -10,7 +10,6 @@ struct pushed {
     double M[4], C[4], field, force; /* C is (1 + field cos(x + t)) of that */
 };
 
-#define ARGS const void *params, double t, const double *q, const double *v, const double *u
 #define SELF const struct pushed *s = (const struct pushed *)params
 
 static void force(ARGS, double *f)
@@ -112,8 +111,9 @@ static int applies(const struct pk_method *m, const struct pushed *s)
     return (m->needs & one) != 0;
 }
 
-static void free_motion(void)
+TEST("a free motion is exact")
 {
+    srand(2385);
     double exact[4], z[4];
     for (int trial = 0; trial < 6; trial++) {
         const struct pushed s = random_one(trial < 3 ? 0 : 3e-4 * pow(30, trial - 2), 0, 0);
@@ -132,8 +132,9 @@ static void free_motion(void)
     }
 }
 
-static void orders(void)
+TEST("orders")
 {
+    srand(2385);
     for (int trial = 0; trial < 4; trial++) {
         const struct pushed s = random_one(trial % 2 ? 0 : .4, trial < 2 ? 0 : .5, 1);
         double exact[4], z[4];
@@ -167,8 +168,9 @@ static void orders(void)
     }
 }
 
-static void there_and_back(void)
+TEST("there and back")
 {
+    srand(2385);
     const double start[] = {.4, -.7, .9, .3};
     double z[4];
     for (int trial = 0; trial < 2; trial++) {
@@ -184,8 +186,9 @@ static void there_and_back(void)
 }
 
 /* T is kept where nothing but a field acts, by steps of any length. */
-static void turning(void)
+TEST("a field turns")
 {
+    srand(2385);
     struct pushed s = random_one(0, .9, 0);
     double z[4];
     for (int k = 0; k < 3; k++) {
@@ -199,7 +202,7 @@ static void turning(void)
 }
 
 /* A drag that no explicit method takes at this step; and none at all, by a parameter. */
-static void strong_and_none(void)
+TEST("strong, and none")
 {
     struct pushed s = {{1, 0, 0, 1}, {-1e6, 0, 0, -1e6}, 0, 1};
     double z[4], other[4];
@@ -211,14 +214,4 @@ static void strong_and_none(void)
     CU_ASSERT(run(&plain, "verlet", 40, 2, 0, z) == PK_DONE);
     CU_ASSERT(run(&s, "dop853", 0, 2, 0, other) == PK_DONE);
     CU_ASSERT(apart(z, other) < 1e-2 && apart(z, other) > 1e-6);
-}
-
-void add_linear_drag(void)
-{
-    CU_pSuite suite = CU_add_suite("linear drag", NULL, NULL);
-    CU_add_test(suite, "a free motion is exact", free_motion);
-    CU_add_test(suite, "orders", orders);
-    CU_add_test(suite, "there and back", there_and_back);
-    CU_add_test(suite, "a field turns", turning);
-    CU_add_test(suite, "strong, and none", strong_and_none);
 }

@@ -65,7 +65,7 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     return status;
 }
 
-static void every_method(void)
+TEST("of an integrator")
 {
     size_t made = 0, moved = 0;
     for (size_t k = 0; k < SYSTEMS; k++)
@@ -87,10 +87,4 @@ static void every_method(void)
         }
     printf("\n    %zu pairs of a system and a method, %zu patterns each", made, (size_t)PATTERNS);
     CU_ASSERT(made > 500 && moved == made);
-}
-
-void add_memory(void)
-{
-    CU_pSuite suite = CU_add_suite("memory", NULL, NULL);
-    CU_add_test(suite, "of an integrator", every_method);
 }

@@ -2,10 +2,9 @@
  * that pattern. */
 #include "blocks.h"
 
-static void product(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-                    pk_real *g)
+static void product(ARGS, pk_real *g)
 {
-    (void)p, (void)u;
+    UNUSED;
     g[0] = q[0] - 0.9 + t / 8;
     g[1] = q[0] * v[0];
 }
@@ -108,7 +107,7 @@ static void residuals(const struct use *use, const struct pattern *with, struct 
 static void (*const uses[])(const struct use *, const struct pattern *,
                             struct trace *) = {events, ensemble, residuals};
 
-static void every_block(void)
+TEST("of all else")
 {
     static const char *const methods[] = {"radau",           "rk4",        "verlet", "gauss4",
                                           "gauss8",          "gauss",      "dop853", "rattle4",
@@ -138,10 +137,4 @@ static void every_block(void)
             }
     printf("\n    %zu", made);
     CU_ASSERT(made > 300);
-}
-
-void add_memory_blocks(void)
-{
-    CU_pSuite suite = CU_add_suite("memory of blocks", NULL, NULL);
-    CU_add_test(suite, "of all else", every_block);
 }

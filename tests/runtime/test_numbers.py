@@ -1,7 +1,5 @@
 """Numbers in rows and reports: the fewest digits that read back as the same double."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import struct

@@ -1,35 +1,20 @@
 /* Measured order on the nonlinear pendulum (a linear one super-converges), and with explicit time
- * and M(q, v); tolerance against error; dense output.
+ * and M(q, v); tolerance against error. Dense output: test_dense.c and test_tables.c.
  */
 #include "fixture.h"
 
-static double off(const struct fixture *f, const double *x)
-{
-    return fixture_distance(f, x, x + f->it.n);
-}
-
-/* Slope of error over step, of the finest five errors above round-off. */
-static double measured_order(const struct pk_system *system, const struct pk_method *method,
-                             double t_end)
-{
-    static struct fixture f;
-    double x[6];
-    CU_ASSERT_FATAL(fixture_run(&f, system, "gauss4", t_end / 4000, t_end) == PK_DONE);
-    memcpy(x, f.it.q, f.it.n * sizeof *x);
-    memcpy(x + f.it.n, f.it.v, f.it.n * sizeof *x);
-    return fixture_order(system, method, t_end, 3e-13, off, x);
-}
+static struct fixture f;
 
 /* All of the core up to order 6; above it errors reach round-off too soon, and quad/order.c goes
  * on. Of GSL's those that have an order. */
-static void fixed_order(void)
+TEST("fixed steps on the pendulum")
 {
     int found = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
         const struct pk_method *m = pk_method_at(i);
         if (m->order > 6 || (m->traits & PK_EXACT))
             continue;
-        const double p = measured_order(&pendulum_system, m, 2);
+        const double p = fixture_order_beside(&pendulum_system, m, 2, 3e-13, "gauss4", 4000);
         printf("\n    %-16s order %d, measured %.3f", m->name, m->order, p);
         CU_ASSERT(fabs(p - m->order) < 0.15);
         found++;
@@ -37,20 +22,20 @@ static void fixed_order(void)
     CU_ASSERT(found >= 18);
 }
 
-static void order_of_gsl(void)
+TEST("order of GSL's")
 {
     for (size_t i = 0; pk_gsl_method_at(i); i++) {
         const struct pk_method *m = pk_gsl_method_at(i);
         if (!m->order)
             continue;
-        const double p = measured_order(&pendulum_system, m, 2);
+        const double p = fixture_order_beside(&pendulum_system, m, 2, 3e-13, "gauss4", 4000);
         printf("\n    %-16s order %d, measured %.3f", m->name, m->order, p);
         /* GSL is of double alone, and order 8 at round-off before its slope has settled. */
         CU_ASSERT(fabs(p - m->order) < (m->order < 8 ? 0.15 : 0.45));
     }
 }
 
-static void order_with_time(void)
+TEST("explicit time")
 {
     /* Verlet keeps its order only if its kicks are at the right times. */
     for (size_t i = 0; pk_method_at(i); i++) {
@@ -58,11 +43,10 @@ static void order_with_time(void)
         if (m->order > 6 || (m->needs & (PK_AUTONOMOUS | PK_AFFINE)) ||
             !(m->traits & PK_SYMPLECTIC))
             continue;
-        const double p = measured_order(&driven_system, m, 3);
+        const double p = fixture_order_beside(&driven_system, m, 3, 3e-13, "gauss4", 4000);
         printf("\n    driven, %-16s measured %.3f", m->name, p);
         CU_ASSERT(fabs(p - m->order) < 0.15);
     }
-    static struct fixture f;
     double q, v;
     driven_exact(3, &q, &v);
     CU_ASSERT(fixture_run(&f, &driven_system, "gauss4", 0.003, 3) == PK_DONE);
@@ -71,7 +55,7 @@ static void order_with_time(void)
     CU_ASSERT(fixture_distance(&f, &q, &v) > 1e-9);
 }
 
-static void order_general_mass(void)
+TEST("M(q) and M(v)")
 {
     static const struct pk_system *const systems[] = {&double_pendulum_system, &relativistic_system,
                                                       &forced_system};
@@ -79,17 +63,17 @@ static void order_general_mass(void)
                                         "lobatto2", "lobatto3", "lobatto4", "radau5"};
     for (size_t s = 0; s < 3; s++)
         for (size_t i = 0; i < 8; i++) {
-            const double p = measured_order(systems[s], pk_method_find(names[i]), 1);
+            const double p = fixture_order_beside(systems[s], pk_method_find(names[i]), 1, 3e-13,
+                                                  "gauss4", 4000);
             printf("\n    %s, %-7s measured %.3f", systems[s]->name, names[i], p);
             CU_ASSERT(fabs(p - pk_method_find(names[i])->order) < 0.15);
         }
 }
 
-static void tolerance(void)
+TEST("error follows the tolerance")
 {
     static const char *const names[] = {"dopri5",    "dop853",      "gsl_rkf45",
                                         "gsl_rk8pd", "gsl_msadams", "gsl_msbdf"};
-    static struct fixture f;
     double q[2], v[2];
     CU_ASSERT(fixture_run(&f, &pendulum_system, "gauss4", 0.002, 10) == PK_DONE);
     memcpy(q, f.it.q, sizeof *q);
@@ -114,11 +98,10 @@ static void tolerance(void)
 
 /* GSL's bsimp: extrapolates so far that its errors are far below any tolerance, and says nothing
  * of it; so it is only that they stay there. */
-static void extrapolated(void)
+TEST("extrapolation")
 {
     static const struct pk_system *const systems[] = {&pendulum_system, &driven_system,
                                                       &double_pendulum_system};
-    static struct fixture f;
     for (size_t s = 0; s < 3; s++) {
         double q[2], v[2];
         CU_ASSERT(fixture_run(&f, systems[s], "gauss4", 0.002, 4) == PK_DONE);
@@ -135,107 +118,19 @@ static void extrapolated(void)
 
 /* q'' = -1e6 q + cos 3t near its slow solution: with the right Jacobian implicit methods take the
  * forcing's steps, explicit ones the oscillator's. */
-static void stiff(void)
+TEST("stiff")
 {
     static const char *const names[] = {"gsl_msbdf", "gsl_bsimp", "gsl_rk8pd", "gsl_msadams"};
-    static struct fixture f;
     for (int i = 0; i < 4; i++) {
         fixture_set(&f, &driven_system);
         f.params.g = 1e6;
         f.q0[0] = 1e-6, f.v0[0] = 0;
         f.options.rtol = 0, f.options.atol = 1e-5;
-        CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+        fixture_start(&f, names[i], 0);
         CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_DONE);
         printf("\n    %s: %lu steps", names[i], f.it.count.steps);
         CU_ASSERT(i < 2 ? f.it.count.steps < 50 : f.it.count.steps > 500);
         CU_ASSERT(fabs(f.it.q[0] - cos(15) / (1e6 - 9)) < 1e-5);
         pk_integrator_free(&f.it);
     }
-}
-
-/* Largest error of the interpolant inside first steps of size h: slope is its order + 1. */
-static void dense(void)
-{
-    static const char *const names[] = {"dopri5", "dop853"};
-    static struct fixture f, exact;
-    for (size_t i = 0; i < 2; i++) {
-        double h[6], error[6];
-        int count = 0;
-        for (double step = i ? 0.9 : 0.3; count < 6; step /= 1.3) {
-            fixture_set(&f, &pendulum_system);
-            f.options.h = f.options.h_max = step;
-            f.options.rtol = f.options.atol = 1e10;
-            fixture_init(&f, names[i]);
-            CU_ASSERT(pk_integrator_step(&f.it, 10) == PK_DONE);
-            CU_ASSERT(f.it.t == step);
-            h[count] = step;
-            error[count] = 0;
-            for (double s = 0.05; s < 1; s += 0.05) {
-                double q, v;
-                CU_ASSERT(fixture_run(&exact, &pendulum_system, "gauss4", s * step / 40,
-                                      s * step) == PK_DONE);
-                CU_ASSERT(pk_integrator_dense(&f.it, s * step, &q, &v) == PK_DONE);
-                error[count] = fmax(error[count], fixture_distance(&exact, &q, &v));
-            }
-            count++;
-        }
-        const double order = fit_slope(h, error, count) - 1;
-        printf("\n    %s: dense output measured order %.2f", names[i], order);
-        CU_ASSERT(fabs(order - pk_method_find(names[i])->dense_order) < 0.35);
-        double q, v;
-        CU_ASSERT(pk_integrator_dense(&f.it, 0, &q, &v) == PK_DONE && q == f.q0[0]);
-        CU_ASSERT(pk_integrator_dense(&f.it, f.it.t, &q, &v) == PK_DONE);
-        CU_ASSERT(fabs(q - f.it.q[0]) < 1e-15);
-        CU_ASSERT(pk_integrator_dense(&f.it, f.it.t * 1.01, &q, &v) == PK_BAD_ARGUMENT);
-    }
-}
-
-/* Inside the steps of a run at tolerance: the interpolant's own error beside the steps'. */
-static void dense_in_run(void)
-{
-    static struct fixture f, exact;
-    for (double tol = 1e-4; tol > 5e-14; tol /= 1000) {
-        double inside = 0, ends = 0;
-        fixture_set(&f, &double_pendulum_system);
-        f.options.rtol = f.options.atol = tol;
-        fixture_init(&f, "dop853");
-        for (int step = 0; step < 40; step++) {
-            double q0[2], v0[2], q[2], v[2];
-            const double t0 = f.it.t;
-            memcpy(q0, f.it.q, sizeof q0);
-            memcpy(v0, f.it.v, sizeof v0);
-            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 10) == PK_DONE);
-            for (int k = 1; k <= 4; k++) {
-                const double t = k == 4 ? f.it.t : t0 + k * (f.it.t - t0) / 4;
-                fixture_set(&exact, &double_pendulum_system);
-                memcpy(exact.q0, q0, sizeof q0);
-                memcpy(exact.v0, v0, sizeof v0);
-                exact.options.h = (t - t0) / 20;
-                fixture_init(&exact, "gauss4");
-                pk_integrator_to(&exact.it, t - t0);
-                CU_ASSERT(pk_integrator_dense(&f.it, t, q, v) == PK_DONE);
-                const double e = fixture_distance(&exact, q, v);
-                if (k == 4)
-                    ends = fmax(ends, e);
-                else
-                    inside = fmax(inside, e);
-            }
-        }
-        printf("\n    dop853 at %.0e: local error at ends %.1e, inside %.1e", tol, ends, inside);
-        CU_ASSERT(inside > 0 && inside < 200 * tol);
-    }
-}
-
-void add_order(void)
-{
-    CU_pSuite suite = CU_add_suite("order", NULL, NULL);
-    CU_add_test(suite, "fixed steps on the pendulum", fixed_order);
-    CU_add_test(suite, "explicit time", order_with_time);
-    CU_add_test(suite, "M(q) and M(v)", order_general_mass);
-    CU_add_test(suite, "error follows the tolerance", tolerance);
-    CU_add_test(suite, "order of GSL's", order_of_gsl);
-    CU_add_test(suite, "extrapolation", extrapolated);
-    CU_add_test(suite, "stiff", stiff);
-    CU_add_test(suite, "dense output", dense);
-    CU_add_test(suite, "dense output within a run", dense_in_run);
 }

@@ -5,7 +5,7 @@
 
 static int near(double x, double y) { return fabs(x - y) <= 1e-15 * (1 + fabs(y)); }
 
-static void momenta(void)
+TEST("angular momentum about two places")
 {
     /* Two masses 1 and 3 at the ends of a rod that turns by (0, 0, 2) and is carried along. */
     const double m[] = {1, 3}, r[] = {4, 1, 5, 0, 1, 5}, v[] = {1, 6, 7, 1, -2, 7};
@@ -33,7 +33,7 @@ static struct relative at(double e, double w, double f)
     return o;
 }
 
-static void vectors(void)
+TEST("Laplace, Runge and Lenz")
 {
     struct lrl lrl;
     struct relative o = at(0.3, 0.5, 2);
@@ -61,11 +61,4 @@ static void vectors(void)
     for (int i = 0; i < 3; i++)
         o.a[i] = -o.a[i];
     CU_ASSERT(!lrl_begin(&lrl, &o));
-}
-
-void add_particles(void)
-{
-    CU_pSuite suite = CU_add_suite("particles", NULL, NULL);
-    CU_add_test(suite, "angular momentum about two places", momenta);
-    CU_add_test(suite, "Laplace, Runge and Lenz", vectors);
 }

@@ -1,32 +1,18 @@
-/* Rotations: the order of methods on SO(3), what each keeps of a free body over long runs, the
+/* Rotations (orders: test_constraint.c): what each keeps of a free body over long runs, the
  * symplectic form of T*SO(3), reversal; each with a method that fails it.
  */
 #include "attitude_series.h"
-#include "bound.h"
+#include "fixture.h"
 
 static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6",
                                     "rattle",       "rattle4",       "rattle6",
                                     "rkmk4",        "rk4",           "gauss2"};
 enum { STEPS = sizeof steps / sizeof *steps, VARIATIONAL = 6 };
 
-static void order(void)
-{
-    static const struct pk_system *const systems[] = {&free_body_system, &top_system,
-                                                      &bodies_system, &carriage_system};
-    for (int s = 0; s < 4; s++)
-        for (int i = 0; i < STEPS; i++) {
-            const int claimed = pk_method_find(steps[i])->order;
-            const double p = bound_order(systems[s], steps[i], s == 1 ? 0.5 : 1);
-            printf("\n    %-9s %-13s order %d, measured %.3f", systems[s]->name, steps[i], claimed,
-                   p);
-            CU_ASSERT(fabs(p - claimed) < 0.2);
-        }
-}
-
 /* R p of the momenta of the body whose rates begin at v[at], its quaternion at v[of]. */
-static void in_space(const struct bound_run *f, size_t at, size_t of, double *L)
+static void in_space(const struct fixture *f, size_t at, size_t of, double *L)
 {
-    double p[BOUND_N], pdot[BOUND_N];
+    double p[FIXTURE_N], pdot[FIXTURE_N];
     const double *Q = f->it.v + of;
     f->problem.system->unconstrained(&f->params, f->it.t, f->it.q, f->it.v, NULL, p, pdot);
     for (int i = 0; i < 3; i++) {
@@ -45,19 +31,18 @@ struct kept {
 /* Largest deviations over a run of the free body, or of two: then of their sum. */
 static struct kept keeps(const struct pk_system *system, const char *method, double h, long count)
 {
-    static struct bound_run f;
+    static struct fixture f;
     struct kept k = {0};
     double start[3] = {0}, E0, L2;
-    bound_set(&f, system);
-    CU_ASSERT_FATAL(bound_init(&f, method, h) == PK_DONE);
+    fixture_open(&f, system, method, h);
     const size_t bodies = system->n_rotations;
     for (size_t b = 0; b < bodies; b++)
         in_space(&f, 3 * b, 3 * bodies + 4 * b, start);
-    E0 = bound_energy(&f);
+    E0 = fixture_energy(&f);
     L2 = start[0] * start[0] + start[1] * start[1] + start[2] * start[2];
     for (long i = 0; i < count; i++) {
         CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
-        const double E = fabs(bound_energy(&f) / E0 - 1);
+        const double E = fabs(fixture_energy(&f) / E0 - 1);
         k.energy = fmax(k.energy, E);
         k.late += i >= count - 1000 ? E / 1000 : 0;
         if (i % 100 && i < count - 100)
@@ -71,14 +56,14 @@ static struct kept keeps(const struct pk_system *system, const char *method, dou
         }
         k.square = fmax(k.square, fabs(square / L2 - 1));
         k.vector = fmax(k.vector, apart / sqrt(L2));
-        k.norm = fmax(k.norm, bound_residuals(&f).norm);
+        k.norm = fmax(k.norm, fixture_residuals(&f).norm);
     }
     printf("\n    %-13s h = %-4g %7ld steps: norm %.1e, energy %.1e, |L|^2 %.1e, L %.1e", method, h,
            count, k.norm, k.energy, k.square, k.vector);
     return k;
 }
 
-static void free_body(void)
+TEST("what is kept of a free body")
 {
     for (int i = 0; i < VARIATIONAL; i++) {
         const long count = i == 0 ? 1000000 : 30000;
@@ -95,7 +80,7 @@ static void free_body(void)
     CU_ASSERT(rkmk.norm < 1e-15 && rkmk.energy > 1e-6 && rkmk.vector > 1e-6);
 }
 
-static void two_bodies(void)
+TEST("momentum of two bodies")
 {
     for (int i = 0; i < VARIATIONAL; i += 3) {
         const struct kept k = keeps(&bodies_system, steps[i], 0.05, 100000);
@@ -108,20 +93,20 @@ static void two_bodies(void)
 
 /* I = (1, 2, 3): its periods in closed form by elliptic integrals, 4 K(m)/rate (REGIMES T4); and
  * the growth of what is off the middle axis, Omega/sqrt(3). */
-static void closed_form(void)
+TEST("periods in closed form")
 {
     static const struct {
         double omega[3], period;
     } rows[] = {{{0.01, 1, 0}, 41.509219529}, {{0, 1, 0.01}, 37.702071587}};
-    static struct bound_run f;
+    static struct fixture f;
     for (int r = 0; r < 2; r++) {
         const char *const names[] = {"gauss", "rkmk8", "lie_midpoint6", "lie_midpoint"};
         const double h[] = {1e-13, 0.1, 0.1, 0.1}, bound[] = {1e-9, 1e-9, 1e-6, 1};
         for (int i = 0; i < 4; i++) {
             double worst = 0;
-            bound_set(&f, &free_body_system);
+            fixture_set(&f, &free_body_system);
             memcpy(f.v0, rows[r].omega, sizeof rows[r].omega);
-            CU_ASSERT_FATAL(bound_init(&f, names[i], h[i]) == PK_DONE);
+            fixture_start(&f, names[i], h[i]);
             CU_ASSERT(pk_integrator_to(&f.it, rows[r].period) == PK_DONE);
             for (int k = 0; k < 3; k++)
                 worst = fmax(worst, fabs(f.it.v[k] - rows[r].omega[k]));
@@ -131,9 +116,9 @@ static void closed_form(void)
         }
     }
     const double off = 1e-6, t = 5;
-    bound_set(&f, &free_body_system); /* along what grows: omega_3 = -omega_1/sqrt(3) */
+    fixture_set(&f, &free_body_system); /* along what grows: omega_3 = -omega_1/sqrt(3) */
     f.v0[0] = off, f.v0[1] = 1, f.v0[2] = -off / sqrt(3);
-    CU_ASSERT_FATAL(bound_init(&f, "gauss", 1e-13) == PK_DONE);
+    fixture_start(&f, "gauss", 1e-13);
     CU_ASSERT(pk_integrator_to(&f.it, t) == PK_DONE);
     const double rate = log(fabs(f.it.v[0]) / off) / t;
     printf("\n    growth about the middle axis %.9f, Omega/sqrt(3) = %.9f", rate, 1 / sqrt(3));
@@ -176,9 +161,9 @@ static double form(const double *P, const double *eta1, const double *dP1, const
 static void mapped(const char *method, double e, const double *xi, const double *pi, double h,
                    double *end)
 {
-    static struct bound_run f;
+    static struct fixture f;
     static const double I[] = {1.5, 1.5, 0.5};
-    bound_set(&f, &top_system);
+    fixture_set(&f, &top_system);
     double *Q = f.v0 + 3, Q0[4];
     memcpy(Q0, Q, sizeof Q0);
     const double angle = e * sqrt(xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2]);
@@ -190,7 +175,7 @@ static void mapped(const char *method, double e, const double *xi, const double 
         Q[1 + i] = Q0[0] * r[1 + i] + Q0[1 + i] * r[0] + Q0[j] * r[k] - Q0[k] * r[j];
         f.v0[i] += e * pi[i] / I[i];
     }
-    CU_ASSERT_FATAL(bound_init(&f, method, h) == PK_DONE);
+    fixture_start(&f, method, h);
     CU_ASSERT_FATAL(pk_integrator_to(&f.it, 2 * h) == PK_DONE);
     memcpy(end, f.it.v + 3, 4 * sizeof *end);
     for (int i = 0; i < 3; i++)
@@ -214,15 +199,15 @@ static double symplectic_defect(const char *method)
         }
         tangent(of, weights, 12 * e, centre, eta[k], dP[k]);
     }
-    static struct bound_run f;
-    bound_set(&f, &top_system);
+    static struct fixture f;
+    fixture_set(&f, &top_system);
     for (int i = 0; i < 3; i++)
         P0[i] = (i < 2 ? 1.5 : 0.5) * f.v0[i];
     const double before = form(P0, xi[0], pi[0], xi[1], pi[1]);
     return fabs(form(centre + 4, eta[0], dP[0], eta[1], dP[1]) - before);
 }
 
-static void symplectic(void)
+TEST("the symplectic form")
 {
     for (int i = 0; i < 8; i++) {
         const double defect = symplectic_defect(steps[i]);
@@ -231,23 +216,21 @@ static void symplectic(void)
     }
 }
 
-static void reversible(void)
+TEST("reversal")
 {
-    static struct bound_run f;
+    static struct fixture f;
     for (int i = 0; i < 8; i++) {
-        bound_set(&f, &bodies_system);
-        CU_ASSERT_FATAL(bound_init(&f, steps[i], 0.05) == PK_DONE);
-        CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_DONE);
-        CU_ASSERT(bound_distance(&f, f.q0, f.v0) > 0.1);
+        CU_ASSERT(fixture_run(&f, &bodies_system, steps[i], 0.05, 2) == PK_DONE);
+        CU_ASSERT(fixture_distance(&f, f.q0, f.v0) > 0.1);
         CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE);
-        const double lost = bound_distance(&f, f.q0, f.v0);
+        const double lost = fixture_distance(&f, f.q0, f.v0);
         printf("\n    %-13s there and back %.1e", steps[i], lost);
         CU_ASSERT(i < VARIATIONAL ? lost < 1e-13 : lost > 1e-9);
     }
 }
 
 /* On both sides of where a formula gives way to its series. */
-static void small_angles(void)
+TEST("small angles")
 {
     double exp_off, dexp_off;
     series_of_attitudes(12, &exp_off, &dexp_off); /* 7/64 */
@@ -258,16 +241,16 @@ static void small_angles(void)
 
 /* What a sum of quaternions has rounded away goes on to the next one: a turn about an axis, exact.
  */
-static void compensated(void)
+TEST("what sums of quaternions round away")
 {
-    static struct bound_run f;
+    static struct fixture f;
     static const char *const names[] = {"rkmk4", "rkmk8"};
     const long double h = 1.0L / 1024;
     for (int k = 0; k < 2; k++) {
-        bound_set(&f, &free_body_system);
+        fixture_set(&f, &free_body_system);
         f.v0[0] = 1, f.v0[1] = f.v0[2] = 0;
         f.v0[3] = 1, f.v0[4] = f.v0[5] = f.v0[6] = 0;
-        CU_ASSERT_FATAL(bound_init(&f, names[k], (double)h) == PK_DONE);
+        fixture_start(&f, names[k], (double)h);
         long double worst = 0;
         for (int i = 1; i <= 4; i++) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1) == PK_DONE);
@@ -280,7 +263,7 @@ static void compensated(void)
     }
 }
 
-static void normalised(void)
+TEST("unit length")
 {
     double Q[8] = {0, 9, 3, 9, 0, 9, 4, 9}, low[8] = {1, 9, 1, 9, 1, 9, 1, 9};
     CU_ASSERT(pk_normalise(Q, low, 2) == 1);
@@ -293,18 +276,4 @@ static void normalised(void)
     double none[4] = {0, 1e-200, 0, 0}, wild[4] = {1, INFINITY, 0, 0};
     CU_ASSERT(pk_normalise(none, NULL, 1) == -1 && none[1] > 0);
     CU_ASSERT(pk_normalise(wild, NULL, 1) == -1);
-}
-
-void add_rotation(void)
-{
-    CU_pSuite suite = CU_add_suite("rotation", NULL, NULL);
-    CU_add_test(suite, "order on SO(3)", order);
-    CU_add_test(suite, "what is kept of a free body", free_body);
-    CU_add_test(suite, "momentum of two bodies", two_bodies);
-    CU_add_test(suite, "periods in closed form", closed_form);
-    CU_add_test(suite, "the symplectic form", symplectic);
-    CU_add_test(suite, "reversal", reversible);
-    CU_add_test(suite, "small angles", small_angles);
-    CU_add_test(suite, "what sums of quaternions round away", compensated);
-    CU_add_test(suite, "unit length", normalised);
 }

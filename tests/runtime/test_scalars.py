@@ -1,7 +1,5 @@
 """A model and a library of different scalar types do not link: they would crash."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -24,10 +24,9 @@ static size_t gaps(const void *p)
     return masses - 1;
 }
 
-static int acceleration(const void *p, double t, const double *q, const double *v, const double *u,
-                        double *a)
+static int acceleration(ARGS, double *a)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     memset(a, 0, masses * sizeof *a);
     for (size_t i = 0; i + 1 < masses; i++) {
         const double d = q[i + 1] - q[i], force = strength / (d * d);
@@ -37,10 +36,9 @@ static int acceleration(const void *p, double t, const double *q, const double *
     return 0;
 }
 
-static void singularity(const void *p, double t, const double *q, const double *v, const double *u,
-                        double *out)
+static void singularity(ARGS, double *out)
 {
-    (void)p, (void)t, (void)v, (void)u;
+    UNUSED;
     calls++;
     for (size_t i = 0; i + 1 < masses; i++) {
         out[i] = q[i + 1] - q[i];
@@ -97,7 +95,7 @@ static void init_line(struct line *l, const struct pk_system *system, const char
 }
 
 /* From unequal distances one pair meets first, wherever in the line: the same for each method. */
-static void one_meets(void)
+TEST("one pair meets")
 {
     static struct line l;
     static const struct {
@@ -127,7 +125,7 @@ static void one_meets(void)
 
 /* Two pairs pass through each other in the same step, and two masses between them are always
  * nearer: neither the least distance nor the product of all signs changes. */
-static void two_meet_behind_a_nearer_one(void)
+TEST("two behind a nearer one")
 {
     static struct line l;
     static const double q[4] = {-1, 0, 0.01, 1.01}, v[4] = {2, 0, 0, -2};
@@ -142,8 +140,7 @@ static void two_meet_behind_a_nearer_one(void)
         CU_ASSERT(fabs(l.f.it.reason.time - 0.5) < 1e-9);
     }
     struct pk_system unguarded = line(&l, 4, 0);
-    unguarded.singularities.n = 0;
-    unguarded.singularities.count = NULL;
+    unguarded.singularities = (struct pk_part_singularities){.n = 0, .count = NULL};
     memcpy(l.q, q, sizeof q);
     memcpy(l.v, v, sizeof v);
     init_line(&l, &unguarded, "verlet", 1);
@@ -152,7 +149,7 @@ static void two_meet_behind_a_nearer_one(void)
 
 /* Hot, and repelling each other: thousands of near passes, none of them an end, and seldom a
  * search, of which each takes hundreds of calls. */
-static void none_meets(void)
+TEST("none meets")
 {
     static struct line l;
     static const struct {
@@ -183,7 +180,7 @@ static void advance(const void *p, int stages, const double *kick, const double 
 
 /* Fused steps would not see a singularity: they are made where there is none, as of a single mass.
  */
-static void not_fused(void)
+TEST("not fused")
 {
     static struct line l;
     for (size_t n = 1; n < 3; n++) {
@@ -209,7 +206,7 @@ static void seven(const void *p, size_t k, struct pk_place *at)
     *at = (struct pk_place){0, 7, 11};
 }
 
-static void named(void)
+TEST("names")
 {
     static const struct {
         const char *name, *said;
@@ -234,14 +231,4 @@ static void named(void)
             CU_ASSERT(!size || (strncmp(few, texts[k].said, size - 1) == 0 && strlen(few) < size));
         }
     }
-}
-
-void add_singularity_families(void)
-{
-    CU_pSuite suite = CU_add_suite("singularities of families", NULL, NULL);
-    CU_add_test(suite, "one pair meets", one_meets);
-    CU_add_test(suite, "two behind a nearer one", two_meet_behind_a_nearer_one);
-    CU_add_test(suite, "none meets", none_meets);
-    CU_add_test(suite, "not fused", not_fused);
-    CU_add_test(suite, "names", named);
 }

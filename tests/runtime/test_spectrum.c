@@ -13,7 +13,7 @@ static struct pk_spectrum spectrum_of(size_t count, double dt, size_t lines)
     return s;
 }
 
-static void sums_of_cosines(void)
+TEST("sums of cosines")
 {
     /* One without a companion, two close ones, a small one beside large ones; a mean and a rate. */
     static const struct pk_line given[] = {{1, 0.7, 0.3, 0},
@@ -46,7 +46,7 @@ static void sums_of_cosines(void)
     CU_ASSERT(blurred.residual > 1e-4 || blurred.lines[0].error > 1e-4);
 }
 
-static void single_lines(void)
+TEST("single lines")
 {
     const double dt = 0.31;
     for (double phase = 0; phase < 6; phase += 0.7) { /* whatever the phase */
@@ -61,7 +61,7 @@ static void single_lines(void)
     CU_ASSERT(fabs(s.lines[1].frequency - 1.1) < 1e-12);
 }
 
-static void refusals(void)
+TEST("refusals")
 {
     struct pk_spectrum s;
     memset(x, 0, sizeof x);
@@ -81,14 +81,14 @@ static void sampled(const struct pk_system *system, const double *q, double dt)
     memset(f.v0, 0, sizeof f.v0);
     f.options.rtol = f.options.atol = 1e-13;
     f.options.atol = 1e-18;
-    CU_ASSERT_FATAL(fixture_init(&f, "dop853") == PK_DONE);
+    fixture_start(&f, "dop853", 0);
     for (int j = 0; j < COUNT; j++) {
         CU_ASSERT_FATAL(pk_integrator_to(&f.it, j * dt) == PK_DONE);
         x[j] = f.it.q[0];
     }
 }
 
-static void pendulums(void)
+TEST("pendulums")
 {
     const double right_angle[] = {1.57079632679489661923}, small[] = {1e-6, 0.7e-6};
     sampled(&pendulum_system, right_angle, 0.25);
@@ -109,13 +109,4 @@ static void pendulums(void)
     /* Twenty times fewer periods know less. */
     const struct pk_spectrum brief = spectrum_of(COUNT / 20, 0.1, 2);
     CU_ASSERT(brief.lines[1].error > 3 * d.lines[1].error);
-}
-
-void add_spectrum(void)
-{
-    CU_pSuite suite = CU_add_suite("spectrum", NULL, NULL);
-    CU_add_test(suite, "sums of cosines", sums_of_cosines);
-    CU_add_test(suite, "single lines", single_lines);
-    CU_add_test(suite, "refusals", refusals);
-    CU_add_test(suite, "pendulums", pendulums);
 }

@@ -6,6 +6,8 @@
 
 #include <pk/gsl_equilibria.h>
 
+static struct fixture f;
+
 /* The Brusselator from its usual start, in long double, by a Runge-Kutta method of its own. */
 static void exact(double T, double *x)
 {
@@ -25,12 +27,12 @@ static void exact(double T, double *x)
     x[0] = (double)y[0], x[1] = (double)y[1];
 }
 
-static double off(const struct fixture *f, const double *x)
+static double off(const struct fixture *one, const double *x)
 {
-    return fmax(fabs(f->it.v[0] - x[0]), fabs(f->it.v[1] - x[1]));
+    return fmax(fabs(one->it.v[0] - x[0]), fabs(one->it.v[1] - x[1]));
 }
 
-static void order(void)
+TEST("order on a nonlinear pair of states")
 {
     double x[2];
     int found = 0;
@@ -49,41 +51,40 @@ static void order(void)
 }
 
 /* To t = 12 with the last states' integrals at `integral` where it starts: what it has come to. */
-static enum pk_status moved(struct fixture *f, const struct pk_system *system, const char *method,
-                            double integral, double *out)
+static enum pk_status moved(const struct pk_system *system, const char *method, double integral,
+                            double *out)
 {
-    fixture_set(f, system);
-    f->options.h = 0.02;
-    f->options.rtol = f->options.atol = 1e-7;
+    fixture_set(&f, system);
+    f.options.h = 0.02;
+    f.options.rtol = f.options.atol = 1e-7;
     for (size_t i = system->n - system->n_first_order; i < system->n; i++)
-        f->q0[i] = integral;
-    enum pk_status status = fixture_init(f, method);
-    if (f->it.method && f->it.method->traits & PK_ADAPTIVE) {
-        pk_integrator_free(&f->it);
-        f->options.h = 0, status = fixture_init(f, method); /* a first step of its own */
+        f.q0[i] = integral;
+    enum pk_status status = fixture_init(&f, method);
+    if (f.it.method && f.it.method->traits & PK_ADAPTIVE) {
+        pk_integrator_free(&f.it);
+        f.options.h = 0, status = fixture_init(&f, method); /* a first step of its own */
     }
     if (status >= 0)
-        status = pk_integrator_to(&f->it, 12);
+        status = pk_integrator_to(&f.it, 12);
     if (status >= 0) {
-        out[0] = f->it.v[0], out[1] = f->it.v[1];
-        out[2] = (double)f->it.count.steps, out[3] = (double)f->it.count.evaluations;
-        out[4] = system->n_first_order < system->n ? f->it.q[0] : 0;
+        out[0] = f.it.v[0], out[1] = f.it.v[1];
+        out[2] = (double)f.it.count.steps, out[3] = (double)f.it.count.evaluations;
+        out[4] = system->n_first_order < system->n ? f.it.q[0] : 0;
     }
-    pk_integrator_free(&f->it);
+    pk_integrator_free(&f.it);
     return status;
 }
 
-static void unseen(void)
+TEST("their integrals are seen by nobody")
 {
-    static struct fixture f;
     static const struct pk_system *const systems[] = {&brusselator_system, &maxwell_system};
     int found = 0;
     for (size_t k = 0; k < 2; k++)
         for (size_t i = 0; fixture_method(i); i++) {
             const char *name = fixture_method(i)->name;
             double at0[5], far[5];
-            const enum pk_status status = moved(&f, systems[k], name, 0, at0);
-            CU_ASSERT(moved(&f, systems[k], name, 1e9, far) == status);
+            const enum pk_status status = moved(systems[k], name, 0, at0);
+            CU_ASSERT(moved(systems[k], name, 1e9, far) == status);
             if (status == PK_REFUSED)
                 continue;
             CU_ASSERT(status == PK_DONE);
@@ -112,9 +113,8 @@ static struct motion motion_from(const struct fixture *f, const char *method, do
 }
 
 /* There and back, the integrals' own round-off is nobody's. */
-static void reversed(void)
+TEST("there and back")
 {
-    static struct fixture f;
     struct reversal r[2];
     for (int k = 0; k < 2; k++) {
         fixture_set(&f, &maxwell_system);
@@ -131,9 +131,8 @@ static void reversed(void)
 
 /* x' = -x beside faster decays: no displacement of an integral stays and looks like a neutral one.
  */
-static void exponents(void)
+TEST("Lyapunov exponent")
 {
-    static struct fixture f;
     fixture_set(&f, &maxwell_system);
     f.q0[0] = 1e-3, f.v0[1] = 1e-3;     /* linear: eigenvalues of s^3 + s^2 + 10.81 s + 9.81 */
     const double expected = -0.0429345; /* the real part of the pair */
@@ -150,9 +149,8 @@ static void exponents(void)
 }
 
 /* There are no momenta, so there is no form that a step could keep. */
-static void no_form(void)
+TEST("no symplectic form")
 {
-    static struct fixture f;
     struct stepmap map;
     fixture_set(&f, &brusselator_system);
     const struct motion m = motion_from(&f, "rk4", 1);
@@ -165,14 +163,4 @@ static void no_form(void)
     CU_ASSERT_EQUAL_FATAL(found.count, 1);
     CU_ASSERT_DOUBLE_EQUAL(v[0], 1, 1e-12);
     CU_ASSERT_DOUBLE_EQUAL(v[1], 3, 1e-12);
-}
-
-void add_states(void)
-{
-    CU_pSuite suite = CU_add_suite("states", NULL, NULL);
-    CU_add_test(suite, "order on a nonlinear pair of states", order);
-    CU_add_test(suite, "their integrals are seen by nobody", unseen);
-    CU_add_test(suite, "there and back", reversed);
-    CU_add_test(suite, "Lyapunov exponent", exponents);
-    CU_add_test(suite, "no symplectic form", no_form);
 }

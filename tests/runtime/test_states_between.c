@@ -4,26 +4,23 @@
 
 static double top, level;
 
-static int falling(const void *p, double t, const double *q, const double *v, const double *u,
-                   double *a)
+static int falling(ARGS, double *a)
 {
-    (void)p, (void)q, (void)v, (void)u;
+    UNUSED;
     a[0] = -sin(t - top);
     return 0;
 }
 
-static void near_the_top(const void *p, double t, const double *q, const double *v, const double *u,
-                         double *g)
+static void near_the_top(ARGS, double *g)
 {
-    (void)p, (void)t, (void)q, (void)u;
+    UNUSED;
     g[0] = v[0] - level;
 }
 
 /* Far below 0 at the ends of the step, 0 at the top. */
-static void short_hill(const void *p, double t, const double *q, const double *v, const double *u,
-                       double *m)
+static void short_hill(ARGS, double *m)
 {
-    (void)p, (void)t, (void)q, (void)u;
+    UNUSED;
     m[0] = 80 * (v[0] - 1);
 }
 
@@ -36,7 +33,7 @@ static struct pk_system turning(void)
 
 /* Of the first a cubic through the ends and the rates there stays below the level; of the second
  * that is so bad that steps of the method are made in place of it. */
-static void crossings(void)
+TEST("events on a state that turns")
 {
     static const char *const methods[] = {"rk4", "rkmk4", "dopri5", "dop853", "gauss"};
     static const double steps[] = {1, 6}, tops[] = {0.5, 1.5707963267948966},
@@ -58,28 +55,18 @@ static void crossings(void)
         }
 }
 
-static void marks(void)
+TEST("a force that follows one")
 {
     static const struct pk_quantity name[] = {{"exp(80*(x - 1))", "", ""}};
     static struct fixture f;
     struct pk_system system = turning();
-    system.marks.n = 1;
-    system.marks.names = name;
-    system.marks.values = short_hill;
+    system.marks = (struct pk_part_marks){.n = 1, .names = name, .values = short_hill};
     for (int fine = 0; fine < 2; fine++) {
         top = 0.75;
         fixture_set(&f, &system);
         f.v0[0] = cos(top);
-        f.options.h = fine ? 0.05 : 2 * top;
-        CU_ASSERT_FATAL(fixture_init(&f, "rk4") == PK_DONE);
+        fixture_start(&f, "rk4", fine ? 0.05 : 2 * top);
         CU_ASSERT(pk_integrator_to(&f.it, 2 * top) == PK_DONE);
         CU_ASSERT((f.it.passed_over.count == 0) == fine);
     }
-}
-
-void add_states_between(void)
-{
-    CU_pSuite suite = CU_add_suite("states between", NULL, NULL);
-    CU_add_test(suite, "events on a state that turns", crossings);
-    CU_add_test(suite, "a force that follows one", marks);
 }

@@ -5,8 +5,6 @@
 
 #include "fixture.h"
 
-#define ARGS const void *params, double t, const double *q, const double *v, const double *u
-
 struct whole_params {
     double fast, slow, end; /* names that are not in this order in the parts */
 };
@@ -123,7 +121,7 @@ static void push(void *context, double t, double *u)
     u[1] = 3 * sin(40 * t);
 }
 
-struct test {
+struct pair {
     struct whole_params params;
     struct pk_problem whole;
     struct pk_choice choices[2];
@@ -133,7 +131,7 @@ struct test {
 
 static const double q0[] = {0.5, 1, 0}, v0[] = {0, 10, 1};
 
-static enum pk_status begin(struct test *t, const struct pk_part *of)
+static enum pk_status begin(struct pair *t, const struct pk_part *of)
 {
     whole_defaults(&t->params);
     t->whole = (struct pk_problem){.system = &whole_system, .params = &t->params, .input = push};
@@ -149,17 +147,17 @@ static enum pk_status begin(struct test *t, const struct pk_part *of)
     return pk_subsystems_init(&t->apart, &t->whole, of, t->choices, 2, 0, q0, v0, t->block, size);
 }
 
-static void end(struct test *t)
+static void end(struct pair *t)
 {
     pk_subsystems_free(&t->apart);
     free(t->block);
 }
 
-static void against_together(void)
+TEST("against the whole")
 {
     static double block[8192];
     struct pk_integrator it;
-    struct test t;
+    struct pair t;
     struct pk_options options = pk_options_default();
     options.rtol = options.atol = 1e-13;
     CU_ASSERT_FATAL(begin(&t, parts) == PK_DONE);
@@ -187,9 +185,9 @@ static void against_together(void)
 }
 
 /* One fails: the whole stays where all were, and the reason is that of the part. */
-static void failure(void)
+TEST("failure of one")
 {
-    struct test t;
+    struct pair t;
     char reason[500];
     CU_ASSERT_FATAL(begin(&t, parts) == PK_DONE);
     end(&t);
@@ -211,10 +209,10 @@ static void failure(void)
 }
 
 /* What is kept of them goes on to the bit, also where the whole is within steps. */
-static void kept(void)
+TEST("kept")
 {
     static unsigned char bytes[65536];
-    struct test a, b;
+    struct pair a, b;
     struct pk_keep out = {.to = bytes, .size = sizeof bytes}, in = {.from = bytes};
     CU_ASSERT_FATAL(begin(&a, parts) == PK_DONE && begin(&b, parts) == PK_DONE);
     CU_ASSERT(pk_subsystems_to(&a.apart, 0.501, 4) == PK_DONE);
@@ -239,14 +237,14 @@ static void kept(void)
     end(&a), end(&b);
 }
 
-static void refused(void)
+TEST("refused")
 {
     const struct pk_part twice[] = {{&fast_system, second}, {&slow_system, second}};
     const struct pk_part beyond[] = {{&fast_system, outside}, {&slow_system, first}};
     struct pk_system stranger = fast_system;
     stranger.inputs = coordinates;
     const struct pk_part strange[] = {{&stranger, second}, {&slow_system, first}};
-    struct test t;
+    struct pair t;
     char reason[500];
     CU_ASSERT(begin(&t, twice) == PK_BAD_ARGUMENT);
     pk_subsystems_reason(&t.apart, reason, sizeof reason);
@@ -277,13 +275,4 @@ static void refused(void)
     end(&t);
     free(block); /* that the parts are in */
     CU_ASSERT(pk_subsystems_size(&t.whole, NULL, t.choices, 2) == 0);
-}
-
-void add_subsystems(void)
-{
-    CU_pSuite suite = CU_add_suite("blocks apart", NULL, NULL);
-    CU_add_test(suite, "against the whole", against_together);
-    CU_add_test(suite, "failure of one", failure);
-    CU_add_test(suite, "kept", kept);
-    CU_add_test(suite, "refused", refused);
 }

@@ -93,7 +93,7 @@ static void check_order(const char *name, const struct dense_table *t, int order
     }
 }
 
-static void explicit_tables(void)
+TEST("explicit Runge-Kutta: all rooted trees")
 {
     int found = 0;
     for (size_t m = 0; pk_method_at(m); m++) {
@@ -138,7 +138,7 @@ static void explicit_tables(void)
 
 /* Dense output: weights b_i(s) of the interpolant at s, over all stages; sum b_i(s) Phi_i =
  * s^p / density up to its order, and not one further. */
-static void dense_tables(void)
+TEST("dense output: all rooted trees")
 {
     static const char *const names[] = {"dopri5", "dop853"};
     for (size_t m = 0; m < 2; m++) {
@@ -187,7 +187,7 @@ static void dense_tables(void)
     }
 }
 
-static void gauss_tables(void)
+TEST("Gauss: trees, symplectic, symmetric")
 {
     static const char *const names[] = {"gauss1", "gauss2", "gauss3", "gauss4",
                                         "gauss5", "gauss6", "gauss7", "gauss8"};
@@ -218,7 +218,7 @@ static void gauss_tables(void)
 
 /* Beside the matrices of the 8 stages, whose order quad/order.c measures: what predicts the next
  * step and judges this one. A wrong digit there would only cost iterations, or tolerance. */
-static void lane_tables(void)
+TEST("the lanes of 8 stages")
 {
     const double *c = pk_gauss8_c;
     struct pk_gauss_matrices M;
@@ -253,7 +253,7 @@ static void lane_tables(void)
     }
 }
 
-static void splitting_tables(void)
+TEST("splitting")
 {
     /* Sums and symmetry; order conditions are in tests/runtime/test_compositions.py, and in every
      * order that is measured. Symplectic they are by what they are made of. */
@@ -281,7 +281,7 @@ static void splitting_tables(void)
     CU_ASSERT(found == 11);
 }
 
-static void registry(void)
+TEST("registry")
 {
     size_t count = 0;
     for (; pk_method_at(count); count++) {
@@ -299,15 +299,4 @@ static void registry(void)
     for (count = 0; pk_gsl_method_at(count); count++)
         CU_ASSERT(strncmp(pk_gsl_method_at(count)->name, "gsl_", 4) == 0);
     CU_ASSERT(count == 5);
-}
-
-void add_tables(void)
-{
-    CU_pSuite suite = CU_add_suite("tables", NULL, NULL);
-    CU_add_test(suite, "explicit Runge-Kutta: all rooted trees", explicit_tables);
-    CU_add_test(suite, "dense output: all rooted trees", dense_tables);
-    CU_add_test(suite, "Gauss: trees, symplectic, symmetric", gauss_tables);
-    CU_add_test(suite, "the lanes of 8 stages", lane_tables);
-    CU_add_test(suite, "splitting", splitting_tables);
-    CU_add_test(suite, "registry", registry);
 }

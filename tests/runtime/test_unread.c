@@ -5,7 +5,7 @@
 
 #include "fixture.h"
 
-#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
+static struct fixture f;
 
 enum { UNREAD = 2, ALL = 3 };
 
@@ -33,10 +33,10 @@ static void ending(double t, double q, double v, double *rate)
 
 static void (*rates)(double, double, double, double *) = slow;
 
-static void force(ARGS, pk_real *f)
+static void force(ARGS, pk_real *out)
 {
-    pendulum_system.force(params, t, q, v, u, f);
-    rates(t, q[0], v[0], f + 1);
+    pendulum_system.force(params, t, q, v, u, out);
+    rates(t, q[0], v[0], out + 1);
 }
 static int acceleration(ARGS, pk_real *a)
 {
@@ -45,7 +45,7 @@ static int acceleration(ARGS, pk_real *a)
 }
 static void mass(ARGS, pk_real *M)
 {
-    (void)params, (void)t, (void)q, (void)v, (void)u;
+    UNUSED;
     for (int i = 0; i < ALL * ALL; i++)
         M[i] = i % (ALL + 1) == 0;
 }
@@ -111,10 +111,10 @@ static double missed(const double *v, const double *x)
     return fmax(fabs(v[1] - x[1]), fabs(v[2] - x[2]));
 }
 
-static double off(const struct fixture *f, const double *x) { return missed(f->it.v, x); }
+static double off(const struct fixture *of, const double *x) { return missed(of->it.v, x); }
 
 /* quad/order.c goes on above order 6. */
-static void order(void)
+TEST("order")
 {
     const struct pk_system system = carrying();
     double x[ALL];
@@ -132,11 +132,10 @@ static void order(void)
     CU_ASSERT(found == 20);
 }
 
-static void tight(void)
+TEST("tight tolerances")
 {
     static const char *const names_of[] = {"gauss", "dop853", "dopri5", "gauss6", "gauss8"};
     const struct pk_system system = carrying();
-    static struct fixture f;
     double x[ALL];
     exact(20, x);
     for (int k = 0; k < 5; k++) {
@@ -150,16 +149,13 @@ static void tight(void)
 }
 
 /* Between the ends of steps, as exact as the tolerance. */
-static void between(void)
+TEST("between steps")
 {
     static const char *const dense[] = {"gauss", "dop853"};
     const struct pk_system system = carrying();
-    static struct fixture f;
     double x[ALL], q[ALL], v[ALL];
     for (int k = 0; k < 2; k++) {
-        fixture_set(&f, &system);
-        f.options.rtol = f.options.atol = 1e-10;
-        CU_ASSERT_FATAL(fixture_init(&f, dense[k]) == PK_DONE);
+        fixture_open(&f, &system, dense[k], 1e-10);
         while (f.it.t < 1.5)
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 10) == PK_DONE);
         for (int part = 0; part <= 4; part++) {
@@ -172,16 +168,15 @@ static void between(void)
 }
 
 /* States whose rounding is as large as the last corrections do not keep Newton's iteration at work. */
-static void far(void)
+TEST("large ones")
 {
     const struct pk_system system = carrying();
-    static struct fixture f;
     unsigned long count[2];
     for (int k = 0; k < 2; k++) {
         fixture_set(&f, &system);
         f.options.h = 0.01;
         f.v0[1] = k ? 1e5 : 3;
-        CU_ASSERT_FATAL(fixture_init(&f, "gauss4") == PK_DONE);
+        fixture_start(&f, "gauss4", 0);
         CU_ASSERT(pk_integrator_to(&f.it, 20) == PK_DONE);
         count[k] = f.it.count.iterations;
     }
@@ -189,10 +184,9 @@ static void far(void)
     CU_ASSERT(count[0] < 7000 && count[1] < 7000);
 }
 
-static void control(void)
+TEST("step control")
 {
     static const char *const methods[] = {"gauss", "dop853", "dopri5", "radau"};
-    static struct fixture f;
     const struct pk_system system = carrying();
     const double T = 4 * acos(-1.0);
     for (int k = 0; k < 4; k++) {
@@ -209,10 +203,9 @@ static void control(void)
 }
 
 /* Newton's equations without them: the same steps, with fewer unknowns. */
-static void left_out(void)
+TEST("left out of Newton's equations")
 {
     static const char *const methods[] = {"gauss1", "gauss4", "lobatto3", "radau5", "radau"};
-    static struct fixture f;
     for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
         double end[2][ALL + 1];
         unsigned long count[2];
@@ -246,27 +239,24 @@ static int found(void *context, const struct pk_events *events)
 
 static void lowest(ARGS, pk_real *g)
 {
-    (void)params, (void)t, (void)v, (void)u;
+    UNUSED;
     g[0] = q[0];
 }
 
-static void events(void)
+TEST("events")
 {
     static const struct pk_event event[] = {{{"lowest", "", ""}, 0, 0}};
     static const char *const methods[] = {"gauss", "gauss4", "rk4", "dop853"};
-    static struct fixture f;
     static double block[8192];
     struct pk_system system = carrying();
     struct pk_events watched;
     double x[ALL];
-    system.events.n = 1;
-    system.events.table = event;
-    system.events.values = lowest;
+    system.events = (struct pk_part_events){.n = 1, .table = event, .values = lowest};
     for (int k = 0; k < 4; k++) {
         fixture_set(&f, &system);
         f.options.h = k == 0 || k == 3 ? 0 : 0.01;
         f.options.rtol = f.options.atol = 1e-11;
-        CU_ASSERT_FATAL(fixture_init(&f, methods[k]) == PK_DONE);
+        fixture_start(&f, methods[k], 0);
         CU_ASSERT_FATAL(pk_events_init(&watched, &f.it, block, sizeof block) == PK_DONE);
         watched.found = found;
         seen.count = 0;
@@ -280,16 +270,4 @@ static void events(void)
         exact(f.it.t, x);
         CU_ASSERT(missed(f.it.v, x) < (k == 2 ? 1e-6 : 1e-9));
     }
-}
-
-void add_unread(void)
-{
-    CU_pSuite suite = CU_add_suite("states that nothing reads", NULL, NULL);
-    CU_add_test(suite, "order", order);
-    CU_add_test(suite, "tight tolerances", tight);
-    CU_add_test(suite, "step control", control);
-    CU_add_test(suite, "between steps", between);
-    CU_add_test(suite, "large ones", far);
-    CU_add_test(suite, "left out of Newton's equations", left_out);
-    CU_add_test(suite, "events", events);
 }

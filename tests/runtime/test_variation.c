@@ -106,8 +106,7 @@ static int follows_the_motion(const struct pk_method *method)
 }
 
 /* As if nothing depended on q and v. */
-static void straight_on(const void *params, double t, const double *q, const double *v,
-                        const double *u, const double *a, double *r_q, double *r_v, double *r_t)
+static void straight_on(ARGS, const double *a, double *r_q, double *r_v, double *r_t)
 {
     (void)params, (void)t, (void)q, (void)v, (void)u, (void)a;
     memset(r_q, 0, 4 * sizeof *r_q);
@@ -115,7 +114,7 @@ static void straight_on(const void *params, double t, const double *q, const dou
     memset(r_t, 0, 2 * sizeof *r_t);
 }
 
-static void derivative_of_steps(void)
+TEST("the derivative of every method's step")
 {
     struct pk_system systems[] = {double_pendulum_system, relativistic_system, pendulum_system,
                                   maxwell_system, brusselator_system};
@@ -162,7 +161,7 @@ static double defect(const struct pk_system *system, const char *name, double h,
     return found->defect;
 }
 
-static void symplectic_form(void)
+TEST("the symplectic form")
 {
     struct stepmap m;
     /* One degree of freedom: S^T J S = det S J. RK4: |R|^2 = 1 - y^6/72 + y^8/576 (REGIMES L10). */
@@ -200,7 +199,7 @@ static void symplectic_form(void)
     CU_ASSERT(fabs(m.defect - (pow(0.5, 6) / 72 - pow(0.5, 8) / 576)) <= m.rounding);
 }
 
-static void refusals(void)
+TEST("refusals")
 {
     struct stepmap m;
     struct test_params params = {.g = 1};
@@ -212,12 +211,4 @@ static void refusals(void)
     oscillator.linear = oscillator_system.linear;
     CU_ASSERT(form_of(&m, &problem, "adaptive_verlet", 0.1, q, v) == PK_REFUSED);
     CU_ASSERT(form_of(&m, &problem, "rk4", 0.1, q, v) == PK_DONE);
-}
-
-void add_variation(void)
-{
-    CU_pSuite suite = CU_add_suite("variational equations", NULL, NULL);
-    CU_add_test(suite, "the derivative of every method's step", derivative_of_steps);
-    CU_add_test(suite, "the symplectic form", symplectic_form);
-    CU_add_test(suite, "refusals", refusals);
 }

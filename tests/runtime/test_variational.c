@@ -1,18 +1,18 @@
 /* Variational steps where textbook methods are known to be them: the implicit midpoint rule,
  * Verlet; and what they do of steps that are too long for one solution, or for an iteration by M.
  */
-#include "bound.h"
+#include "fixture.h"
 
 static double apart(const struct pk_system *system, const char *a, const char *b, double h)
 {
-    static struct bound_run f, g;
-    CU_ASSERT(bound_go(&f, system, a, h, 20 * h) == PK_DONE);
-    CU_ASSERT(bound_go(&g, system, b, h, 20 * h) == PK_DONE);
-    return bound_distance(&f, g.it.q, g.it.v);
+    static struct fixture f, g;
+    CU_ASSERT(fixture_run(&f, system, a, h, 20 * h) == PK_DONE);
+    CU_ASSERT(fixture_run(&g, system, b, h, 20 * h) == PK_DONE);
+    return fixture_distance(&f, g.it.q, g.it.v);
 }
 
 /* lie_midpoint is gauss1 in (q, p) for any M, rattle is Verlet where the system is separable. */
-static void textbook(void)
+TEST("the midpoint rule and Verlet")
 {
     static const struct {
         const struct pk_system *system;
@@ -40,9 +40,9 @@ static void textbook(void)
 
 /* Steps that have several solutions: Kepler's from the pericentre, a rod turned by more than a
  * right angle. It is said, never guessed, and from where on: a step of nearly that is made. */
-static void ambiguous(void)
+TEST("several solutions")
 {
-    static struct bound_run f;
+    static struct fixture f;
     static const struct {
         const struct pk_system *system;
         const char *method;
@@ -53,11 +53,10 @@ static void ambiguous(void)
                 {&rods_system, "lie_midpoint", 2.5},
                 {&rods_system, "rattle6", 3}};
     for (int i = 0; i < 5; i++) {
-        bound_set(&f, rows[i].system);
-        CU_ASSERT_FATAL(bound_init(&f, rows[i].method, rows[i].h) == PK_DONE);
+        fixture_open(&f, rows[i].system, rows[i].method, rows[i].h);
         const enum pk_status status = pk_integrator_step(&f.it, 1e9);
         CU_ASSERT(status == PK_NO_CONVERGENCE || status == PK_AMBIGUOUS_STEP);
-        CU_ASSERT(bound_says(&f, ": make the step shorter"));
+        CU_ASSERT(says(&f.it, ": make the step shorter"));
         CU_ASSERT(f.it.t == 0 && memcmp(f.it.q, f.q0, f.it.n * sizeof *f.q0) == 0);
         const double longest = f.it.reason.value;
         printf("\n    %s by %s: up to %.4g, not %g", rows[i].system->name, rows[i].method, longest,
@@ -65,26 +64,26 @@ static void ambiguous(void)
         CU_ASSERT(longest > 0.01 && longest < rows[i].h);
         if (i == 4) /* of parts, the others may be too long still */
             continue;
-        CU_ASSERT_FATAL(bound_init(&f, rows[i].method, 0.9 * longest) == PK_DONE);
+        fixture_start(&f, rows[i].method, 0.9 * longest);
         CU_ASSERT(pk_integrator_step(&f.it, 1e9) == PK_DONE);
-        CU_ASSERT(fabs(bound_energy(&f)) < 100);
+        CU_ASSERT(fabs(fixture_energy(&f)) < 100);
     }
 }
 
 /* h omega = 100: by Newton's method, in the midpoint rule's closed form; by M alone it is refused.
  */
-static void stiff(void)
+TEST("stiff")
 {
-    static struct bound_run f;
+    static struct fixture f;
     const double y = 100, h = 0.1;
     for (int i = 0; i < 2; i++) {
-        bound_set(&f, &oscillator_system);
+        fixture_set(&f, &oscillator_system);
         f.params.g = y * y / (h * h);
         f.options.iteration = i ? PK_FIXED_POINT : PK_NEWTON;
-        CU_ASSERT_FATAL(bound_init(&f, "lie_midpoint", h) == PK_DONE);
+        fixture_start(&f, "lie_midpoint", h);
         const enum pk_status status = pk_integrator_step(&f.it, 1e9);
         if (i) {
-            CU_ASSERT(status == PK_NO_CONVERGENCE && bound_says(&f, "use Newton's"));
+            CU_ASSERT(status == PK_NO_CONVERGENCE && says(&f.it, "use Newton's"));
             continue;
         }
         const double c = (1 - y * y / 4) / (1 + y * y / 4), s = h / (1 + y * y / 4);
@@ -92,19 +91,18 @@ static void stiff(void)
         CU_ASSERT(fabs(f.it.q[0] - (c * f.q0[0] + s * f.v0[0])) < 1e-13);
         CU_ASSERT(f.it.count.jacobians > 0);
     }
-    CU_ASSERT(bound_go(&f, &oscillator_system, "lie_midpoint", 0.1, 1) == PK_DONE);
+    CU_ASSERT(fixture_run(&f, &oscillator_system, "lie_midpoint", 0.1, 1) == PK_DONE);
     CU_ASSERT(f.it.count.jacobians == 0);
 }
 
 /* Kepler, e = .6: angular momentum, exact for both but for round-off, whose random walk of 1e5
  * plain sums reaches 2e-15 and more. */
-static void compensated(void)
+TEST("compensated sums of momenta")
 {
-    static struct bound_run f;
+    static struct fixture f;
     static const char *const names[] = {"rattle", "lie_midpoint"};
     for (int i = 0; i < 2; i++) {
-        bound_set(&f, &kepler_system);
-        CU_ASSERT_FATAL(bound_init(&f, names[i], 1e-3) == PK_DONE);
+        fixture_open(&f, &kepler_system, names[i], 1e-3);
         double most = 0;
         for (int k = 0; k < 100000; k++) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
@@ -117,58 +115,53 @@ static void compensated(void)
 }
 
 /* Inputs, a limit off the grid, and a reset: each step is that of a fresh start there. */
-static void anew(void)
+TEST("from anywhere")
 {
-    static struct bound_run f, g;
-    bound_set(&f, &jointed_system);
-    CU_ASSERT_FATAL(bound_init(&f, "rattle4", 0.03) == PK_DONE);
-    CU_ASSERT(pk_integrator_to(&f.it, 0.1) == PK_DONE && f.it.t == 0.1);
-    bound_set(&g, &jointed_system);
+    static struct fixture f, g;
+    CU_ASSERT(fixture_run(&f, &jointed_system, "rattle4", 0.03, 0.1) == PK_DONE && f.it.t == 0.1);
+    fixture_set(&g, &jointed_system);
     memcpy(g.q0, f.it.q, f.it.n * sizeof *g.q0);
     memcpy(g.v0, f.it.v, f.it.n * sizeof *g.v0);
-    CU_ASSERT_FATAL(bound_init(&g, "rattle4", 0.03) == PK_DONE);
+    fixture_start(&g, "rattle4", 0.03);
     CU_ASSERT(pk_integrator_to(&g.it, 0.5) == PK_DONE && pk_integrator_to(&f.it, 0.6) == PK_DONE);
-    const double same = bound_distance(&f, g.it.q, g.it.v);
+    const double same = fixture_distance(&f, g.it.q, g.it.v);
     CU_ASSERT(same < 1e-13);
     CU_ASSERT(pk_integrator_reset(&f.it, 0, f.q0, f.v0) == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, 0.1) == PK_DONE);
-    CU_ASSERT(bound_distance(&f, g.q0, g.v0) < 1e-15);
+    CU_ASSERT(fixture_distance(&f, g.q0, g.v0) < 1e-15);
     /* The momenta that it carries belong to the rates. */
-    double p[BOUND_N], pdot[BOUND_N];
+    double p[FIXTURE_N], pdot[FIXTURE_N];
     jointed_system.unconstrained(&f.params, f.it.t, f.it.q, f.it.v, NULL, p, pdot);
     for (size_t i = 0; i < 10; i++)
         CU_ASSERT(fabs(p[i] - f.it.p[i]) < 1e-15);
 }
 
 /* phi = sin(x + a) - y/2 - sin a: terms that cancel at 0. */
-static void slot(const void *params, double t, const double *q, const double *v, const double *u,
-                 double *phi)
+static void slot(ARGS, double *phi)
 {
-    (void)params, (void)t, (void)v, (void)u;
+    UNUSED;
     phi[0] = sin(q[0] + 0.3) - q[1] / 2 - sin(0.3);
 }
-static void slot_rows(const void *params, double t, const double *q, const double *v,
-                      const double *u, double *J, double *residual)
+static void slot_rows(ARGS, double *J, double *residual)
 {
-    (void)params, (void)t, (void)u;
+    UNUSED;
     J[0] = cos(q[0] + 0.3), J[1] = -0.5;
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
 
-static void slot_terms(const void *params, double t, const double *q, const double *v,
-                       const double *u, double *phi_size, double *rate_size)
+static void slot_terms(ARGS, double *phi_size, double *rate_size)
 {
-    (void)params, (void)t, (void)u;
+    UNUSED;
     const double slope = fabs(cos(q[0] + 0.3)), x = fabs(q[0]) + 0.3;
     phi_size[0] = slope * x + fabs(sin(q[0] + 0.3)) + fabs(q[1]) / 2 + sin(0.3);
     rate_size[0] = (slope + x) * fabs(v[0]) + fabs(v[1]) / 2;
 }
 
 /* From rest where all coordinates are 0: down the slot, energy v^2/2 + y. */
-static void from_rest(void)
+TEST("from rest at 0")
 {
     static struct pk_system system;
-    static struct bound_run f;
+    static struct fixture f;
     static const double h[] = {0.01, 1e-3, 1e-4};
     system = rod_system;
     system.constraints.values = slot;
@@ -176,10 +169,10 @@ static void from_rest(void)
     system.constraints.scale = slot_terms;
     for (int i = 0; i < 6; i++)
         for (int k = 0; k < 3; k++) {
-            bound_set(&f, &system);
+            fixture_set(&f, &system);
             memset(f.q0, 0, sizeof f.q0);
             memset(f.v0, 0, sizeof f.v0);
-            CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], h[k]) == PK_DONE);
+            fixture_start(&f, bound_methods[i], h[k]);
             CU_ASSERT_FATAL(pk_integrator_to(&f.it, 0.2) == PK_DONE);
             const double *q = f.it.q, *v = f.it.v;
             const double lost = fabs((v[0] * v[0] + v[1] * v[1]) / 2 + f.params.g * q[1]);
@@ -189,39 +182,36 @@ static void from_rest(void)
 }
 
 /* 0.3 x = 0.7 y: from rest at 0, where phi has no terms, x is moved by y alone. */
-static void tie(const void *params, double t, const double *q, const double *v, const double *u,
-                double *phi)
+static void tie(ARGS, double *phi)
 {
-    (void)params, (void)t, (void)v, (void)u;
+    UNUSED;
     phi[0] = 0.3 * q[0] - 0.7 * q[1];
 }
-static void tie_rows(const void *params, double t, const double *q, const double *v,
-                     const double *u, double *J, double *residual)
+static void tie_rows(ARGS, double *J, double *residual)
 {
-    (void)params, (void)t, (void)q, (void)u;
+    UNUSED;
     J[0] = 0.3, J[1] = -0.7;
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
-static void tie_terms(const void *params, double t, const double *q, const double *v,
-                      const double *u, double *phi_size, double *rate_size)
+static void tie_terms(ARGS, double *phi_size, double *rate_size)
 {
-    (void)params, (void)t, (void)u;
+    UNUSED;
     phi_size[0] = 0.3 * fabs(q[0]) + 0.7 * fabs(q[1]);
     rate_size[0] = 0.3 * fabs(v[0]) + 0.7 * fabs(v[1]);
 }
-static void moved_by_others(void)
+TEST("moved by others")
 {
     static struct pk_system system;
-    static struct bound_run f;
+    static struct fixture f;
     system = rod_system;
     system.constraints.values = tie;
     system.constraints.jacobian = tie_rows;
     system.constraints.scale = tie_terms;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
-        bound_set(&f, &system);
+        fixture_set(&f, &system);
         memset(f.q0, 0, sizeof f.q0);
         memset(f.v0, 0, sizeof f.v0);
-        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.01) == PK_DONE);
+        fixture_start(&f, bound_methods[i], 0.01);
         CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE &&
                   fabs(f.it.q[0] + 0.21 / 0.58 / 2) < 1e-14);
         CU_ASSERT(f.it.count.jacobians == 0);
@@ -229,56 +219,40 @@ static void moved_by_others(void)
 }
 
 /* A loose tolerance is one of rates alone; and a step after one of hardly any is like any other. */
-static void loose(void)
+TEST("a loose tolerance")
 {
-    static struct bound_run f;
+    static struct fixture f;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
-        bound_set(&f, &rods_system);
+        fixture_set(&f, &rods_system);
         f.options.newton_tol = 1e-3;
-        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.1) == PK_DONE);
+        fixture_start(&f, bound_methods[i], 0.1);
         CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE);
-        CU_ASSERT(bound_residuals(&f).position_relative < 3e-15);
-        bound_set(&f, &rods_system);
-        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.1) == PK_DONE);
-        CU_ASSERT(pk_integrator_to(&f.it, 1e-15) == PK_DONE);
+        CU_ASSERT(fixture_residuals(&f).position_relative < 3e-15);
+        CU_ASSERT(fixture_run(&f, &rods_system, bound_methods[i], 0.1, 1e-15) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 0.1) == PK_DONE && f.it.count.jacobians == 0);
     }
 }
 
 /* From rest at 0 on circles of radius 5 limit, whose numbers round phi by far more than x and y do.
  */
-static void numbers_of_phi(void)
+TEST("numbers of phi")
 {
-    static struct bound_run f;
+    static struct fixture f;
     static const double limits[] = {1.0 / 3, 100, 1e4}, h[] = {1e-2, 1e-3, 1e-4, 1e-5};
     for (int r = 0; r < 3; r++) {
         double lost = 0, off = 0;
         for (int i = 0; i < BOUND_VARIATIONAL; i++)
             for (int k = 0; k < 4; k++) {
-                bound_set(&f, &circle_system);
+                fixture_set(&f, &circle_system);
                 f.params.limit = limits[r];
-                CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], h[k]) == PK_DONE);
+                fixture_start(&f, bound_methods[i], h[k]);
                 CU_ASSERT_FATAL(pk_integrator_to(&f.it, 2000 * h[k]) == PK_DONE);
                 CU_ASSERT(f.it.count.jacobians == 0);
                 CU_ASSERT(f.it.v[1] < -h[k]);
-                lost = fmax(lost, fabs(bound_energy(&f) / f.it.q[1]));
-                off = fmax(off, bound_residuals(&f).position_relative);
+                lost = fmax(lost, fabs(fixture_energy(&f) / f.it.q[1]));
+                off = fmax(off, fixture_residuals(&f).position_relative);
             }
         printf("\n    radius %.4g: energy %.1e, phi %.1e", 5 * limits[r], lost, off);
         CU_ASSERT(off < 1e-15 && lost < 1e-4);
     }
-}
-
-void add_variational(void)
-{
-    CU_pSuite suite = CU_add_suite("variational", NULL, NULL);
-    CU_add_test(suite, "the midpoint rule and Verlet", textbook);
-    CU_add_test(suite, "several solutions", ambiguous);
-    CU_add_test(suite, "stiff", stiff);
-    CU_add_test(suite, "compensated sums of momenta", compensated);
-    CU_add_test(suite, "from anywhere", anew);
-    CU_add_test(suite, "from rest at 0", from_rest);
-    CU_add_test(suite, "moved by others", moved_by_others);
-    CU_add_test(suite, "a loose tolerance", loose);
-    CU_add_test(suite, "numbers of phi", numbers_of_phi);
 }

@@ -1,41 +1,38 @@
 /* Rates from momenta at the end of a variational step, and the return to J v + j0 = 0: what they
  * are judged by, and what they fail of.
  */
-#include "bound.h"
+#include "fixture.h"
 
-#define ARGS const void *params, double t, const double *q, const double *v, const double *u
-#define UNUSED (void)params, (void)t, (void)q, (void)v, (void)u
-
-static struct bound_run f;
+static struct fixture f;
 
 static enum pk_status go(const struct pk_system *system, const char *method, double h)
 {
-    CU_ASSERT_FATAL(bound_init(&f, method, h) == PK_DONE);
+    fixture_start(&f, method, h);
     CU_ASSERT(f.problem.system == system);
     return pk_integrator_to(&f.it, 1000 * h);
 }
 
 /* From rest in fields beside whose momenta the rates are small. */
-static void field(void)
+TEST("momenta of a field")
 {
     for (int i = 0; i < BOUND_VARIATIONAL; i++)
         for (double limit = 1; limit < 1e7; limit *= 100) {
-            bound_set(&f, &swift_system);
+            fixture_set(&f, &swift_system);
             f.params.limit = limit;
             f.v0[0] = f.v0[1] = 0;
             CU_ASSERT(go(&swift_system, bound_methods[i], 1e-4) == PK_DONE);
-            const double lost = fabs(bound_energy(&f) - (1 - 0.8));
+            const double lost = fabs(fixture_energy(&f) - (1 - 0.8));
             CU_ASSERT(f.it.v[0] < -1e-3 && lost < (i % 3 ? 1e-13 + 1e-16 * limit : 1e-6));
-            CU_ASSERT(bound_residuals(&f).rate_relative < 3e-15);
+            CU_ASSERT(fixture_residuals(&f).rate_relative < 3e-15);
         }
 }
 
 /* M is factored once a step where it does not depend on the rates, else until they are found. */
-static void factorisations(void)
+TEST("factorisations")
 {
     const struct pk_system *const systems[] = {&rods_system, &swift_system};
     for (int i = 0; i < 2; i++) {
-        bound_set(&f, systems[i]);
+        fixture_set(&f, systems[i]);
         CU_ASSERT(go(systems[i], "rattle", 0.01) == PK_DONE);
         const unsigned long made = f.it.count.factorisations, steps = f.it.count.steps;
         CU_ASSERT(i ? made > 2 * steps && made < 5 * steps : made == steps + 1);
@@ -55,14 +52,14 @@ static void spread_terms(ARGS, double *phi_size, double *rate_size)
     phi_size[0] = 2;
     rate_size[0] = 2e6 * fabs(v[0]) + 2 * fabs(v[1]);
 }
-static void terms_of_rates(void)
+TEST("terms of rates")
 {
     static struct pk_system system;
     system = rod_system;
     system.constraints.jacobian = spread_rows;
     system.constraints.scale = spread_terms;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
-        bound_set(&f, &system);
+        fixture_set(&f, &system);
         CU_ASSERT(go(&system, bound_methods[i], 1e-3) == PK_DONE);
         CU_ASSERT(fabs(f.it.q[0] * f.it.v[0] + f.it.q[1] * f.it.v[1]) < 1e-9);
     }
@@ -93,7 +90,7 @@ static void axle_terms(ARGS, double *phi_size, double *rate_size)
         rate_size[i] = 2 * (fabs(v[0]) + fabs(v[1]));
     }
 }
-static void spin(void)
+TEST("beside a spin")
 {
     static struct pk_system system;
     system = free_body_system;
@@ -103,7 +100,7 @@ static void spin(void)
     system.constraints.jacobian = axle_rows;
     system.constraints.scale = axle_terms;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
-        bound_set(&f, &system);
+        fixture_set(&f, &system);
         memset(f.v0, 0, sizeof f.v0);
         f.v0[2] = 1, f.v0[3] = 0.6, f.v0[6] = 0.8;
         CU_ASSERT(go(&system, bound_methods[i], 1e-2) == PK_DONE);
@@ -126,19 +123,19 @@ static void closing_rows(ARGS, double *J, double *residual)
     residual[0] = v[0];
     residual[1] = v[0] + LEFT * v[1] - q[1];
 }
-static void dependent(void)
+TEST("rows that come to depend on each other")
 {
     static struct pk_system system;
     system = twice_system;
     system.constraints.values = closing;
     system.constraints.jacobian = closing_rows;
     for (int i = 0; i < BOUND_VARIATIONAL; i += 3) {
-        bound_set(&f, &system);
+        fixture_set(&f, &system);
         memset(f.q0, 0, sizeof f.q0);
         memset(f.v0, 0, sizeof f.v0);
-        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.125) == PK_DONE);
+        fixture_start(&f, bound_methods[i], 0.125);
         CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_NO_PROJECTION && f.it.t == 0.875);
-        CU_ASSERT(bound_says(&f, "again depends on rod"));
+        CU_ASSERT(says(&f.it, "again depends on rod"));
     }
 }
 
@@ -149,26 +146,15 @@ static void gap_canonical(ARGS, double *p, double *pdot)
     p[0] = v[0] + (v[0] > 0 ? 0.5 : -0.5);
     pdot[0] = -1;
 }
-static void no_rates(void)
+TEST("no rates of these momenta")
 {
     static struct pk_system system;
     system = oscillator_system;
     system.facts &= ~(unsigned)PK_QUADRATIC;
     system.canonical = gap_canonical;
-    bound_set(&f, &system);
+    fixture_set(&f, &system);
     f.q0[0] = 0, f.v0[0] = 0.1;
-    CU_ASSERT_FATAL(bound_init(&f, "rattle", 0.15) == PK_DONE);
+    fixture_start(&f, "rattle", 0.15);
     CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_NO_CONVERGENCE);
-    CU_ASSERT(bound_says(&f, "that of the rates from the momenta, after a correction of "));
-}
-
-void add_variational_end(void)
-{
-    CU_pSuite suite = CU_add_suite("the end of a variational step", NULL, NULL);
-    CU_add_test(suite, "momenta of a field", field);
-    CU_add_test(suite, "factorisations", factorisations);
-    CU_add_test(suite, "terms of rates", terms_of_rates);
-    CU_add_test(suite, "beside a spin", spin);
-    CU_add_test(suite, "rows that come to depend on each other", dependent);
-    CU_add_test(suite, "no rates of these momenta", no_rates);
+    CU_ASSERT(says(&f.it, "that of the rates from the momenta, after a correction of "));
 }

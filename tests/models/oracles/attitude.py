@@ -1,7 +1,5 @@
 """Unit quaternions (w, x, y, z), body to space: their matrix, their rate, turns about an axis."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

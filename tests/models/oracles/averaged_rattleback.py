@@ -9,8 +9,6 @@ right, by rolling after that to the left. For lambda = 1 it is S0 sn: T = K(s0/s
 4 p0^2.
 """
 
-from __future__ import annotations
-
 import mpmath as mp
 
 

@@ -4,8 +4,6 @@ On body k acts +-F at d_k (in the body): m v' = +-F, I w' = -w x I w +- d x R^T 
 the same acceleration at the joint, v' + R (w' x d + w x (w x d)), are three linear equations for F.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

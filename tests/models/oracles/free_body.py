@@ -10,8 +10,6 @@ the body; about L, which is at rest in space, the body's third axis goes round a
 |L| (I1 w1^2 + I2 w2^2)/((I1 w1)^2 + (I2 w2)^2).
 """
 
-from __future__ import annotations
-
 import mpmath as mp
 
 

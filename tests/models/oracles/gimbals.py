@@ -6,8 +6,6 @@ With p = C (spin' + alpha' cos beta), Ja = J + (K2 + A) sin^2 beta + K3 cos^2 be
     Ja alpha'' = -2 (K2 + A - K3) alpha' beta' sin cos + p beta' sin
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ as I1 theta'^2/2 + V(theta) does, V = (p_phi - p_psi cos theta)^2/(2 I1 sin^2 th
 theta (Landau, Lifshitz, Mechanics, section 35; Klein, Sommerfeld, Theorie des Kreisels, chapter 4).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import mpmath as mp

@@ -3,8 +3,6 @@
 E. Hairer, S. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.9.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

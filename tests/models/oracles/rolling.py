@@ -24,8 +24,6 @@ one sense feeds the faster one, the other the slower, at rates as the squares of
 Garcia, M. Hubbard, Proc. R. Soc. A 418 (1988) 165). `linear` is exact in n, by a complex step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

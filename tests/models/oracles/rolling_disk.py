@@ -14,8 +14,6 @@ where C (C + m a^2) w^2 > A m g a (uniform: w^2 > g/(3 a)) and spinning on the s
 a^2) W^2 > m g a (W^2 > 4 g/(5 a)).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
