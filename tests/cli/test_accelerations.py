@@ -3,69 +3,15 @@ differences of the rates."""
 
 from __future__ import annotations
 
-import json
-import math
-
 import pytest
 
-from conftest import case, table, written
-
-PENDULUM = case("pendulum")
+from conftest import table, written
 
 
 def columns(done) -> dict[str, list[float]]:
     assert done.returncode == 0, done.stderr
     head, rows = table(done.stdout)
     return dict(zip(head, map(list, zip(*rows, strict=True)), strict=True))
-
-
-def test_a_pendulum_accelerates_as_it_is_known_to(pkgen, tmp_path):
-    path = written(tmp_path, PENDULUM)
-    done = pkgen("run", path, "--scene", "swings")
-    assert done.returncode == 4 and "expected: 2 of 3 met" in done.stderr  # theta'' is not < 8
-    head, rows = table(done.stdout)
-    assert ",".join(head) == "t,theta,theta',theta'',x'',r.x'',r.y'',r.z'',acc"
-    for _, q, v, a, ax, bx, by, bz, acc in rows:
-        known = -9.81 / 0.7 * math.sin(q)
-        assert a == pytest.approx(known, abs=1e-12) and acc == a and bz == 0
-        assert (
-            ax == bx == pytest.approx(0.7 * (known * math.cos(q) - v * v * math.sin(q)), abs=1e-12)
-        )
-        assert by == pytest.approx(0.7 * (known * math.sin(q) + v * v * math.cos(q)), abs=1e-12)
-    assert max(abs(row[3]) for row in rows) > 5
-
-
-def test_an_acceleration_crosses_zero_and_is_a_column_with_a_unit(pkgen, tmp_path):
-    path = written(tmp_path, PENDULUM)
-    done = pkgen("run", path, "--until", "5", "--rtol", "1e-12", "--json")
-    found = json.loads(done.stdout)
-    units = {c["name"]: c["unit"] for c in found["columns"]}
-    assert units["acc"] == "1/s^2" and units["down"] == units["place.x"] == "m/s^2"
-    times = {e["name"]: e["times"] for e in found["report"]["events"]}
-    assert len(times["turns"]) >= 2  # every other time at which it is lowest
-    assert times["turns"] == pytest.approx(times["lowest"][::2], abs=1e-10)
-
-
-def test_members_have_accelerations_too(pkgen, tmp_path):
-    done = pkgen("run", written(tmp_path, PENDULUM), "--scene", "many")
-    found = columns(done)
-    for q, a in zip(found["theta"], found["theta''"], strict=True):
-        assert a == pytest.approx(-9.81 / 0.7 * math.sin(q), abs=1e-12)
-    assert len(set(found["y''"])) == 20
-
-
-ROD = case("accelerations_rod")
-
-
-def test_the_tension_of_a_rod_is_an_output_an_event_and_expected(pkgen, tmp_path):
-    done = pkgen("run", written(tmp_path, ROD), "--scene", "thrown")
-    found = columns(done)
-    assert "expected: 3 of 3 met" in done.stderr and "event slack: once" in done.stderr
-    rows = zip(*(found[k] for k in ("x", "y", "x'", "y'", "tension", "lambda_rod")), strict=True)
-    for x, y, vx, vy, tension, multiplier in rows:
-        known = 0.8 * ((vx * vx + vy * vy) / 1.5 - 9.81 * y / math.hypot(x, y))
-        assert tension == pytest.approx(known, abs=1e-9) and multiplier == -tension
-    assert found["tension"][0] > 30 and abs(found["tension"][-1]) < 1e-9
 
 
 # Inputs, drag, time, a state in a momentum, constraints, a switch, turns; a few rows of each.
@@ -147,24 +93,3 @@ def _turns(found: dict, k: int) -> bool:
     """Near where a - 0.2 changes its sign, by the jump of b's acceleration."""
     a = found["n1"]
     return any(abs(a[i + 1] - a[i]) > 0.05 for i in range(k - 3, k + 3) if 0 <= i < len(a) - 1)
-
-
-def test_what_a_scene_leaves_of_a_model_has_the_same_accelerations(pkgen, tmp_path):
-    top = case("top")
-    path = written(tmp_path, top)
-    some, all_ = (
-        columns(pkgen("run", path, "--scene", "nods", *o)) for o in ((), ("--no-reduce",))
-    )
-    for name in ("theta''", "phi''"):
-        assert some[name] == pytest.approx(all_[name], abs=1e-7)
-        assert max(map(abs, some[name])) > 1
-
-
-CHAIN = case("chain")
-
-
-def test_members_of_families_accelerate(pkgen, tmp_path):
-    found = columns(pkgen("run", written(tmp_path, CHAIN), "--scene", "s"))
-    for t, a in zip(found["t"], found["q[31]''"], strict=True):
-        assert a == pytest.approx(-0.1 * math.sin(t), abs=1e-15)
-    assert abs(found["q[3]''"][0]) > 1e-3 and abs(found["all"][2]) > 1e-3

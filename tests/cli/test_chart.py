@@ -241,37 +241,9 @@ def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
     assert last["method"] is None and "reference" in last["reason"]
 
 
-@pytest.mark.parametrize(
-    "options, said",
-    [
-        (["--methods", "rk5"], "rk5"),
-        (["--points", 1], "2 at least"),
-        (["--seconds", 0], "positive"),
-        (["--seconds", "inf"], "finite"),
-        (["--set", "w=-1"], "parameter w is outside its bounds"),
-        (["--start", "theta=0", "--methods", "rk4", "--quick"], "nothing moves"),
-        (["--until", -1], "positive"),
-    ],
-)
-def test_wrong_options_are_usage(pkgen, tmp_path: Path, options: list, said: str) -> None:
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
-    done = pkgen("chart", model, "-o", tmp_path, *options)
-    assert done.returncode == 2 and said in done.stderr
-    assert "Traceback" not in done.stderr and not list(tmp_path.glob("*.svg"))
-
-
 def test_a_method_named_twice_is_one() -> None:
     assert [m.name for m in chart.methods(["rk4", "gauss", "rk4"])] == ["rk4", "gauss"]
     assert inline_flags(["rk4", "rk4"]) == inline_flags(["rk4"])
-
-
-def test_a_motion_that_ends_has_no_chart(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "fall.lag"
-    model.write_text("model fall\ncoord r\nkinetic r'^2/2\npotential -1/r\nstart r = 0.7\n")
-    done = pkgen("chart", model, "-o", tmp_path, "--quick", "--json", "--methods", "rk4")
-    assert done.returncode == 4
-    assert "reference" in json.loads(done.stdout)["error"] and not list(tmp_path.glob("*.svg"))
 
 
 def point(setting: float, error: float | None, work: int = 1, status: str = "PK_DONE") -> Point:

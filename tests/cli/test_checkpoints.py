@@ -264,24 +264,3 @@ def test_the_command_line(kind: str, pkgen, tmp_path: Path) -> None:
     assert reports[0] == reports[1]
     if kind == "npy":
         assert len(numpy.load(tmp_path / "b.npy")) == 3001
-
-
-def test_what_the_command_line_refuses(pkgen, tmp_path: Path) -> None:
-    (tmp_path / "m.lag").write_text(runs.text("free"))
-
-    def refused(*words: str) -> str:
-        done = pkgen(*words, cwd=tmp_path)
-        assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr
-        return done.stderr
-
-    run = ("run", "m.lag", "--until", "1")
-    assert "-o FILE.csv" in refused(*run, "--checkpoint", "c", "--plot", "c.svg")
-    for name in ("a.csv", "a.csv.partial", "a.csv.partial.json"):
-        assert "rows and what" in refused(*run, "-o", "a.csv", "--checkpoint", name)
-    assert "no folder" in refused(*run, "--checkpoint", "none/c")
-    assert "it is there already" in refused(*run, "--checkpoint", "m.lag")
-    assert "is for --checkpoint" in refused(*run, "--checkpoint-every", "9")
-    assert "a number of seconds" in refused(*run, "--checkpoint", "c", "--checkpoint-every", "x")
-    assert "GSL's own" in refused(*run, "--checkpoint", "c", "--method", "gsl_msadams")
-    assert "no checkpoint of pkgen" in refused("resume", "m.lag")
-    assert "No such file" in refused("resume", "c")

@@ -99,26 +99,6 @@ def test_examples_run(name: str, tmp_path: Path) -> None:
         assert run.returncode == code, f"{example}\n{run.stderr}"
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["runn", HOOP], "there is no command 'runn'; did you mean 'run'?"),
-        (["run", HOOP, "--iteration", "newtn"], "--iteration: newtn: did you mean 'newton'?"),
-        (["compile", HOOP, "--dump", "rendr"], "did you mean 'render'?"),
-        (["run"], "required: MODEL.lag; see pkgen help run"),
-        (["run", HOOP, HOOP], "one file at a time"),
-        (["stability", HOOP, "--width", "fast"], "--width: invalid float value: 'fast'"),
-        (["run", HOOP, "-q", "-v"], "not allowed with"),
-    ],
-)
-def test_what_is_wrong_is_one_line(words: list, said: str) -> None:
-    done = run_pkgen(*words)
-    assert done.returncode == 2 and said in done.stderr and done.stdout == ""
-    assert len(done.stderr.splitlines()) == 1
-    done = run_pkgen(*words, "--json")
-    assert done.returncode == 2 and said in json.loads(done.stdout)["error"]
-
-
 def test_common_options_may_stand_before_the_command() -> None:
     done = run_pkgen("--json", "-q", "check", HOOP)
     assert done.returncode == 0 and json.loads(done.stdout) == {"diagnostics": []}

@@ -4,18 +4,7 @@ from __future__ import annotations
 
 import re
 
-import pytest
-
 from conftest import case, ran, written
-
-EARTH = case("earth")
-WHEELS = case("wheels")
-
-
-@pytest.mark.parametrize("text", [EARTH, WHEELS])
-def test_rows_of_metres_and_of_radians_compare_by_their_inertia(tmp_path, text):
-    ran("run", written(tmp_path, text), "--until", "1")
-
 
 BOWL = case("bowl")
 

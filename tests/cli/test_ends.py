@@ -23,32 +23,12 @@ scene one
   {}
 end
 """
-# What is wrong, the text that the caret is below, and the hint.
-WRONG = [
-    ("record q", "'q' is a family: it needs an index", "q", "one by one, e.g. q[1]"),
-    ("record q[1], p_q[0]", "p_q[0] is outside the family", "p_q[0]", ""),
-    (
-        "hold q[N]\n  record p_q[2], p_q[N]",
-        "'p_q[6]': q[6] is held here, and has no momentum",
-        "p_q[N]",
-        "'q[6]' and its rate can be recorded",
-    ),
-    ("hold q[3]", "it is neither the first nor the last", "q[3]", "in order: q[1] or q[6] first"),
-]
 
 
 def chain(folder: Path, clauses: str) -> Path:
     path = folder / "chain.lag"
     path.write_text(CHAIN.format(clauses))
     return path
-
-
-@pytest.mark.parametrize(("clauses", "said", "under", "hint"), WRONG)
-def test_what_cannot_be(pkgen, tmp_path: Path, clauses, said, under, hint) -> None:
-    done = pkgen("check", chain(tmp_path, clauses))
-    assert done.returncode == 1 and said in done.stderr and hint in done.stderr
-    _, shown, caret, *_ = done.stderr.splitlines()
-    assert shown[caret.index("^") : caret.rindex("^") + 1] == under
 
 
 def test_ends_and_held_members_are_recorded(tmp_path: Path) -> None:

@@ -109,37 +109,11 @@ def test_a_member_that_fails_is_told_and_the_others_go_on(pkgen, ensemble, tmp_p
     assert report["first_failed"]["status"] == "PK_SINGULAR_COORDINATES"
 
 
-def test_wrong_uses_are_told(pkgen, ensemble, tmp_path: Path) -> None:
-    path = ensemble("theta1\n1\n")
-    done = pkgen("run", DOUBLE, "--threads", "2")
-    assert done.returncode == 2 and "--threads is for --ensemble" in done.stderr
-    done = pkgen("run", DOUBLE, "--ensemble", path, "--threads", "0")
-    assert done.returncode == 2 and "--threads 0: must be positive" in done.stderr
-    done = pkgen("run", DOUBLE, "--ensemble", tmp_path / "nowhere.csv")
-    assert done.returncode == 2 and "nowhere.csv: No such file" in done.stderr
-    (tmp_path / "latin.csv").write_bytes(b"theta1\n\xff\n")
-    done = pkgen("run", DOUBLE, "--ensemble", tmp_path / "latin.csv")
-    assert done.returncode == 2 and "not text in UTF-8" in done.stderr
-    done = pkgen("run", DOUBLE, "--ensemble", path, "--method", "verlet", "--step", "0.1")
-    assert done.returncode == 4 and "verlet needs a system that is separable" in done.stderr
-    assert len(done.stdout.splitlines()) == 1
-
-
 def test_files_of_other_systems_are_read(pkgen, ensemble) -> None:
     options = ["--method", "rk4", "--step", "0.1", "--until", "1", "--ensemble"]
     plain = pkgen("run", DOUBLE, *options, ensemble("theta1,m1\n1,2\n"))
     other = pkgen("run", DOUBLE, *options, ensemble('\ufeff"theta1",m1\r\n" 1",2\r\n', "other.csv"))
     assert plain.returncode == 0 and other.stdout == plain.stdout
-
-
-def test_what_no_machine_could_do_is_refused(pkgen, ensemble) -> None:
-    path = ensemble("theta1\n" + "1\n" * 2000)
-    options = ["--ensemble", path, "--method", "rk4", "--step", "0.1", "--until", "10"]
-    done = pkgen("run", DOUBLE, *options, "--every", "1e-4")
-    assert done.returncode == 2
-    assert "2,000 members of 100,001 rows of 6 numbers are some 24 GB" in done.stderr
-    done = pkgen("run", DOUBLE, *options, "--threads", "100000")
-    assert done.returncode == 2 and "--threads 100000: 1024 at most" in done.stderr
 
 
 def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> None:

@@ -67,33 +67,6 @@ def test_a_row_at_each_crossing(pkgen) -> None:
     assert rows == [pytest.approx([APEX_T, APEX_Y, M * G * APEX_Y], rel=1e-12)]
 
 
-@pytest.mark.parametrize(
-    ("method", "bound"),
-    [
-        ("gauss --rtol 1e-13", 1e-10),
-        ("dop853 --rtol 1e-13", 1e-10),
-        ("verlet --step 0.01", 1e-2),
-    ],
-)
-def test_sections_of_a_pendulum(pkgen, tmp_path: Path, method: str, bound: float) -> None:
-    path = tmp_path / "pendulum.lag"
-    path.write_text(PENDULUM)
-    done = ran("run", path, "--scene", "swings", "--method", *method.split())
-    head, rows = rows_of(done.stdout)
-    assert head == ["t", "theta'", "energy"]
-    T = period(2.5)
-    assert len(rows) == int(40 / T + 0.25)
-    for k, (t, v, energy) in enumerate(rows):
-        assert abs(t - (k + 0.75) * T) < bound * (k + 1)
-        assert v == pytest.approx(math.sqrt(2 * (1 - math.cos(2.5))), abs=bound)
-        assert energy == pytest.approx(-math.cos(2.5), abs=bound)
-    # Nothing is asked of the other event, and so it is counted where nothing is left out alone.
-    assert "event rest" not in done.stderr
-    done = pkgen("run", path, "--scene", "swings", "--no-reduce", "--method", *method.split())
-    assert f"event rest: {int(2 * 40 / T)} times" in done.stderr
-    assert rows_of(done.stdout) == (head, rows)
-
-
 def test_rows_by_time_and_at_events_are_in_order(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "pendulum.lag"
     path.write_text(PENDULUM)
@@ -126,23 +99,6 @@ def test_a_scene_runs_and_options_override_it(pkgen) -> None:
     assert rows_of(done.stdout)[1][-1][0] == pytest.approx(50, rel=1e-13)
 
 
-def test_a_scene_drives_an_input_and_a_chain(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "chain.lag"
-    path.write_text(
-        "model chain\nsize N = 40\ninput pull\ncoord q[1..N]\nfixed q[0] = 0, q[N+1] = 0\n"
-        "kinetic sum(q[i]'^2/2, i = 1..N)\npotential sum((q[i+1] - q[i])^2/2, i = 0..N)\n"
-        "force q[1] = pull\nscene pulled\n  set pull = 0.5\n  until 3\n"
-        "  start q[2] = 0.1\n  record q[1], q[N]', T every 1\n  method rk4 step 0.01\nend\n"
-    )
-    done = ran("run", path, "--scene", "pulled")
-    head, rows = rows_of(done.stdout)
-    assert head == ["t", "q[1]", "q[40]'", "T"]
-    assert rows[0][1:] == [0, 0, 0] and rows[-1][1] > 0.3
-    assert (
-        rows_of(pkgen("run", path, "--scene", "pulled", "--set", "pull=0").stdout)[1][-1][1] < 0.2
-    )
-
-
 FALL = (math.pi / 4 + 0.5) / math.sqrt(2)  # from rest at r = 1 to 1/2 under -1/r^2; pi/sqrt(8) to 0
 
 
@@ -162,14 +118,3 @@ def test_an_event_before_a_singularity_in_the_same_step(pkgen, tmp_path: Path) -
     done = ran(*command)
     t, r, *_ = rows_of(done.stdout)[1][-1]
     assert t == pytest.approx(FALL, abs=1e-5) and r == pytest.approx(0.5, abs=1e-12)
-
-
-def test_an_event_that_is_no_number_ends_the_run(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "m.lag"
-    path.write_text(
-        "model m\ncoord x\nkinetic x'^2/2\nstart x = 1, x' = -1\nevent half: sqrt(x) - 0.5\n"
-    )
-    done = pkgen("run", path, "--every", "0.25", "--method", "rk4", "--step", "0.05")
-    assert done.returncode == 4
-    assert "the function of event half is not finite at t = 1.0" in done.stderr
-    assert len(rows_of(done.stdout)[1]) == 5

@@ -30,32 +30,6 @@ def test_what_is_met_is_counted_and_no_column(swing: Path) -> None:
     assert [row.split(",")[0] for row in done.stdout.splitlines()[5:8]] == ["2", "2.5", "3"]
 
 
-def test_outputs_of_expectations_are_no_columns_where_all_others_are(pkgen, swing: Path) -> None:
-    done = pkgen("run", swing, "--scene", "all_columns")
-    assert done.returncode == 0 and "expected: 1 of 1 met" in done.stderr
-    assert done.stdout.splitlines()[0] == "t,x,x',twice,energy"
-    assert done.stdout.splitlines()[1] == "0,1,0,2,0.5"
-
-
-def test_a_miss_says_the_value_the_bound_and_by_how_much(pkgen, swing: Path) -> None:
-    done = pkgen("run", swing, "--scene", "missed")
-    assert done.returncode == 4
-    said = [line for line in done.stderr.splitlines() if "error" in line]
-    place = f"{swing}:{{}}:3: error: expectation missed: "
-    assert [line.split("missed: ")[0] + "missed: " for line in said] == [
-        place.format(SWING[: SWING.index("scene missed")].count("\n") + 5 + k) for k in range(7)
-    ]
-    assert " is off " in said[0] and "where 1e-12 is allowed; missed " in said[0]
-    assert f"missed: {math.cos(2.25):.5f}" in said[1]
-    assert "at t = 2.25 is off 0.5 by 1.13, where 0.1 is allowed" in said[1]
-    assert "is not below -1: off by 1; missed 2 of 2 times, this the most" in said[2]
-    assert "at t = 9.5 is not above 0: off by 0.997; missed 11 of 21 times" in said[3]
-    assert "event 'far' did not happen: the run ended at t = 10" in said[4]
-    assert "event 'far' did not happen" in said[5]
-    assert "is not below 1e-18: off by" in said[6]
-    assert "expected: 0 of 7 met" in done.stderr
-
-
 def test_verdicts_in_json_and_beside_a_file(pkgen, swing: Path, tmp_path: Path) -> None:
     out = tmp_path / "rows.csv"
     done = pkgen("run", swing, "--scene", "missed", "--json", "-o", out)
@@ -68,17 +42,6 @@ def test_verdicts_in_json_and_beside_a_file(pkgen, swing: Path, tmp_path: Path) 
     assert second["value"] == pytest.approx(math.cos(2.25), abs=1e-7)
     assert (second["bound"], second["within"], second["t"]) == (0.5, 0.1, 2.25)
     assert verdicts[4]["value"] is None and "did not happen" in verdicts[4]["said"]
-
-
-def test_options_change_what_is_compared(pkgen, swing: Path) -> None:
-    """Expectations follow parameters that the command line sets; a run that ends before misses."""
-    done = pkgen("run", swing, "--scene", "met", "--set", "w=2", "--json")
-    met = [v["met"] for v in json.loads(done.stdout)["expects"]]
-    assert met == [True, False, False, *[True] * 9]
-    done = pkgen("run", swing, "--scene", "met", "--until", "2", "--json")
-    verdicts = json.loads(done.stdout)["expects"]
-    assert [v["met"] for v in verdicts] == [True, False, *[True] * 9, False]
-    assert verdicts[1]["said"] == "there was no such time: the run ended at t = 2"
 
 
 def test_members_of_a_file_are_held_to_the_scene(pkgen, swing: Path, tmp_path: Path) -> None:

@@ -22,12 +22,6 @@ DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
 
 
-def test_a_method_that_does_not_apply_is_refused(pkgen) -> None:
-    done = pkgen("run", DOUBLE, "--method", "verlet", "--step", "0.01")
-    assert done.returncode == 4
-    assert "separable" in done.stderr and done.stdout.count("\n") <= 2
-
-
 FALL = case("failures_fall")
 
 
@@ -38,12 +32,6 @@ def test_numerical_failure_says_when(pkgen, tmp_path: Path) -> None:
     report = json.loads(done.stdout)["report"]
     assert report["status"] != "PK_DONE" and 1 < report["t"] < 2
     assert all(x == x for row in json.loads(done.stdout)["rows"] for x in row)
-
-
-def test_missing_file(pkgen, tmp_path: Path) -> None:
-    for path in (tmp_path / "none.lag", tmp_path):
-        done = pkgen("check", path)
-        assert done.returncode == 2 and "Traceback" not in done.stderr
 
 
 def test_broken_compiler(pkgen, tmp_path: Path) -> None:
@@ -63,16 +51,6 @@ def test_a_reader_that_goes_away(tmp_path: Path) -> None:
         timeout=300,
     )
     assert done.stdout.startswith("t,theta1") and (done.returncode, done.stderr) == (0, "")
-
-
-def test_what_is_no_number_has_no_sign(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "root.lag"
-    model = "model root\ncoord x\nkinetic x'^2/2\npotential x^2/2\n"
-    path.write_text(model + "observe root = sqrt(x)\nstart x = 1\n")
-    done = pkgen("run", path, "--until", "3", "--every", "0.5")
-    assert done.returncode == 4 and "root is not finite" in done.stderr
-    cells = [row.split(",")[3] for row in done.stdout.splitlines()]
-    assert cells[0] == "root" and cells[1] == "1" and cells[-1] == "nan"
 
 
 FULL, CLOSED = "standard output: No space left on device", "Bad file descriptor"

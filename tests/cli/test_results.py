@@ -187,18 +187,6 @@ def test_a_stream_is_written_as_it_comes(tmp_path: Path) -> None:
     }
 
 
-def test_what_is_no_file_is_refused(pkgen, tmp_path: Path) -> None:
-    (tmp_path / "a.csv").mkdir()
-    done = pkgen("run", MODEL, "--until", "1", "-o", tmp_path / "a.csv")
-    assert done.returncode == 2 and "this is a directory" in done.stderr
-    done = pkgen("run", MODEL, "--until", "1", "-o", tmp_path / "none/a.csv")
-    assert done.returncode == 2 and "none/a.csv.partial: No such file or directory" in done.stderr
-    done = pkgen(MODEL, "-o", "-")
-    assert done.returncode == 0 and "bead_on_hoop_acceleration(" in done.stdout
-    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
-    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
-
-
 def test_two_runs_do_not_write_the_same_file(pkgen, tmp_path: Path) -> None:
     with files.Result(tmp_path / "a.csv", "{}\n") as result:
         done = pkgen("run", MODEL, "--until", "1", "-o", tmp_path / "a.csv")

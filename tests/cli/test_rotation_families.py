@@ -38,40 +38,6 @@ def test_members_are_rotations_one_by_one(seed: int, pkgen, tmp_path: Path) -> N
     assert off(numbers(pkgen, singles, *how), found) < 1e-12
 
 
-WAVE = Path(__file__).parent / "spin_wave.lag"
-
-
-@pytest.mark.parametrize(
-    "method",
-    ["gauss rtol 1e-12", "dop853 rtol 1e-12", "rkmk8 step 0.05"],
-)
-def test_a_spin_wave_of_any_size(method: str, pkgen, tmp_path: Path) -> None:
-    """The axes of a ring of tops turn about the vertical at one angle a, each k ahead of the one
-    before: of (I w n x n' + S n)' = n x J (the two beside it) there is left
-    I w^2 cos a - S w - 2 J (1 - cos k) cos a = 0, for every a."""
-    model = tmp_path / "wave.lag"
-    model.write_text(WAVE.read_text().replace("gauss rtol 1e-12", method))
-    done = pkgen("run", model, "--scene", "wave")
-    assert done.returncode == 0 and "3 of 3 met" in done.stderr, done.stderr
-
-
-def test_one_of_a_family_is_a_free_body(pkgen, tmp_path: Path) -> None:
-    """As long loops, and alone."""
-    body = "kinetic {a}0.5*omega({R}).x^2 + omega({R}).y^2 + 2*omega({R}).z^2{b}\n"
-    start = "start omega({R}) = [1, 0.1, 0.2], {R} = rot([1, 2, 3], 0.5)\n"
-    of = "observe w = omega({R}).y\nobserve x = ({R}*[1, 0, 0]).z\n"
-    many = "model m\nsize N = 40\nrotation R[1..N]\n"
-    many += body.format(R="R[i]", a="sum(", b=", i = 1..N)") + (start + of).format(R="R[23]")
-    alone = "model m\nrotation R\n" + (body + start + of).format(R="R", a="", b="")
-    found = []
-    for text in (many, alone):
-        model = tmp_path / "m.lag"
-        model.write_text(text)
-        how = "--until", 9, "--every", 3, "--method", "dop853", "--rtol", 1e-13, "--record", "w,x"
-        found.append(numbers(pkgen, model, *how))
-    assert off(*found) < 1e-11
-
-
 RING = case("rotation_families_ring")
 
 

@@ -10,9 +10,6 @@ import pytest
 
 from conftest import rows, written
 
-METHODS = ["gauss", "dop853", "dopri5", "radau", "gsl_rk8pd"]
-SIZES = [1e-15, 1e-12, 1e-3, 1e9, 1e15]
-
 # Text, and what is compared with the size it has by the power of U.
 MODELS = {
     "oscillator": (
@@ -56,57 +53,6 @@ def model(name: str, unit: float, seed: int = 1) -> str:
     numbers["b"] = draw.uniform(-1, 1)
     given = "".join(f"param {k} = {x!r}\n" for k, x in numbers.items())
     return f"model scaled\nparam U = {unit!r}\n{given}{MODELS[name][0]}"
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", MODELS)
-def test_units_do_not_matter(pkgen, tmp_path, name, method):
-    powers = MODELS[name][1]
-    path = written(tmp_path, model(name, 1.0))
-    run = ("--until", "10", "--every", "10", "--rtol", "1e-10", "--method", method)
-    one = rows(pkgen, path, *run)[-1]
-    exact = rows(pkgen, path, *run[:4], "--rtol", "1e-13", "--method", "dop853")[-1]
-    for size in SIZES:
-        scaled = rows(pkgen, path, *run, "--set", f"U={size!r}")[-1]
-        for x, power in powers.items():
-            found = scaled[x] / size**power
-            assert abs(exact[x]) > 1e-6
-            assert found == pytest.approx(one[x], rel=1e-6), (size, x)
-            assert found == pytest.approx(exact[x], rel=1e-6), (size, x)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_seismometer_and_a_pendulum_that_hardly_moves(pkgen, tmp_path, method):
-    seismometer = "model s\ncoord x\nkinetic x'^2/2\npotential 2*x^2\nstart x = 1e-12\n"
-    pendulum = "model p\ncoord a\nkinetic a'^2/2\npotential -9.81*cos(a)\nstart a = 1e-15\n"
-    for text, name, size, w in (
-        (seismometer, "x", 1e-12, 2),
-        (pendulum, "a", 1e-15, math.sqrt(9.81)),
-    ):
-        path = written(tmp_path, text)
-        common = ("--until", "20", "--every", "20", "--method", method, "--rtol", "1e-10")
-        exact = size * math.cos(20 * w)
-        assert rows(pkgen, path, *common)[-1][name] == pytest.approx(exact, rel=1e-6)
-        told = rows(pkgen, path, *common, "--atol", "1e-3")[-1][name]  # absolute, if said
-        assert abs(told - exact) > 1e-4 * size
-
-
-def test_a_body_that_turns_and_flies(pkgen, tmp_path):
-    """A rotation beside picometres: neither has the other's scale."""
-    text = (
-        "model b\nparam U = 1\ncoord x, y\nrotation R\nlet w = omega(R)\n"
-        "kinetic (x'^2 + y'^2)/2 + U^2*(w.x^2 + 2*w.y^2 + 3*w.z^2)/2\n"
-        "potential x^2 + y^2*2\nstart x = U, y' = U, omega(R) = [1, 2, 0.5]\n"
-    )
-    path = written(tmp_path, text)
-    run = ("--until", "7", "--every", "7", "--rtol", "1e-10", "--record", "x,y,w")
-    one = rows(pkgen, path, *run)[-1]
-    for size in (1e-12, 1e9):
-        scaled = rows(pkgen, path, *run, "--set", f"U={size!r}")[-1]
-        assert len(scaled) == 6
-        for x, found in scaled.items():
-            found = found / size if x in "xy" else found
-            assert found == pytest.approx(one[x], rel=1e-6), (size, x)
 
 
 def test_members_of_an_ensemble_have_scales_of_their_own(pkgen, tmp_path):

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, no_page
+from conftest import case, no_page
 from pkgen.__main__ import main
 from pkgen.analysis.stability import measure
 from pkgen.cli import stability as command
@@ -108,39 +108,6 @@ def test_one_panel_has_room(stability, tmp_path: Path) -> None:
     assert done.code == 0 and done.err == no_page()
 
 
-USAGE = {
-    "unknown method": (["--methods", "verlett"], "did you mean 'verlet'?"),
-    "no fixed step": (["--methods", "dop853"], "chooses its steps itself"),
-    "no range": (["--vary", "theta=3"], "a name and a range"),
-    "unknown name": (["--vary", "thet=0..1"], "did you mean 'theta'"),
-    "downwards": (["--vary", "theta=1..0"], "must go upwards"),
-    "no step": (["--steps", "0..1"], "must be positive"),
-    "not two numbers": (["--points", "20"], "20"),
-    "too many": (["--points", "9999x9999"], "at most"),
-    "outside its bounds": (["--vary", "k=-1..2"], "parameter k is outside its bounds"),
-    "too many steps": (["--until", "1e9"], "shorter --until"),
-    "too many given": (["--until", "1e7", "--steps", "1..2", "--points", "2x2"], "in all"),
-}
-
-
-@pytest.mark.parametrize("case", USAGE)
-def test_usage_errors(stability, tmp_path: Path, case: str) -> None:
-    arguments, mentioned = USAGE[case]
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
-    done = stability(model, "-o", tmp_path, "--methods", "verlet", *arguments)
-    assert done.code == 2, done.out + done.err
-    assert mentioned in done.err and "Traceback" not in done.err
-    assert not list(tmp_path.glob("*_stability.*"))
-
-
-def test_a_method_that_does_not_apply_is_refused(stability, tmp_path: Path) -> None:
-    model = ROOT / "models/double_pendulum.lag"
-    done = stability(model, "-o", tmp_path, "--methods", "verlet")
-    assert done.code == 2
-    assert "verlet is refused: it needs a system that is separable" in done.err
-
-
 KEPLER = """model kepler
 param e = {e}
 coord x, y
@@ -175,21 +142,6 @@ def test_an_orbit_has_a_scale(stability, tmp_path: Path, e: float) -> None:
         assert p["kind"] == "local" and p["sharp"] is False and p["equilibrium"] is None
         assert p["h"] == pytest.approx(2 * (1 - e) ** 1.5 / math.sqrt(2), rel=0.01)
         assert 0.5 < p["measured"] / p["h"] < 2
-
-
-def test_what_falls_has_no_step_that_stands_out(stability, tmp_path: Path) -> None:
-    model = tmp_path / "fall.lag"
-    model.write_text(
-        "model fall\nparam g = 9.81 in (0, inf)\ncoord x\n"
-        "kinetic x'^2/2\npotential g*x\nstart x = 1\n"
-    )
-    done = stability(model, "-o", tmp_path)
-    assert done.code == 2 and "give --steps LO..HI" in done.err
-    done = stability(model, "-o", tmp_path, "--vary", "g=1..2", "--steps", "0.1..1")
-    assert done.code == 2 and "leaves" in done.err and "--until" in done.err
-    model.write_text("model even\ncoord x\nkinetic x'^2/2\npotential 0\nstart x' = 1\n")
-    done = stability(model, "-o", tmp_path, "--vary", "x'=1..2", "--steps", "0.1..1")
-    assert done.code == 2 and "cyclic" in done.err
 
 
 def test_progress_shows_from_the_start(stability, tmp_path: Path, monkeypatch) -> None:

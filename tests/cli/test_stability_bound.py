@@ -173,15 +173,3 @@ def test_what_leaves_the_constraints_is_told(tmp_path, capsys) -> None:
     found = mapped(rod, tmp_path, capsys, "--methods", "rk4", "--steps", "0.1..20")
     kinds = [p["kind"] for p in found["points"]]
     assert "off constraints" in kinds and kinds.count("off constraints") < len(kinds)
-
-
-def test_a_start_without_a_place_is_said(tmp_path, capsys) -> None:
-    """The row has no slope in the middle of its ring: from there no way leads back."""
-    model = tmp_path / "ring.lag"
-    model.write_text(
-        "model ring\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
-        "constraint ring: x^2 + y^2 = 1\nstart x = 1\n"
-    )
-    words = ("--quick", "--points", "4x3", "--vary", "x=-0.5..0.5", "-o", str(tmp_path))
-    assert main(["stability", str(model), *words]) == 2
-    assert "no start next to q = (0.0, 0.0)" in capsys.readouterr().err

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case
 from pkgen.front.check.check import check_text
 from pkgen.front.check.scene_numbers import Values
 from pkgen.run.ensemble import Column
@@ -97,18 +97,3 @@ def test_too_many_starts_are_refused_before_they_take_the_memory() -> None:
     said = r"m.lag:6:9: .* 9,000,000 members with 6 starts each; the limit is 50,000,000 in all"
     with pytest.raises(UsageError, match=said):
         swarm.members(model, model.scenes[0], Values(model, {}), known, ())
-
-
-def test_members_may_start_anywhere_on_a_constraint(pkgen, write) -> None:
-    """The model's own start is off it, or each member's is the scene's."""
-    path = write(
-        "model m\ncoord x, z\nkinetic (x'^2 + z'^2)/2\npotential z\nconstraint c: z = x^2 + 1\n"
-        "scene s\n  swarm k = 1..3\n  start x = k, z = k^2 + 1\n  until 1\n  record x, z\nend\n"
-    )
-    done = ran("run", path, "--scene=s")
-    path.write_text(path.read_text().replace("z = k^2 + 1", "z = k^2 + 2"))
-    done = pkgen("run", path, "--scene=s")
-    assert done.returncode == 1 and "the start breaks the constraint 'c'" in done.stderr
-    path.write_text(path.read_text().replace("z = k^2 + 2", "z = k + 1"))
-    done = pkgen("run", path, "--scene=s")
-    assert done.returncode == 4 and "first k = 2" in done.stderr, done.stderr
