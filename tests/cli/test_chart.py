@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, written
 from pkgen.analysis.chart import (
     chart,
     labels,
@@ -44,8 +44,7 @@ METHODS = "euler,verlet,rk4,gauss2,gauss,yoshida4,dop853"
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
     """A quick chart: what --json says, and the directory with its files."""
     directory = tmp_path_factory.mktemp("chart")
-    model = directory / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(directory, PENDULUM)
     done = ran(
         *(
             "chart",
@@ -230,8 +229,7 @@ def test_pictures_name_the_model_and_every_curve(made) -> None:
 
 def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
     """From upright but for the rounding of pi, what __float128 knows of the fall is 1e-6 or so."""
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM.replace("1.1", "3.141592653589793"))
+    model = written(tmp_path, PENDULUM.replace("1.1", "3.141592653589793"))
     done = ran(
         "chart", model, "-o", tmp_path, "--points", 8, "--until", 60, "--methods", "gauss", "--json"
     )
@@ -348,8 +346,9 @@ def test_labels_do_not_lie_over_each_other() -> None:
 
 def test_steps_are_as_long_as_they_may_be(pkgen, tmp_path: Path) -> None:
     """Of a method that is exact on a linear system one step is all it takes."""
-    model = tmp_path / "springs.lag"
-    model.write_text("model springs\ncoord x\nkinetic x'^2/2\npotential 8*x^2\nstart x = 1\n")
+    model = written(
+        tmp_path, "model springs\ncoord x\nkinetic x'^2/2\npotential 8*x^2\nstart x = 1\n"
+    )
     words = ("--methods", "exponential", "--until", 30, "--seconds", 2, "--points", 5)
     assert pkgen("chart", model, *words, "-o", tmp_path).returncode == 0
     with (tmp_path / "springs_chart.csv").open() as file:

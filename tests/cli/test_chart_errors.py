@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, written
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.errors import KINDS, ErrorKind, Measure
 from pkgen.analysis.chart.exact import Exact
@@ -60,8 +60,7 @@ EXPECTED = {
 
 
 def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, str]]]:
-    model = folder / "oscillator.lag"
-    model.write_text(MODEL)
+    model = written(folder, MODEL)
     done = ran(
         *(
             "chart",
@@ -111,8 +110,7 @@ def test_errors_on_the_way_are_no_smaller_than_at_the_end(pkgen, tmp_path: Path)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.path])
 def test_states_on_the_way_that_end_early_are_given_up(kind: ErrorKind, tmp_path: Path) -> None:
     """A cap that only the run with rows meets, as on a machine that is busy at that moment."""
-    model = tmp_path / "oscillator.lag"
-    model.write_text(MODEL)
+    model = written(tmp_path, MODEL)
     options = parser_of("chart").parse_args([str(model), "--until", str(UNTIL)])
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     library = build_library(compilation.files, compilation.model.name, "verlet")

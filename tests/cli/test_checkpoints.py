@@ -209,21 +209,6 @@ def test_inputs_that_are_computed_are_settings(tmp_path: Path, ck: Path) -> None
     assert resumed(**inputs(0.0, 1.0))[0] == 0
 
 
-def test_a_false_state_is_refused_or_runs(tmp_path: Path) -> None:
-    """Bytes that somebody has changed, with the sum that belongs to them: lengths and numbers of
-    columns and events are looked at."""
-    what = runs.by(runs.of("events", tmp_path), "dop853")
-    ck = tmp_path / "c"
-    assert runs.run(what, checkpoint=bytes(ck), checkpoint_after=30)[0] == 75
-    good, dice = ck.read_bytes(), random.Random(2)
-    for _ in range(60):
-        bad = bytearray(good)
-        bad[dice.randrange(48, len(good))] ^= 1 << dice.randrange(8)
-        bad[20:24] = zlib.crc32(bad[24:]).to_bytes(4, sys.byteorder)
-        ck.write_bytes(bad)
-        assert runs.run(what, checkpoint=bytes(ck), resume=1)[0] in (0, 2, 4)
-
-
 def started(folder: Path, *words: str) -> subprocess.Popen:
     return subprocess.Popen(
         [sys.executable, "-m", "pkgen", *words], cwd=folder, stderr=-1, stdout=-1, text=True

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case
+from conftest import ROOT, case, written
 from pkgen.back.facts import facts, found_by_symmetry, invariants
 from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
@@ -22,8 +22,7 @@ HELIX = case("helix")
 
 @pytest.mark.parametrize("command", [["run"], []])
 def test_a_false_claim_is_an_error_of_the_model(pkgen, tmp_path: Path, command) -> None:
-    path = tmp_path / "swing.lag"
-    path.write_text(FALSE)
+    path = written(tmp_path, FALSE)
     done = pkgen(*command, path, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (1, "") and not (tmp_path / "swing.c").exists()
     first, second = done.stderr.split("swing.lag:")[1:]
@@ -34,8 +33,7 @@ def test_a_false_claim_is_an_error_of_the_model(pkgen, tmp_path: Path, command) 
 
 
 def test_as_json(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "swing.lag"
-    path.write_text(FALSE)
+    path = written(tmp_path, FALSE)
     done = pkgen("check", path, "--json")
     found = json.loads(done.stdout)["diagnostics"]
     assert done.returncode == 1 and [d["line"] for d in found] == [5, 7]
@@ -98,8 +96,7 @@ def test_explain_as_json_has_structure_and_claims(pkgen) -> None:
 
 
 def test_the_header_of_the_c_lists_them(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "helix.lag"
-    path.write_text(HELIX)
+    path = written(tmp_path, HELIX)
     assert pkgen(path, "--runtime", cwd=tmp_path).returncode == 0
     text = (tmp_path / "helix.h").read_text()
     assert "lambda_0*p_phi + p_z: symmetry lambda_0 d/dphi + d/dz" in text.replace("\n * ", " ")

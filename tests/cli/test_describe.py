@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import ROOT, case, ran, run_pkgen, seeds
+from conftest import ROOT, case, ran, run_pkgen, seeds, written
 from pkgen.api.arguments import DEFAULTS
 from pkgen.compiler import compile_model
 from pkgen.describe.drawing import drawing, drawn
@@ -34,8 +34,7 @@ view plane xy width 3*l
 
 
 def described(text: str, folder: Path, *more: str) -> dict:
-    path = folder / "m.lag"
-    path.write_text(text)
+    path = written(folder, text)
     done = ran("describe", path, "--json", *more)
     return json.loads(done.stdout, parse_constant=pytest.fail)
 
@@ -73,8 +72,7 @@ class Drawn:
     and a run have."""
 
     def __init__(self, text: str, folder: Path):
-        path = folder / "m.lag"
-        path.write_text(text)
+        path = written(folder, text)
         compilation = compile_model(read(str(path)), use=drawn(None))
         options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=[])
         settings = asked.settings(options, compilation)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, ran
+from conftest import ROOT, case, ran, written
 from pkgen.run import build
 from pkgen.system import toolchain
 
@@ -88,8 +88,7 @@ def test_frequencies_of_normal_modes(pkgen) -> None:
 
 def test_forces_shrink_the_form(pkgen, tmp_path: Path) -> None:
     # d/dt of an area in (q, p) under p' = ... - c v: exp(-c h) in all, whatever the method.
-    path = tmp_path / "damped.lag"
-    path.write_text(DAMPED)
+    path = written(tmp_path, DAMPED)
     found, _ = diagnosed(pkgen, path, "symplectic", "--step", "0.1", "--method", "gauss4")
     result = found["symplectic"]
     assert not result["variational"] and not result["symplectic"]
@@ -98,8 +97,9 @@ def test_forces_shrink_the_form(pkgen, tmp_path: Path) -> None:
 
 def test_forces_that_keep_the_form(pkgen, tmp_path: Path) -> None:
     """A force of an input alone moves all alike; that there are forces is said, and no more."""
-    path = tmp_path / "pushed.lag"
-    path.write_text("model m\ncoord x\ninput f\nkinetic x'^2/2\npotential x^2/2\nforce x = f\n")
+    path = written(
+        tmp_path, "model m\ncoord x\ninput f\nkinetic x'^2/2\npotential x^2/2\nforce x = f\n"
+    )
     words = ["--start", "x=1", "--step", "0.1", "--method", "gauss4"]
     found, _ = diagnosed(pkgen, path, "symplectic", *words)
     assert found["symplectic"]["symplectic"] and not found["symplectic"]["variational"]
@@ -187,8 +187,7 @@ def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
 
 def test_a_run_that_an_event_ends(pkgen, tmp_path: Path) -> None:
     # Diagnosed as far as it went; and where the rows are at events no spectrum is made of them.
-    path = tmp_path / "swing.lag"
-    path.write_text(SWING + " stop\n")
+    path = written(tmp_path, SWING + " stop\n")
     found, report = diagnosed(pkgen, path, "reversal,symplectic", "--until", "100", *RK4)
     assert report["status"] == "PK_STOPPED_EVENT" and 1 < report["t"] < 3
     assert found["reversal"]["times"][-1][0] <= report["t"]
@@ -234,18 +233,7 @@ def test_least_action_takes_as_many_modes_as_its_conjugate_points_ask(pkgen, tmp
 
 
 def test_conjugate_points_that_count_twice_are_said(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "round.lag"
-    path.write_text(case("both"))
+    path = written(tmp_path, case("both"))
     run = ("run", path, "--until", "7", "--diagnose", "least_action", "-o", tmp_path / "rows.csv")
     said = pkgen(*run).stderr  # at pi and 2 pi, each twice
     assert "4 independent ways to a neighbour with less; 4 more by points that count twice" in said
-
-
-def test_lines_of_a_coordinate_that_winds_have_errors_of_their_own(pkgen) -> None:
-    """The precession of a top, whose last lines half of the time does not tell apart."""
-    model = ROOT / "models" / "heavy_top.lag"
-    found, _ = diagnosed(pkgen, model, "spectrum", "--until", "100", "--every", "0.05")
-    found = found["spectrum"]["coordinates"]
-    nutation = {c["name"]: c["lines"][0] for c in found}
-    assert nutation["phi"]["frequency"] == pytest.approx(nutation["theta"]["frequency"], abs=1e-9)
-    assert 0 < max(line["error"] for c in found for line in c["lines"][:3]) < 1e-8

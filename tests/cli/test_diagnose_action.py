@@ -8,15 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, written
 
 PENDULUM = case("diagnose_action_swing")
 KEPLER = case("keplerpolar")
 
 
 def action(pkgen, tmp_path: Path, text: str, *arguments: object) -> tuple[dict, str]:
-    path = tmp_path / "model.lag"
-    path.write_text(text)
+    path = written(tmp_path, text)
     done = ran("run", path, "--diagnose", "action", "-o", tmp_path / "rows.csv", *arguments)
     report = json.loads((tmp_path / "rows.csv.json").read_text())["report"]
     return report["diagnostics"]["action"], done.stderr
@@ -71,8 +70,7 @@ def test_where_the_force_nearly_vanishes(pkgen, tmp_path: Path) -> None:
 
 def test_kinks(pkgen, tmp_path: Path) -> None:
     kinked = "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2 + max(0, x - 1)^2\nstart x = {}\n"
-    path = tmp_path / "kinked.lag"
-    path.write_text(kinked.format(1.5))
+    path = written(tmp_path, kinked.format(1.5))
     done = pkgen("run", path, "--diagnose", "action", "--until", "1")
     assert done.returncode == 2 and "have a kink (abs, min, max, step) on its way" in done.stderr
     found, _ = action(pkgen, tmp_path, kinked.format(0.9), "--until", "1")  # it has none on its way
@@ -128,8 +126,7 @@ def test_motions_that_have_none(pkgen, tmp_path: Path) -> None:
         "model m\ncoord x\nstate S, R\nkinetic x'^2/2\npotential x^2/2\nrate S = L\nrate R = x\n"
     )
     states += "start x = 1\nscene alone\n  until 1\n  record x\nend\n"
-    path = tmp_path / "states.lag"
-    path.write_text(states)
+    path = written(tmp_path, states)
     done = pkgen("run", path, "--diagnose", "action", "--until", "1")
     assert done.returncode == 2 and "states: 1 and 2; it is of one coordinate" in done.stderr
     found, _ = action(pkgen, tmp_path, states, "--scene", "alone")
@@ -139,7 +136,6 @@ def test_motions_that_have_none(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 2 and "states: 0 and 2; it is of one coordinate" in done.stderr
     assert "scene" not in done.stderr
     charged = "model charged\ncoord x\nkinetic -sqrt(1 - x'^2)\npotential x^2/2\nstart x = 1\n"
-    path = tmp_path / "model.lag"
-    path.write_text(charged)
+    path = written(tmp_path, charged)
     done = pkgen("run", path, "--diagnose", "action", "--until", "1")
     assert done.returncode == 2 and "not of second degree in the rate" in done.stderr

@@ -8,25 +8,14 @@ from pathlib import Path
 
 import pytest
 
-LOOP = """model loop
-param g = 1 in (0, inf)
-coord theta
-kinetic theta'^2/2
-potential g*({potential})
-scene ring
-  swarm k = 1..{members}
-  start theta = 1 + 0.5*cos(2*pi*k/{members}), theta' = 0.5*sin(2*pi*k/{members})
-  until {until}
-  method {method}
-  record theta every {every}
-end
-"""
+from conftest import case, written
+
+LOOP = case("diagnose_area_loop")
 PENDULUM = "-cos(theta)"
 
 
 def area(pkgen, tmp_path: Path, text: str, *options: object, code: int = 0) -> tuple[dict, str]:
-    path = tmp_path / "model.lag"
-    path.write_text(text)
+    path = written(tmp_path, text)
     scene = ["--scene", "ring"] if "ring" in text else []
     done = pkgen("run", path, *scene, "--diagnose", "area", "-o", tmp_path / "o.csv", *options)
     assert done.returncode == code, done.stderr
@@ -200,8 +189,7 @@ def test_members_that_part(pkgen, tmp_path: Path) -> None:
     assert "for they failed: the last row that all have is at t = " in said
     assert len(found["rows"]) > 3 and found["drift"]["max"] < 1e-10
     # Rows at an event are at other times for each.
-    path = tmp_path / "model.lag"
-    path.write_text(text.format(stop="").replace("every 0.05", "at top"))
+    path = written(tmp_path, text.format(stop="").replace("every 0.05", "at top"))
     done = pkgen("run", path, "--scene", "ring", "--diagnose", "area")
     assert done.returncode == 2 and "rows at an event are at other times" in done.stderr
 
@@ -216,10 +204,10 @@ def test_states_have_no_part_in_it(pkgen, tmp_path: Path) -> None:
     read = text.replace("rate S = L", "rate S = L\nforce theta = -0.01*S")
     found, said = area(pkgen, tmp_path, read)
     assert not found["conserved"] and said_of_states in said
-    path = tmp_path / "model.lag"
-    path.write_text(
+    path = written(
+        tmp_path,
         "model m\nstate a, b\nrate a = b\nrate b = -a\nscene ring\n  swarm k = 1..64\n"
-        "  start a = cos(2*pi*k/64), b = sin(2*pi*k/64)\n  until 1\n  record a every 1\nend\n"
+        "  start a = cos(2*pi*k/64), b = sin(2*pi*k/64)\n  until 1\n  record a every 1\nend\n",
     )
     done = pkgen("run", path, "--scene", "ring", "--diagnose", "area")
     assert done.returncode == 2 and "states alone, which have no momenta" in done.stderr

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, ran
+from conftest import ROOT, case, ran, written
 
 OSCILLATORS = ROOT / "models/coupled_oscillators.lag"
 FPUT = ROOT / "models/chains/fput.lag"
@@ -58,8 +58,7 @@ def test_recurrence(pkgen, tmp_path: Path) -> None:
 
 
 def test_free_ends_and_a_pendulum(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "model.lag"
-    path.write_text(FREE)
+    path = written(tmp_path, FREE)
     found, _ = modes(pkgen, tmp_path, path, "--until", "10")
     # All together without a force: P^2/2 = (sum of q'/sqrt N)^2/2; the others 2 sin(j pi/8).
     assert found["frequencies"][0] == 0
@@ -126,8 +125,7 @@ def test_about_what_a_motion_swings(pkgen, tmp_path: Path) -> None:
 
 
 def test_about_the_turn_of_an_angle_that_is_next(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "model.lag"
-    path.write_text("model m\ncoord a\nkinetic a'^2/2\npotential -cos(a)\n")
+    path = written(tmp_path, "model m\ncoord a\nkinetic a'^2/2\npotential -cos(a)\n")
     found, _ = modes(pkgen, tmp_path, path, "--start", "a=9", "--until", "1")
     assert abs(found["equilibrium"][0] - 2 * math.pi) < 1e-12
     first = found["rows"][0]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, written
 
 KEPLER = case("diagnose_particles_kepler")
 POLAR = case("diagnose_particles_polar")
@@ -20,8 +20,7 @@ SWING = (
 
 
 def found(pkgen, tmp_path: Path, text: str, what: str, *arguments: object) -> tuple[dict, str]:
-    path = tmp_path / "model.lag"
-    path.write_text(text)
+    path = written(tmp_path, text)
     done = ran("run", path, "--diagnose", what, "-o", tmp_path / "rows.csv", *arguments)
     return json.loads((tmp_path / "rows.csv.json").read_text())["report"][
         "diagnostics"
@@ -170,8 +169,7 @@ def test_in_a_frame_that_turns(pkgen, tmp_path: Path) -> None:
 
 
 def test_a_start_at_rest_has_the_plane_in_which_it_turns(tmp_path: Path) -> None:
-    path = tmp_path / "charged.lag"
-    path.write_text(case("charged"))
+    path = written(tmp_path, case("charged"))
     out = tmp_path / "rows.csv"
     ran("run", path, "--until", "10", "--diagnose", "lrl", "-o", out)
     found = json.loads((tmp_path / "rows.csv.json").read_text())["report"]["diagnostics"]["lrl"]

@@ -7,27 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran
+from conftest import case, ran, written
 
-CHAIN = """model chain
-size N = 6
-param k[i = 1..N] = 10*i
-coord q[1..N]
-fixed q[0] = 0.1*sin(t)
-free q[N+1]
-kinetic   sum(q[i]'^2, i = 1..N)/2
-potential sum((q[i+1] - q[i])^2, i = 0..N)/2
-start q[i = 1..N] = k[i] + sum(j, j = 1..i)
-scene one
-  until 1
-  {}
-end
-"""
+CHAIN = case("ends_chain")
 
 
 def chain(folder: Path, clauses: str) -> Path:
-    path = folder / "chain.lag"
-    path.write_text(CHAIN.format(clauses))
+    path = written(folder, CHAIN.format(clauses))
     return path
 
 

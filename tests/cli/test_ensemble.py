@@ -9,11 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran
+from conftest import ROOT, ran, written
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
-MEMBERS = [("0.5", "1", "0"), ("30 [deg]", "2 [kg]", "-1e-1"), ("pi/2", "3", "0.25 [rad/s]")]
-HEADER = "theta1,m1,theta2'\n"
 
 
 @pytest.fixture
@@ -37,29 +35,6 @@ def single(pkgen, member, *options: str) -> list[list[str]]:
     return table(done.stdout)[1:]
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["--method", "rk4", "--step", "0.01"],
-        pytest.param(["--method", "gauss2", "--step", "0.05"], marks=pytest.mark.long),
-        pytest.param(
-            ["--method", "dop853", "--rtol", "1e-9", "--set", "l2=0.7"], marks=pytest.mark.long
-        ),
-    ],
-)
-def test_members_are_single_runs(pkgen, ensemble, options: list[str]) -> None:
-    path = ensemble(HEADER + "".join(",".join(m) + "\n" for m in MEMBERS))
-    # A last interval that is shorter than the others.
-    options = [*options, "--until", "1.1", "--every", "0.4"]
-    done = ran("run", DOUBLE, "--ensemble", path, *options)
-    rows = table(done.stdout)
-    assert rows[0] == ["member", "t", "theta1", "theta2", "theta1'", "theta2'", "energy"]
-    for number, member in enumerate(MEMBERS, 1):
-        mine = [row[1:] for row in rows[1:] if row[0] == str(number)]
-        assert mine == single(pkgen, member, *options) and len(mine) == 4
-    assert rows[1:] == sorted(rows[1:], key=lambda row: (int(row[0]), float(row[1])))
-
-
 def test_final_states_alone_by_any_number_of_threads(pkgen, ensemble, tmp_path: Path) -> None:
     many = "".join(f"{0.01 * i},{1 + i % 7}\n" for i in range(200))
     path = ensemble("theta1,m1\n" + many)
@@ -77,10 +52,10 @@ def test_final_states_alone_by_any_number_of_threads(pkgen, ensemble, tmp_path: 
 
 
 def test_families_and_inputs_are_named_as_in_set(pkgen, ensemble, tmp_path: Path) -> None:
-    model = tmp_path / "pushed.lag"
-    model.write_text(
+    model = written(
+        tmp_path,
         "model pushed\nsize N = 2\nparam k = 1\ncoord q[1..N]\ninput u\n"
-        "kinetic sum(q[i]'^2/2, i = 1..N)\npotential k*sum(q[i]^2/2, i = 1..N)\nforce q[1] = u\n"
+        "kinetic sum(q[i]'^2/2, i = 1..N)\npotential k*sum(q[i]^2/2, i = 1..N)\nforce q[1] = u\n",
     )
     path = ensemble('"q[1]","q[2]\'",u\n0.5,1,0\n\n0.5,1,2\n')
     options = ["--method", "verlet", "--step", "0.01", "--until", "1"]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ran, seeds
+from conftest import ran, seeds, written
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability.ask import Asker
@@ -47,8 +47,7 @@ def sought(folder: Path, text: str, tries: int = 100) -> Rest:
 
 
 def asker_of(folder: Path, text: str) -> Asker:
-    model = folder / "model.lag"
-    model.write_text(text)
+    model = written(folder, text)
     options = parser_of("chart").parse_args([str(model)])
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     library = build_library(compilation.files, compilation.model.name)

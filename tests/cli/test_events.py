@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, ran
+from conftest import ROOT, case, ran, written
 
 STONE = ROOT / "models/particles/thrown_stone.lag"
 
@@ -68,8 +68,7 @@ def test_a_row_at_each_crossing(pkgen) -> None:
 
 
 def test_rows_by_time_and_at_events_are_in_order(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "pendulum.lag"
-    path.write_text(PENDULUM)
+    path = written(tmp_path, PENDULUM)
     command = ["run", path, "--scene", "swings", "--every", "0.5", "--method"]
     for method in ("gauss", "dop853", "verlet --step 0.01"):
         _, rows = rows_of(pkgen(*command, *method.split()).stdout)
@@ -103,10 +102,10 @@ FALL = (math.pi / 4 + 0.5) / math.sqrt(2)  # from rest at r = 1 to 1/2 under -1/
 
 
 def test_an_event_before_a_singularity_in_the_same_step(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "fall.lag"
-    path.write_text(
+    path = written(
+        tmp_path,
         "model fall\ncoord r\nkinetic r'^2/2\npotential -1/r\nstart r = 1\n"
-        "event half: r - 0.5 falling\n"
+        "event half: r - 0.5 falling\n",
     )
     command = ["run", path, "--until", "4", "--every", "2", "--step", "2", "--method", "gauss8"]
     done = pkgen(*command, "--json")

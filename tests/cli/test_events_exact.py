@@ -10,22 +10,10 @@ from functools import cache
 import pytest
 
 import pkgen
-from conftest import ROOT, seeds
+from conftest import ROOT, case, seeds
 
 EPS = 2.0**-52
-MODEL = """model pushed
-param f = 0
-param c = 0
-param k = 0
-param a = 1
-param b = 2
-coord x
-kinetic x'^2/2
-potential k*x^2/2
-force x = f - c*x'
-observe left = b - x
-event there: %s stop
-"""
+MODEL = case("events_exact_model")
 EVENTS = {  # the function, and what of the motion is at `a`
     "x - a rising": "x",
     "x - a": "x",

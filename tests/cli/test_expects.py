@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, written
 
 # x = cos t, exactly; the method is not, by some 1e-9.
 SWING = case("expects_swing")
@@ -16,8 +16,7 @@ SWING = case("expects_swing")
 
 @pytest.fixture
 def swing(tmp_path: Path) -> Path:
-    path = tmp_path / "swing.lag"
-    path.write_text(SWING)
+    path = written(tmp_path, SWING)
     return path
 
 
@@ -64,13 +63,13 @@ def test_c_of_a_scene_has_no_outputs_for_what_it_expects(pkgen, swing: Path, tmp
 
 
 def test_an_angle_that_is_expected_is_a_state_as_one_that_is_recorded(pkgen, tmp_path: Path):
-    model = tmp_path / "orbit.lag"
-    model.write_text(
+    model = written(
+        tmp_path,
         "model orbit\ncoord r, phi\nkinetic (r'^2 + r^2*phi'^2)/2\npotential -1/r\n"
         "start r = 1, phi' = 1\nevent tick: sin(3*t) + 0*r rising\nscene s\nuntil 7\n"
         "method gauss rtol 1e-13\nrecord r every 0.5\n"
         "expect phi = t within 1e-11\nexpect t = phi within 1e-11 at 0.77\n"
-        "expect phi > 2 at tick\nexpect phi' = 1 within 1e-11\nend\n"
+        "expect phi > 2 at tick\nexpect phi' = 1 within 1e-11\nend\n",
     )
     done = pkgen("run", model, "--scene", "s", "--json")
     verdicts = json.loads(done.stdout)

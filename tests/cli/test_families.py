@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case
+from conftest import ROOT, case, written
 from pkgen.scenes import lengths
 
 FPUT = ROOT / "models" / "chains" / "fput.lag"
@@ -31,8 +31,7 @@ def ran(pkgen, *arguments) -> tuple[list[str], list[list[float]]]:
 
 @pytest.fixture
 def parts(tmp_path: Path) -> Path:
-    path = tmp_path / "parts.lag"
-    path.write_text(PARTS, encoding="utf-8")
+    path = written(tmp_path, PARTS)
     return path
 
 
@@ -80,8 +79,7 @@ GRAVITY = case("gravity")
 
 
 def test_chains_are_run_by_dop853_and_pair_sums_by_gauss(pkgen, tmp_path: Path) -> None:
-    gravity = tmp_path / "gravity.lag"
-    gravity.write_text(GRAVITY, encoding="utf-8")
+    gravity = written(tmp_path, GRAVITY)
     for model, method in ((FPUT, "dop853"), (gravity, "gauss")):
         done = pkgen("run", model, "--size", "N=300", "--until", "0.5", "--every", "0.5", "--json")
         assert done.returncode == 0, done.stderr

@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from conftest import case
+from conftest import case, written
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -33,8 +33,7 @@ def test_they_are_the_events_that_one_would_write():
 
 
 def test_members_that_start_beyond_one_end_alone(pkgen, tmp_path):
-    model = tmp_path / "lift.lag"
-    model.write_text(LIFT)
+    model = written(tmp_path, LIFT)
     ran = pkgen("run", model, "--scene", "many")
     rows = [line.split(",") for line in ran.stdout.splitlines()[1:]]
     assert ran.returncode == 0, ran.stderr

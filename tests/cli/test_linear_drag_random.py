@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import pkgen as api
-from conftest import seeds
+from conftest import seeds, written
 
 UNTIL = 1.5
 CONSTANT = {"verlet": 2, "mclachlan4": 4, "blanes_moan4": 4, "kahan_li6": 6, "blanes_moan6": 6}
@@ -73,8 +73,7 @@ class Drawn:
         return "\n".join([*lines, ""])
 
     def model(self, folder: Path) -> api.Model:
-        path = folder / "drawn.lag"
-        path.write_text(self.text())
+        path = written(folder, self.text())
         return api.load(path)
 
 

@@ -13,24 +13,12 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, ran, seeds, written
+from conftest import ROOT, case, ran, seeds, written
 
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
 import families
 
-CHAIN = """\
-model chain
-size N = 70
-param k = 1.5
-param m[i = 1..N] = k*(1 + 0.1*cos(i)) in (0, inf)
-input pull
-coord q[1..N]
-coord X
-fixed q[0] = 0
-kinetic sum(m[i]*q[i]'^2/2, i = 1..N) + X'^2 {inertia}
-potential sum(k*(q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/4, i = 0..N-1) - pull*q[N] + (q[1] - X)^2
-start q[i = 1..N] = 0.3*sin(i), X = 0.1
-"""
+CHAIN = case("loops_features_chain")
 # M is diagonal, or a band with a border that is factored at every step in the member's own memory.
 BANDED = "+ sum((2 + cos(q[i]))*(q[i+1]' - q[i]')^2/8, i = 1..N-1)"
 BY = {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import pkgen
-from conftest import case
+from conftest import case, written
 
 PENDULUM = case("twice")
 LATTICE = case("lattice")
@@ -58,8 +58,7 @@ MEMBERS = 75  # more than the lanes of a block, and no multiple of theirs
 @pytest.mark.parametrize("name", CASES)
 def test_members_are_what_they_are_alone(name: str, tmp_path: Path) -> None:
     text, ranges, steps, method, at = CASES[name]
-    path = tmp_path / "model.lag"
-    path.write_text(text + ("start y = -1\n" if text is BEAD else ""), encoding="utf-8")
+    path = written(tmp_path, text + ("start y = -1\n" if text is BEAD else ""))
     rng = np.random.default_rng(2385)
     table = {of: rng.uniform(*span, MEMBERS) for of, span in ranges.items()}
     # Steps are no part of the rows' distance.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case
+from conftest import ROOT, case, written
 from pkgen.__main__ import main
 from pkgen.analysis.chart import text
 from pkgen.analysis.chart.spectrum import Spectrum
@@ -21,8 +21,7 @@ MODEL = case("three")
 
 @pytest.fixture
 def model(tmp_path: Path) -> Path:
-    path = tmp_path / "three.lag"
-    path.write_text(MODEL)
+    path = written(tmp_path, MODEL)
     return path
 
 

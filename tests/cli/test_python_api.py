@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import pkgen as api
-from conftest import ROOT, case
+from conftest import ROOT, case, written
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
@@ -92,11 +92,11 @@ def test_kernels_refuse_other_shapes(double) -> None:
 
 
 def test_a_family_of_many_has_all_its_members(pkgen, tmp_path) -> None:
-    path = tmp_path / "chain.lag"
-    path.write_text(
+    path = written(
+        tmp_path,
         "model chain\nsize N = 40\nparam k[i = 1..N+1] = 1 + i\nparam m = 7\ncoord q[1..N]\n"
         "fixed q[0] = 0, q[N+1] = 0\nkinetic m*sum(q[i]'^2, i = 1..N)/2\n"
-        "potential sum(k[i+1]/2*(q[i+1] - q[i])^2, i = 0..N)\n"
+        "potential sum(k[i+1]/2*(q[i+1] - q[i])^2, i = 0..N)\n",
     )
     model = api.load(path)
     assert model.coordinates == tuple(f"q[{i}]" for i in range(1, 41))
@@ -153,8 +153,7 @@ def test_tables_that_cannot_be(double, table: dict, said: str) -> None:
 
 
 def test_errors_carry_what_is_known(tmp_path) -> None:
-    path = tmp_path / "fall.lag"
-    path.write_text(WALL)
+    path = written(tmp_path, WALL)
     model = api.load(path)
     with pytest.raises(api.RunError) as failed:
         model.run(10, every=0.1)
@@ -192,10 +191,10 @@ def test_runs_in_threads(double) -> None:
 
 
 def test_events_and_expectations(tmp_path) -> None:
-    path = tmp_path / "swing.lag"
-    path.write_text(
+    path = written(
+        tmp_path,
         "model swing\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n"
-        "event down: x falling\nscene turns\n  until 10\n  expect x < 1.1\nend\n"
+        "event down: x falling\nscene turns\n  until 10\n  expect x < 1.1\nend\n",
     )
     found = api.load(path, scene="turns").run()
     assert np.allclose(found.events["down"], [np.pi / 2, 5 * np.pi / 2], atol=1e-9)

@@ -10,7 +10,7 @@ import numpy
 import pytest
 
 import pkgen
-from conftest import case
+from conftest import case, written
 
 MODEL = case("python_inputs_driven")
 SAMPLED = {
@@ -169,10 +169,10 @@ def test_errors_of_a_function_end_the_run(model: pkgen.Model) -> None:
 
 def test_inputs_of_each_kind_together(tmp_path) -> None:
     """x' = a + b + c of a held table, a joined one and a constant: x is a sum of areas."""
-    path = tmp_path / "sum.lag"
-    path.write_text(
+    path = written(
+        tmp_path,
         "model sum\ninput a\ninput b\ninput c\ncoord y\nstate x\nkinetic y'^2/2\n"
-        "rate x = a + b + c\nstart x = 0\n"
+        "rate x = a + b + c\nstart x = 0\n",
     )
     model = pkgen.load(path)
     rng = numpy.random.default_rng(3)

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import pkgen as api
-from conftest import case, ran, run_pkgen, seeds
+from conftest import case, ran, run_pkgen, seeds, written
 
 UNTIL = 1.0
 
@@ -87,8 +87,7 @@ SPRING = case("tuned")
 
 def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
     """Near h w = pi the map of kick, exact turn, kick has |trace| > 2: by hand."""
-    path = tmp_path / "tuned.lag"
-    path.write_text(SPRING)
+    path = written(tmp_path, SPRING)
     model = api.load(path)
     for y in (2.6, 3.10, 3.2, 6.2, 6.5):
         h = y / 20
@@ -113,8 +112,7 @@ def test_the_fast_part_has_its_page(write, tmp_path: Path) -> None:
 def test_its_limit_is_predicted(tmp_path: Path, seed: int) -> None:
     """Beside the trace of half a kick, ten short Verlet steps, half a kick, on two springs."""
     w = random.Random(seed).uniform(8, 30)
-    path = tmp_path / "tuned.lag"
-    path.write_text(SPRING.replace("w = 20", f"w = {w!r}"))
+    path = written(tmp_path, SPRING.replace("w = 20", f"w = {w!r}"))
     words = ("--methods", "respa", "--quick", "--points", "4x3", "--until", "20")
     done = run_pkgen("stability", path, *words, "--json", "-o", tmp_path)
     (limit,) = (p for p in json.loads(done.stdout)["predictions"] if p["kind"] == "limit")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from rotation_models import made
 
-from conftest import case, ran, seeds
+from conftest import case, ran, seeds, written
 
 
 def numbers(pkgen, model: Path, *options: object) -> list[list[float]]:
@@ -42,8 +42,7 @@ RING = case("rotation_families_ring")
 
 
 def test_members_by_name(tmp_path: Path) -> None:
-    model = tmp_path / "ring.lag"
-    model.write_text(RING)
+    model = written(tmp_path, RING)
     done = ran("run", model, "--scene", "one")
     names = "t,R[2].w,R[2].x,R[2].y,R[2].z,omega(R[2]).x,omega(R[2]).y,omega(R[2]).z"
     names += ",p_R[3].x,p_R[3].y,p_R[3].z,L3.x,L3.y,L3.z"

@@ -8,15 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, written
 
 DISPLACED = case("displaced")
 
 
 @pytest.mark.parametrize("method", ["gauss1", "gauss2", "gauss4", "lobatto3", "radau5", "radau9"])
 def test_motion_to_rest_goes_on(tmp_path: Path, method: str) -> None:
-    model = tmp_path / "displaced.lag"
-    model.write_text(DISPLACED)
+    model = written(tmp_path, DISPLACED)
     run = ["run", model, "--method", method, "--step", "0.2", "--every", "2"]
     done = ran(*run, "--until", "200", "--json")
     rows = json.loads(done.stdout)["rows"]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, no_page
+from conftest import case, no_page, written
 from pkgen.__main__ import main
 from pkgen.analysis.stability import measure
 from pkgen.cli import stability as command
@@ -49,8 +49,7 @@ def stability(capsys):
 def quick(tmp_path_factory) -> tuple[dict, Path]:
     """A quick map of the pendulum on both sides of Verlet's limit, as a user makes it."""
     directory = tmp_path_factory.mktemp("stability")
-    model = directory / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(directory, PENDULUM)
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         code = main(
@@ -102,24 +101,16 @@ def test_the_page(quick) -> None:
 
 
 def test_one_panel_has_room(stability, tmp_path: Path) -> None:
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(tmp_path, PENDULUM)
     done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "3x2", "--until", "9")
     assert done.code == 0 and done.err == no_page()
 
 
-KEPLER = """model kepler
-param e = {e}
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -1/sqrt(x^2 + y^2)
-start x = 1 - e, y' = sqrt((1 + e)/(1 - e))
-"""
+KEPLER = case("stability_kepler")
 
 
 def test_without_an_equilibrium_the_rates_are_varied(stability, tmp_path: Path) -> None:
-    model = tmp_path / "kepler.lag"
-    model.write_text(KEPLER.format(e=0.0))
+    model = written(tmp_path, KEPLER.format(e=0.0))
     asked = ["--methods", "verlet", "-o", tmp_path, "--points", "3x2", "--until", "20"]
     done = stability(model, *asked)
     assert done.code == 0 and "2 values of rates," in done.out, done.err
@@ -132,8 +123,7 @@ def test_without_an_equilibrium_the_rates_are_varied(stability, tmp_path: Path) 
 @pytest.mark.parametrize("e", [0.5, 0.9])
 def test_an_orbit_has_a_scale(stability, tmp_path: Path, e: float) -> None:
     """At the pericentre r = 1 - e the attraction grows at sqrt(2/r^3): Verlet's limit over it."""
-    model = tmp_path / "kepler.lag"
-    model.write_text(KEPLER.format(e=e))
+    model = written(tmp_path, KEPLER.format(e=e))
     asked = ["--methods", "verlet,gauss1", "-o", tmp_path, "--points", "2x3", "--until", "13"]
     done = stability(model, *asked, "--json")
     assert done.code == 0, done.err
@@ -147,8 +137,7 @@ def test_an_orbit_has_a_scale(stability, tmp_path: Path, e: float) -> None:
 def test_progress_shows_from_the_start(stability, tmp_path: Path, monkeypatch) -> None:
     said: list[tuple[float, str]] = []
     monkeypatch.setattr(command, "progress", lambda _: nullcontext(lambda *now: said.append(now)))
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(tmp_path, PENDULUM)
     asked = ["--methods", "rk4", "--points", "2x2", "--until", "9", "-o", tmp_path]
     assert stability(model, *asked).code == 0
     parts = [part for part, _ in said]
@@ -157,9 +146,9 @@ def test_progress_shows_from_the_start(stability, tmp_path: Path, monkeypatch) -
 
 
 def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
-    model = tmp_path / "spring.lag"
-    model.write_text(
-        "model spring\nparam k = 1\ncoord x\nkinetic x'^2/2\npotential k/2*x^2\nstart x = 1\n"
+    model = written(
+        tmp_path,
+        "model spring\nparam k = 1\ncoord x\nkinetic x'^2/2\npotential k/2*x^2\nstart x = 1\n",
     )
     asked = [
         *["--vary", "k=1..4", "--points", "20x4", "--methods", "verlet", "-o"],
@@ -181,10 +170,10 @@ def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
 
 
 def test_small_energies_are_said(stability, tmp_path: Path) -> None:
-    model = tmp_path / "mems.lag"
-    model.write_text(
+    model = written(
+        tmp_path,
         "model mems\nparam d = 1e-6\ncoord x\nkinetic 1e-12*x'^2/2\n"
-        "potential -x^2/2 + x^4/(4*d^2)\nstart x = 1.2e-6\n"
+        "potential -x^2/2 + x^4/(4*d^2)\nstart x = 1.2e-6\n",
     )
     asked = ["--methods", "verlet", "--points", "2x2", "--until", "1e-4", "-o", tmp_path]
     done = stability(model, *asked)
@@ -202,8 +191,7 @@ def test_what_fails_ends_all(stability, tmp_path: Path, monkeypatch) -> None:
         raise NumericsFailed("no more")
 
     monkeypatch.setattr(measure, "row", failing)
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(tmp_path, PENDULUM)
     done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "2x60")
     assert done.code == 4 and "no more" in done.err
     assert len(rows) < 30

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import pytest
 from stability_asker import asker
 
-from conftest import ROOT, seeds
+from conftest import ROOT, case, seeds, written
 from pkgen.__main__ import main
 
 
@@ -44,49 +44,15 @@ BOUND = (
     "constrained/gimbals",
 )
 
-TOP = """model top
-param I1 = {I1}
-param I3 = {I3}
-rotation R
-let w = omega(R)
-kinetic (I1*(w.x^2 + w.y^2) + I3*w.z^2)/2
-start omega(R) = [{w1}, 0, {w3}]
-"""
-ANGLE = """model angle
-param l = {l}
-param g = {g}
-coord a
-kinetic l^2*a'^2/2
-potential -g*l*cos(a)
-start a = {a}
-"""
-ROD = """model rod
-param l = {l}
-param g = {g}
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential g*y
-constraint rod: x^2 + y^2 = l^2
-start x = l*sin({a}), y = -l*cos({a})
-"""
-SWIVEL = """model swivel
-param l = {l}
-param g = {g}
-coord x, y, z
-rotation R
-let w = omega(R)
-let c = cross(w, [0, 0, -l])
-kinetic (x'^2 + y'^2 + z'^2)/2 + dot(w, w)/2
-potential g*z
-constraint arm: [x, y, z] = R*[0, 0, -l]
-start R = rot([1, 0, 0], {a}), y = l*sin({a}), z = -l*cos({a})
-"""
+TOP = case("stability_bound_top")
+ANGLE = case("stability_bound_angle")
+ROD = case("stability_bound_rod")
+SWIVEL = case("stability_bound_swivel")
 
 
 def mapped(text: str, directory, capsys, *more: str) -> dict:
     """As --json has it."""
-    model = directory / "model.lag"
-    model.write_text(text)
+    model = written(directory, text)
     points = ("--quick", "--points", "4x2", "--json", "-o", str(directory))
     code = main(["stability", str(model), *points, *more])
     said = capsys.readouterr()

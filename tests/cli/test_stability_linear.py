@@ -13,7 +13,7 @@ import numpy
 import pytest
 from stability_asker import PENDULUM, asker, start
 
-from conftest import seeds
+from conftest import case, seeds, written
 from pkgen.__main__ import main
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import map as maps
@@ -25,14 +25,7 @@ from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 from pkgen.middle.analyze import affine
 
-PAIR = """model pair
-coord x, y
-kinetic (x'^2 + {m}*y'^2)/2
-potential {k}*x^2/2 + {l}*(x - y)^2/2
-dissipation {c}*x'^2/2 + {d}*(x' - y')^2/2
-force x = {f}*cos({w}*t)
-start x = {x}, y = {y}
-"""
+PAIR = case("stability_linear_pair")
 R: dict[str, Callable[[complex], complex]] = {  # what a step makes of exp(z)
     "euler": lambda z: 1 + z,
     "rk4": lambda z: 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24,
@@ -43,8 +36,7 @@ R: dict[str, Callable[[complex], complex]] = {  # what a step makes of exp(z)
 
 
 def told(capsys, tmp_path: Path, model: str, *words: str) -> dict:
-    path = tmp_path / "model.lag"
-    path.write_text(model, encoding="utf-8")
+    path = written(tmp_path, model)
     assert main(["stability", str(path), "-o", str(tmp_path), "--quick", "--json", *words]) == 0
     return json.loads(capsys.readouterr().out)
 

@@ -8,14 +8,10 @@ import random
 import pytest
 from stability_asker import PENDULUM, asker
 
+from conftest import case
 from pkgen.analysis.stability.rest import Mode
 
-DOUBLE = """model rods
-coord a, b
-kinetic a'^2 + b'^2/2 + a'*b'*cos(a - b)
-potential -9.81*(2*cos(a) + cos(b))
-start a = 0.1
-"""
+DOUBLE = case("stability_modes_double")
 
 
 def rates(modes: tuple[Mode, ...]) -> list[tuple[float, float]]:

@@ -11,19 +11,13 @@ import numpy
 import pytest
 from stability_asker import PENDULUM, asker, start
 
-from conftest import case, seeds
+from conftest import case, seeds, written
 from pkgen.__main__ import main
 from pkgen.analysis.stability import cycles, ghosts
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 
-LOGISTIC = """model logistic
-param d = {size}
-param tau = {time}
-state x
-rate x = x*(1 - x/d)/tau
-start x = 0.1*d
-"""
+LOGISTIC = case("stability_orbits_logistic")
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 2))
@@ -96,12 +90,7 @@ def test_a_step_resonance_of_the_pendulum_is_a_ghost() -> None:
         assert half - h / 2 * math.sin(r) == pytest.approx(w, abs=1e-7)
 
 
-MATHIEU = """model mathieu
-coord x
-kinetic x'^2/2
-potential ({w}^2 + {e}*cos({rate}*t))*x^2/2
-start x = {start}
-"""
+MATHIEU = case("stability_orbits_mathieu")
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 2))
@@ -138,13 +127,7 @@ def test_a_driven_method_loses_its_orbit_where_predicted() -> None:
     assert cycles.lost(slow, "gauss1", cycle).h is None
 
 
-DUFFING = """model duffing
-coord x
-kinetic x'^2/2
-potential x^2/2 + x^4/4 - {f}*x*cos({rate}*t)
-dissipation {c}*x'^2
-start x = 0.5
-"""
+DUFFING = case("stability_orbits_duffing")
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 2))
@@ -229,8 +212,7 @@ def test_the_period_of_a_driver(force: str, period: float | None) -> None:
 
 
 def told(capsys, tmp_path: Path, text: str, *asked: str) -> dict:
-    model = tmp_path / "model.lag"
-    model.write_text(text)
+    model = written(tmp_path, text)
     assert main(["stability", str(model), "-o", str(tmp_path), "--json", "--quick", *asked]) == 0
     return json.loads(capsys.readouterr().out)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import seeds
+from conftest import seeds, written
 from pkgen.__main__ import main
 
 # The limit of u' = lambda u on the negative real axis: 1 + z + z^2/2 + z^3/6 + z^4/24 = 1.
@@ -17,8 +17,7 @@ RK4_REAL = 2.785293563405282
 
 
 def mapped(capsys, folder: Path, text: str, methods: str, *more: str) -> dict:
-    model = folder / "model.lag"
-    model.write_text(text)
+    model = written(folder, text)
     code = main(
         [
             *("stability", str(model), "-o", str(folder), "--json", "--quick"),

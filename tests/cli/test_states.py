@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 
 import pytest
@@ -35,21 +34,6 @@ def test_on_the_page(pkgen, tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     assert pkgen("explain", written(tmp_path, LOTKA), "--html", page).returncode == 0
     assert "Rates of the states" in page.read_text(encoding="utf-8")
-
-
-def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
-    done = pkgen("run", orbit, "--scene", "still")
-    head, (_, last) = table(done.stdout)
-    assert head == ["t", "S", "S'", "area"] and done.returncode == 0
-    swept = math.sqrt(1 - 0.36) / 2
-    assert last[1:] == pytest.approx([math.sin(1), math.cos(1), 2 + swept], abs=1e-9)
-    head, found = table(pkgen("run", orbit, "--scene", "many").stdout)
-    assert head == ["k", "t", "area"]
-    assert [row[2] for row in found] == pytest.approx([k + swept for k in (1, 2, 3)], abs=1e-5)
-    members = tmp_path / "members.csv"
-    members.write_text("area,x'\n1,0\n5,0.1\n")
-    done = pkgen("run", orbit, "--ensemble", members, "--until", "1", "--record", "area")
-    assert [row[2] for row in table(done.stdout)[1]] == pytest.approx([1.4, 5.4], abs=0.1)
 
 
 def test_the_chart_has_states(tmp_path: Path) -> None:

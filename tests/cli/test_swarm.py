@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case
+from conftest import case, written
 from pkgen.front.check.check import check_text
 from pkgen.front.check.scene_numbers import Values
 from pkgen.run.ensemble import Column
@@ -22,8 +22,7 @@ PENDULUM = case("swarm_pendulum")
 
 @pytest.fixture
 def pendulum(tmp_path: Path) -> Path:
-    path = tmp_path / "pendulum.lag"
-    path.write_text(PENDULUM)
+    path = written(tmp_path, PENDULUM)
     return path
 
 

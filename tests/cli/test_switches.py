@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, written
 
 # It falls on a spring that pushes and does not pull.
 TRAMPOLINE = case("trampoline")
@@ -67,10 +67,10 @@ def test_an_event_at_a_switch_is_met_once(pkgen, write) -> None:
 
 def test_steps_end_where_what_has_no_value_beyond_begins(pkgen, tmp_path: Path) -> None:
     """Hertz's contact, max(0, -x)^1.5, held on one side would be a root of what is negative."""
-    path = tmp_path / "hertz.lag"
-    path.write_text(
+    path = written(
+        tmp_path,
         "model hertz\ncoord x\nkinetic x'^2/2\npotential 9.81*x\n"
-        "force x = 1000*max(0, -x)^1.5\nstart x = 0.5\n"
+        "force x = 1000*max(0, -x)^1.5\nstart x = 0.5\n",
     )
     done = ran("run", path, "--until", "5", "--every", "5", "--rtol", "1e-10")
     assert "dop853" in done.stderr

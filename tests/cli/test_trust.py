@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case
+from conftest import case, written
 from pkgen.__main__ import main
 
 FALL = case("trust_fall")
@@ -18,8 +18,7 @@ END = 1.3363  # of the motion: it spirals into the centre
 @pytest.fixture
 def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     def call(model: str, options: str) -> tuple[int, dict, str]:
-        path = tmp_path / "model.lag"
-        path.write_text(model)
+        path = written(tmp_path, model)
         code = main(["run", str(path), *options.split(), "--json"])
         shown = capsys.readouterr()
         return code, json.loads(shown.out)["report"], shown.err

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import STRICT, case, ran
+from conftest import STRICT, case, ran, written
 
 # A free particle, in coordinates of a frame that is tilted and then turns: it moves straight on in
 # space. No two of its angles commute.
@@ -18,8 +18,7 @@ TURNING = case("turning")
 
 @pytest.fixture
 def turning(tmp_path: Path) -> Path:
-    path = tmp_path / "turning.lag"
-    path.write_text(TURNING)
+    path = written(tmp_path, TURNING)
     return path
 
 
@@ -29,8 +28,7 @@ def rows(text: str) -> list[dict[str, str]]:
 
 def test_swarms_and_starts_turn_vectors_as_the_equations_do(pkgen, tmp_path: Path) -> None:
     """The same rotation by three: of a start, of a swarm's start, in C."""
-    path = tmp_path / "three.lag"
-    path.write_text(case("vectors_three"))
+    path = written(tmp_path, case("vectors_three"))
     one = ran("run", path, "--scene", "one", "--json")
     assert json.loads(one.stdout)["report"]["t"] == pytest.approx(1, abs=1e-15)
     many = rows(pkgen("run", path, "--scene", "many").stdout)
