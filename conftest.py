@@ -170,6 +170,16 @@ def ran(*arguments: object, **options) -> subprocess.CompletedProcess[str]:
     return done
 
 
+def diagnosed(
+    folder: Path, model: Path | str, what: str, *arguments: object
+) -> tuple[dict, str, dict]:
+    """The diagnostics of a run with its rows in a file, what it says, and its report."""
+    path, rows = written(folder, model) if isinstance(model, str) else model, folder / "rows.csv"
+    done = ran("run", path, "--diagnose", what, "-o", rows, *arguments)
+    report = json.loads(Path(f"{rows}.json").read_text())["report"]
+    return report["diagnostics"], done.stderr, report
+
+
 @pytest.fixture
 def pkgen():
     return run_pkgen

@@ -19,22 +19,15 @@ import pytest
 from conftest import case, ran, written
 from pkgen.analysis.chart import (
     chart,
-    labels,
-    picture,
     points,
-    reference,
     spectrum,
     sweep,
     table,
 )
-from pkgen.analysis.chart import errors as errors_of
-from pkgen.analysis.chart.answer import Answer
-from pkgen.analysis.chart.exact import Exact
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.methods import inline_flags
 from pkgen.plot.names import number
-from pkgen.plot.style import Look
 
 PENDULUM = case("chart_pendulum")
 METHODS = "euler,verlet,rk4,gauss2,gauss,yoshida4,dop853"
@@ -132,40 +125,6 @@ def test_a_worse_method_loses(made) -> None:
     assert "euler" not in named and "gauss" in named
     steps = {a["accuracy"]: a for a in found["answers"] if a["cheapest_in"] == "work"}
     assert steps[1e-12]["work"] > steps[1e-3]["work"] > 0
-
-
-def test_no_point_of_the_table_refutes_an_answer(made) -> None:
-    """What keeps an accuracy and costs less than the answer is marked as lucky, and a run a little
-    finer shows it; a "none" has nothing but luck beside it."""
-    found, directory = made
-    rows = [r for r in rows_of(directory) if r["outcome"] == "done"]
-    cheaper = 0
-    for a in found["answers"]:
-        axis = a["cheapest_in"]
-        cost = float(a[axis]) if a["method"] else math.inf
-        able = [r for r in rows if float(r["error"]) <= a["accuracy"] and float(r[axis]) < cost]
-        cheaper += len(able)
-        for row in able:
-            assert row["lucky"] == "true", (a, row)
-            setting = "step" if row["step"] else "rtol"
-            least = (0.86 if row["step"] else 0.29) * float(row[setting])
-            assert any(
-                r["method"] == row["method"]
-                and r[setting]
-                and least <= float(r[setting]) < float(row[setting])
-                and float(r["error"]) > a["accuracy"]
-                for r in rows
-            ), (a, row)
-        if a["method"]:  # and the answer is a point of the table, which keeps its accuracy
-            setting = "step" if a["step"] else "rtol"
-            (own,) = (
-                r
-                for r in rows
-                if (r["method"], r[setting]) == (a["method"], repr(float(a[setting])))
-            )
-            assert float(own["error"]) <= a["accuracy"] and float(own[axis]) == cost, (a, own)
-    lucky = [p for p in found["points"] if p["lucky"]]
-    assert all(p["outcome"] == "done" for p in lucky) and (cheaper > 0) == bool(lucky)
 
 
 def test_points_past_the_limit_are_marked(made) -> None:
@@ -300,48 +259,6 @@ def test_families_follow_from_what_a_method_says_of_itself() -> None:
         points.PEER: ChartedMethod("gsl_any", 5, ("adaptive",), peer="package 1.0"),
     }
     assert {family: m.family for family, m in of.items()} == {f: f for f in points.FAMILIES}
-
-
-def test_of_many_methods_six_are_drawn() -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    # Of nine each is the cheapest at an error of its own.
-    errors = [10.0 ** -(k + 1) for k in range(9)]
-    tracks = []
-    for k in range(9):
-        costs = [1 + 5 * abs(j - k) + j for j in range(9)]
-        made = [point(0.5**j, e, c) for j, (e, c) in enumerate(zip(errors, costs, strict=True))]
-        tracks.append(Track(ChartedMethod(f"method{k}", 4), tuple(made)))
-    known = reference.Reference([(0.0, Exact([1]))], [1.0], 0, 0, 1.0, 1.0, "double", 1)
-    found = spectrum.Spectrum(omega=1.0, rho=0.0, until=1.0)
-    about = "m", "", [], 1.0, errors_of.KINDS["final"], 1, known, found, tracks, {}
-    figure = picture.picture(
-        chart.Chart(*about, [Answer(1e-3, "seconds", None, None, "none")]), "seconds", Look()
-    )
-    named = {t.get_text() for t in figure.axes[0].texts} & {t.method.name for t in tracks}
-    pyplot.close(figure)
-    assert len(named) == 6
-
-
-def test_labels_do_not_lie_over_each_other() -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(figsize=(5, 4))
-    axes.set_xlim(0, 1)
-    axes.set_ylim(0, 1)
-    crowd = [labels.Label(f"method{k}", 0.6, 0.5 + 0.005 * k, "black", 7) for k in range(9)]
-    labels.place(axes, crowd, [])
-    boxes = [t.get_window_extent() for t in axes.texts]
-    pyplot.close(figure)
-    assert len(boxes) == 9
-    for i, one in enumerate(boxes):
-        assert not any(one.overlaps(other) for other in boxes[:i])
 
 
 def test_steps_are_as_long_as_they_may_be(pkgen, tmp_path: Path) -> None:

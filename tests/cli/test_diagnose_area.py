@@ -6,8 +6,6 @@ import json
 import math
 from pathlib import Path
 
-import pytest
-
 from conftest import case, written
 
 LOOP = case("diagnose_area_loop")
@@ -97,26 +95,6 @@ def test_two_coordinates_and_an_ensemble(pkgen, tmp_path: Path) -> None:
 
 
 STARTS = "theta = 1 + 0.5*cos(2*pi*k/256), theta' = 0.5*sin(2*pi*k/256)"
-
-
-@pytest.mark.parametrize(
-    ("starts", "reason"),
-    [
-        (STARTS.replace("2*pi", "1.5*pi"), "from the last member to the first it goes by 0.5"),
-        ("theta = 0.01*k", "of theta is in its last harmonics"),  # a line, at rest
-        ("theta = sin(k^2), theta' = cos(7*k^3)", "is in its last harmonics"),
-        ("theta = abs(k - 128.5)/100, theta' = 1", "of theta is in its last harmonics"),  # kinks
-        (STARTS.replace("theta =", "theta = 1e-9*sin(k^2) +"), "of too few digits"),
-        ("theta = 1 + 0*k", "they enclose nothing, all of them in one place"),
-    ],
-    ids=["gap", "line", "strewn", "kinks", "digits", "point"],
-)
-def test_starts_that_are_no_loop(pkgen, tmp_path: Path, starts: str, reason: str) -> None:
-    text = ring(PENDULUM, 256, 2, 1, "kahan_li8 step 0.1")
-    text = text.replace(STARTS, starts)
-    found, said = area(pkgen, tmp_path, text, code=2)
-    assert found["status"] == "PK_REFUSED" and reason in found["reason"], said
-    assert "rows" not in found and "drift" not in said and "the starts are no" in said
 
 
 def test_noise_of_steps_of_their_own(pkgen, tmp_path: Path) -> None:

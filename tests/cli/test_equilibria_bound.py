@@ -3,16 +3,14 @@ in coordinates of their own, which have neither."""
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from dataclasses import replace
 
 import pytest
-from stability_asker import asker
+from stability_asker import asker, mapped
 
-from conftest import case, seeds, written
-from pkgen.__main__ import main
+from conftest import case, seeds
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure
 from pkgen.analysis.stability.ask import Asker
@@ -134,11 +132,9 @@ def test_limits_are_those_of_the_angle_and_are_met(text: str, method: str) -> No
     assert measured.h == pytest.approx(told.h, rel=0.01)
 
 
-def test_a_map_is_about_the_equilibrium_that_a_start_at_rest_swings_about(tmp_path, capsys) -> None:
-    model = written(tmp_path, ROD.format(l=1, g=9.81))
-    words = ("--quick", "--points", "6x3", "--json", "--methods", "rk4,rattle,gauss1")
-    assert main(["stability", str(model), *words, "-o", str(tmp_path)]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_a_map_is_about_the_equilibrium_that_a_start_at_rest_swings_about(tmp_path) -> None:
+    words = ("--points", "6x3", "--methods", "rk4,rattle,gauss1")
+    found = mapped(tmp_path, ROD.format(l=1, g=9.81), *words)
     assert found["varied"]["name"] == "amplitude" and found["primary"] == 0
     told = {(p["method"], p["kind"]): p for p in found["predictions"]}
     for key in (("rk4", "limit"), ("rattle", "limit"), ("gauss1", "branch")):
@@ -151,11 +147,9 @@ def test_a_map_is_about_the_equilibrium_that_a_start_at_rest_swings_about(tmp_pa
     assert any("with constraints resonances, cycles" in said for said in found["remarks"])
 
 
-def test_a_continuum_is_named(tmp_path, capsys) -> None:
-    model = written(tmp_path, PIVOT.format(l=1, g=9.81))
-    words = ("--quick", "--points", "3x2", "--json", "--methods", "rk4", "--until", "20")
-    assert main(["stability", str(model), *words, "-o", str(tmp_path)]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_a_continuum_is_named(tmp_path) -> None:
+    words = ("--points", "3x2", "--methods", "rk4", "--until", "20")
+    found = mapped(tmp_path, PIVOT.format(l=1, g=9.81), *words)
     assert any("equilibria 1, 2 are each one of a continuum" in said for said in found["remarks"])
     assert any("R all around" in said for said in found["remarks"])
     assert [e["slack"] for e in found["equilibria"]] == [1, 1]

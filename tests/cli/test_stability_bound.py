@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import cmath
-import json
 import math
 import random
 from collections.abc import Callable
 
 import pytest
-from stability_asker import asker
+from stability_asker import asker, mapped
 
-from conftest import ROOT, case, seeds, written
-from pkgen.__main__ import main
+from conftest import ROOT, case, seeds
 
 
 def first(off: Callable[[float], float]) -> float:
@@ -50,14 +48,7 @@ ROD = case("stability_bound_rod")
 SWIVEL = case("stability_bound_swivel")
 
 
-def mapped(text: str, directory, capsys, *more: str) -> dict:
-    """As --json has it."""
-    model = written(directory, text)
-    points = ("--quick", "--points", "4x2", "--json", "-o", str(directory))
-    code = main(["stability", str(model), *points, *more])
-    said = capsys.readouterr()
-    assert code == 0, said.err
-    return json.loads(said.out)
+FEW = ("--points", "4x2")
 
 
 def scales(found: dict) -> dict[str, dict]:
@@ -65,14 +56,14 @@ def scales(found: dict) -> dict[str, dict]:
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 2))
-def test_random_symmetric_tops(tmp_path, capsys, seed: int) -> None:
+def test_random_symmetric_tops(tmp_path, seed: int) -> None:
     """In the body omega goes round at (I3 - I1)/I1 w3, the quaternion by half of |omega|; methods
     on the group see the body turn itself."""
     r = random.Random(seed)
     I1, I3 = r.uniform(0.5, 2), r.uniform(0.5, 2)
     w1, w3 = r.uniform(0.2, 2), r.uniform(1, 4)
     top = TOP.format(I1=I1, I3=I3, w1=w1, w3=w3)
-    found = mapped(top, tmp_path, capsys, "--methods", "rk4,lie_midpoint")
+    found = mapped(tmp_path, top, *FEW, "--methods", "rk4,lie_midpoint")
     nutation, turn = abs(I3 - I1) / I1 * w3, math.hypot(w1, w3)
     told = scales(found)
     assert told["rk4"]["h"] == pytest.approx(RK4 / max(nutation, turn / 2), rel=1e-6)
@@ -101,11 +92,11 @@ def test_random_pendulums_of_rods(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 2))
-def test_random_starts_are_put_onto_constraints(tmp_path, capsys, seed: int) -> None:
+def test_random_starts_are_put_onto_constraints(tmp_path, seed: int) -> None:
     """Rows scale the start's coordinates, which leaves the rod, and come back to it."""
     r = random.Random(seed)
     rod = ROD.format(l=r.uniform(0.2, 3), g=r.uniform(1, 20), a=r.uniform(0.2, 2))
-    found = mapped(rod, tmp_path, capsys, "--methods", "rk4,rattle")
+    found = mapped(tmp_path, rod, *FEW, "--methods", "rk4,rattle")
     assert found["varied"]["name"] == "amplitude"
     assert all(row["motion"] == "PK_DONE" for row in found["rows"])
     told = scales(found)
@@ -117,25 +108,25 @@ def test_random_starts_are_put_onto_constraints(tmp_path, capsys, seed: int) -> 
 
 
 @pytest.mark.parametrize("name", BOUND)
-def test_models_shipped_have_a_scale_that_holds(tmp_path, capsys, name: str) -> None:
+def test_models_shipped_have_a_scale_that_holds(tmp_path, name: str) -> None:
     text = (ROOT / f"models/{name}.lag").read_text()
-    found = mapped(text, tmp_path, capsys, "--methods", "rk4,lobatto3")
+    found = mapped(tmp_path, text, *FEW, "--methods", "rk4,lobatto3")
     for p in scales(found).values():
         assert 0.5 < p["measured"] / p["h"] < 2, p
     assert len(scales(found)) == 2
     assert any("resonances, cycles and ghosts are not sought" in x for x in found["remarks"])
 
 
-def test_methods_that_a_model_refuses_are_named(tmp_path, capsys) -> None:
+def test_methods_that_a_model_refuses_are_named(tmp_path) -> None:
     text = (ROOT / "models/constrained/rolling_disk.lag").read_text()
-    found = mapped(text, tmp_path, capsys, "--methods", "rk4,rattle,verlet")
+    found = mapped(tmp_path, text, *FEW, "--methods", "rk4,rattle,verlet")
     assert {p["method"] for p in found["points"]} == {"rk4"}
     assert any("rattle is refused" in said for said in found["remarks"])
     assert any("verlet is refused" in said for said in found["remarks"])
 
 
-def test_what_leaves_the_constraints_is_told(tmp_path, capsys) -> None:
+def test_what_leaves_the_constraints_is_told(tmp_path) -> None:
     rod = ROD.format(l=1, g=1, a=1)
-    found = mapped(rod, tmp_path, capsys, "--methods", "rk4", "--steps", "0.1..20")
+    found = mapped(tmp_path, rod, *FEW, "--methods", "rk4", "--steps", "0.1..20")
     kinds = [p["kind"] for p in found["points"]]
     assert "off constraints" in kinds and kinds.count("off constraints") < len(kinds)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from pathlib import Path
 
 import numpy
 import pytest
-from stability_asker import PENDULUM, asker, start
+from stability_asker import PENDULUM, asker, mapped, start
 
-from conftest import case, seeds, written
-from pkgen.__main__ import main
+from conftest import case, seeds
 from pkgen.analysis.stability import cycles, ghosts
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
@@ -211,16 +209,10 @@ def test_the_period_of_a_driver(force: str, period: float | None) -> None:
         assert found in (pytest.approx(period), pytest.approx(2 * period))
 
 
-def told(capsys, tmp_path: Path, text: str, *asked: str) -> dict:
-    model = written(tmp_path, text)
-    assert main(["stability", str(model), "-o", str(tmp_path), "--json", "--quick", *asked]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
-def test_ghosts_stand_in_the_map(capsys, tmp_path: Path) -> None:
+def test_ghosts_stand_in_the_map(tmp_path: Path) -> None:
     """Euler's 2-cycle at h = 2.3, and rk2's fixed point 2/h at h = 2.5."""
     asked = "--methods", "euler,rk2", "--steps", "2.3..2.5", "--points", "2x2"
-    made = told(capsys, tmp_path, LOGISTIC.format(size=1, time=1), *asked)
+    made = mapped(tmp_path, LOGISTIC.format(size=1, time=1), *asked)
 
     def places(method: str, h: float) -> list[float]:
         return sorted(
@@ -235,13 +227,13 @@ def test_ghosts_stand_in_the_map(capsys, tmp_path: Path) -> None:
     assert places("euler", 2.3) == [0.687874, 1.181692]
     assert places("rk2", 2.5) == [0.8]
     assert "ghost that repels" in (tmp_path / "logistic_stability.svg").read_text()
-    made = told(capsys, tmp_path, LOGISTIC.format(size=1, time=1), "--methods", "gauss1")
+    made = mapped(tmp_path, LOGISTIC.format(size=1, time=1), "--methods", "gauss1")
     assert made["ghosts"] == []
 
 
-def test_a_driven_map_predicts_the_loss_of_its_orbit(capsys, tmp_path: Path) -> None:
+def test_a_driven_map_predicts_the_loss_of_its_orbit(tmp_path: Path) -> None:
     text = DUFFING.format(f=0.3, rate=1.2, c=0.1)
-    made = told(capsys, tmp_path, text, "--methods", "rk2,gauss2", "--points", "4x2")
+    made = mapped(tmp_path, text, "--methods", "rk2,gauss2", "--points", "4x2")
     assert made["cycle"]["driven"]
     assert made["cycle"]["period"] == pytest.approx(2 * math.pi / 1.2, rel=1e-12)
     (one,) = (p for p in made["predictions"] if p["method"] == "rk2")
@@ -249,7 +241,7 @@ def test_a_driven_map_predicts_the_loss_of_its_orbit(capsys, tmp_path: Path) -> 
     assert one["measured"] == pytest.approx(one["h"], rel=0.01)
 
 
-def test_a_period_may_be_given(capsys, tmp_path: Path) -> None:
+def test_a_period_may_be_given(tmp_path: Path) -> None:
     """As a multiple of that of its sines; one that the equations have not is no cycle."""
     text = (
         "model d\ncoord x\nkinetic x'^2/2\npotential x^2/2\n"
@@ -257,7 +249,7 @@ def test_a_period_may_be_given(capsys, tmp_path: Path) -> None:
     )
     period = 2 * math.pi / 1.3
     asked = "--methods", "rk2", "--points", "4x2", "--period", f"{2 * period!r}"
-    made = told(capsys, tmp_path, text, *asked)
+    made = mapped(tmp_path, text, *asked)
     assert made["cycle"]["period"] == pytest.approx(2 * period, rel=1e-12)
     asked = "--methods", "rk2", "--points", "4x2", "--period", f"{1.1 * period!r}"
-    assert told(capsys, tmp_path, text, *asked)["cycle"] is None
+    assert mapped(tmp_path, text, *asked)["cycle"] is None
