@@ -17,13 +17,7 @@ from pathlib import Path
 import pytest
 
 from conftest import case, ran, written
-from pkgen.analysis.chart import (
-    chart,
-    points,
-    spectrum,
-    sweep,
-    table,
-)
+from pkgen.analysis.chart import chart, points, spectrum, sweep, table
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.methods import inline_flags
@@ -38,21 +32,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
     """A quick chart: what --json says, and the directory with its files."""
     directory = tmp_path_factory.mktemp("chart")
     model = written(directory, PENDULUM)
-    done = ran(
-        *(
-            "chart",
-            model,
-            "-o",
-            directory,
-            "--quick",
-            "--seconds",
-            8,  # of which it needs three; a loaded machine more
-            "--methods",
-            METHODS,
-            "--full",
-        ),
-        *("--set", "w=1.193", "--start", "theta=1.0", "--json"),
-    )
+    # Of eight seconds it needs three; a loaded machine more.
+    words = f"--quick --seconds 8 --full --json --methods {METHODS}".split()
+    given = ("--set", "w=1.193", "--start", "theta=1.0", "-o", directory)
+    done = ran("chart", model, *words, *given)
     return json.loads(done.stdout), directory
 
 

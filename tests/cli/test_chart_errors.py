@@ -59,31 +59,18 @@ EXPECTED = {
 }
 
 
-def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, str]]]:
+def charted(folder: Path, *words: object) -> tuple[dict, list[dict[str, str]]]:
     model = written(folder, MODEL)
-    done = ran(
-        *(
-            "chart",
-            model,
-            "--quick",
-            "--until",
-            UNTIL,
-            "--methods",
-            "verlet",
-            "--points",
-            6,
-            "--seconds",
-            4,  # of which it needs one; a loaded machine more
-        ),
-        *("--json", "-o", folder, *words),
-    )
+    # Of four seconds it needs one; a loaded machine more.
+    fixed = f"--quick --until {UNTIL} --methods verlet --points 6 --seconds 4 --json".split()
+    done = ran("chart", model, *fixed, "-o", folder, *words)
     with (folder / "oscillator_chart.csv").open() as file:
         return json.loads(done.stdout), list(csv.DictReader(file))
 
 
 @pytest.mark.parametrize("kind", EXPECTED)
-def test_errors_are_those_of_closed_forms(kind: str, pkgen, tmp_path: Path) -> None:
-    told, rows = charted(pkgen, tmp_path, "--error", kind)
+def test_errors_are_those_of_closed_forms(kind: str, tmp_path: Path) -> None:
+    told, rows = charted(tmp_path, "--error", kind)
     assert told["error"] == kind and told["starts"] == 1
     seen = 0
     for row in rows:
@@ -96,10 +83,10 @@ def test_errors_are_those_of_closed_forms(kind: str, pkgen, tmp_path: Path) -> N
     assert seen > 2
 
 
-def test_errors_on_the_way_are_no_smaller_than_at_the_end(pkgen, tmp_path: Path) -> None:
+def test_errors_on_the_way_are_no_smaller_than_at_the_end(tmp_path: Path) -> None:
     found = {}
     for kind in ("final", "max", "mean"):
-        rows = charted(pkgen, tmp_path, "--error", kind)[1]
+        rows = charted(tmp_path, "--error", kind)[1]
         found[kind] = {row["step"]: float(row["error"]) for row in rows if row["outcome"] == "done"}
     shared = set.intersection(*(set(x) for x in found.values()))
     assert len(shared) > 3
@@ -130,9 +117,9 @@ def test_states_on_the_way_that_end_early_are_given_up(kind: ErrorKind, tmp_path
     assert (after.outcome, after.error) == ("given up", None)
 
 
-def test_several_starts_give_a_median_and_a_spread(pkgen, tmp_path: Path) -> None:
-    one = charted(pkgen, tmp_path)[1]
-    told, rows = charted(pkgen, tmp_path, "--starts", 5)
+def test_several_starts_give_a_median_and_a_spread(tmp_path: Path) -> None:
+    one = charted(tmp_path)[1]
+    told, rows = charted(tmp_path, "--starts", 5)
     assert told["starts"] == 5
     alone = {row["step"]: row["error"] for row in one}
     moved = 0

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from pathlib import Path
 
 import numpy
 import pytest
 
-from conftest import MODELS, ROOT, case, ran, written
+from conftest import MODELS, ROOT, case, ran, table, written
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
-
-
-def rows(text: str) -> tuple[list[str], list[list[float]]]:
-    table = list(csv.reader(io.StringIO(text)))
-    return table[0], [[float(x) for x in row] for row in table[1:]]
 
 
 def test_compile_writes_two_files(pkgen, tmp_path: Path) -> None:
@@ -87,9 +80,9 @@ def test_explain_as_json(pkgen) -> None:
 
 def test_run_prints_rows_and_ends_exactly() -> None:
     done = ran("run", DOUBLE, "--until", "0.7", "--every", "0.2")
-    names, table = rows(done.stdout)
+    names, found = table(done.stdout)
     assert names == ["t", "theta1", "theta2", "theta1'", "theta2'", "energy"]
-    assert [row[0] for row in table] == [0, 0.2, 0.4, 0.2 * 3, 0.7]
+    assert [row[0] for row in found] == [0, 0.2, 0.4, 0.2 * 3, 0.7]
     assert "energy kept to " in done.stderr
 
 
@@ -108,10 +101,10 @@ def test_run_writes_settings_beside_the_rows(pkgen, tmp_path: Path) -> None:
 def test_run_writes_npy(pkgen, tmp_path: Path) -> None:
     out = tmp_path / "rows.npy"
     assert pkgen("run", HOOP, "--until", "1", "--every", "0.25", "-o", out).returncode == 0
-    table = numpy.load(out)
-    assert table.shape == (5,) and table["t"][-1] == 1
-    assert table.dtype.names == ("t", "theta", "theta'", "energy")
-    assert 0 < abs(table["theta'"][-1]) < 10
+    found = numpy.load(out)
+    assert found.shape == (5,) and found["t"][-1] == 1
+    assert found.dtype.names == ("t", "theta", "theta'", "energy")
+    assert 0 < abs(found["theta'"][-1]) < 10
     assert Path(f"{out}.json").exists()
 
 
@@ -149,8 +142,8 @@ def test_starts_of_rates_and_members() -> None:
     chain = ROOT / "models/coupled_oscillators.lag"
     arguments = ["--until", "1", "--every", "1", "--start", "q[4]'=0.25", "--start", "q[1]=3 [mm]"]
     done = ran("run", chain, "--size", "n=4", *arguments)
-    names, table = rows(done.stdout)
-    first = dict(zip(names, table[0], strict=True))
+    names, found = table(done.stdout)
+    first = dict(zip(names, found[0], strict=True))
     assert (first["q[1]"], first["q[4]'"], first["q[2]"]) == (0.003, 0.25, -0.2)
 
 
@@ -160,7 +153,7 @@ def test_a_default_follows_what_is_set(pkgen) -> None:
     energies = []
     for setting in (["--set", "m=2"], ["--set", "m=2", "--set", "k=58.86"], ["--set", "k=58.86"]):
         done = pkgen("run", model, "--until", "0.1", "--every", "0.1", *setting)
-        energies.append(rows(done.stdout)[1][0][-1])
+        energies.append(table(done.stdout)[1][0][-1])
     assert energies[0] == pytest.approx(energies[1], rel=1e-14)
     assert energies[1] != pytest.approx(energies[2], rel=1e-3)
 

@@ -131,11 +131,7 @@ def test_of_constraints_that_all_but_follow_from_each_other(rails: api.Model, sl
 
 
 # At t = 0.6, by gauss in __float128 at 1e-28 (m1 = 1e-3 as pkgen run --enclose has it, +-1e-13).
-STRETCHED = {
-    1e-1: -3.17024207187513380,
-    1e-3: -2.8919710636268852,
-    1e-6: -2.88648315881497908,
-}
+STRETCHED = {1e-1: -3.17024207187513380, 1e-3: -2.8919710636268852, 1e-6: -2.88648315881497908}
 
 
 @pytest.mark.parametrize("m1", STRETCHED)

@@ -50,11 +50,7 @@ def test_explain_shows_how_each_is_proved(helix) -> None:
     assert "  lambda_0*p_phi + p_z  symmetry lambda_0 d/dphi + d/dz\n" in text
     assert proofs_record(helix.structure)["invariants"] == [
         {"name": "energy", "by": "time shift", "generator": "d/dt"},
-        {
-            "name": "lambda_0*p_phi + p_z",
-            "by": "symmetry",
-            "generator": "lambda_0 d/dphi + d/dz",
-        },
+        {"name": "lambda_0*p_phi + p_z", "by": "symmetry", "generator": "lambda_0 d/dphi + d/dz"},
     ]
 
 

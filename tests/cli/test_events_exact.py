@@ -32,11 +32,7 @@ MOTIONS = {
     "free": ({}, {"x'": 1}, lambda t: (t, 1, 0)),
     "thrown": ({"f": -0.1}, {"x'": 1}, lambda t: (t - t * t / 20, 1 - t / 10, -0.1)),
     "hung": ({"f": 1, "k": 1}, {}, lambda t: (1 - math.cos(t), math.sin(t), math.cos(t))),
-    "braked": (
-        {"c": 1},
-        {"x'": 1},
-        lambda t: (-math.expm1(-t), math.exp(-t), -math.exp(-t)),
-    ),
+    "braked": ({"c": 1}, {"x'": 1}, lambda t: (-math.expm1(-t), math.exp(-t), -math.exp(-t))),
     "dragged": (
         {"f": 1, "c": 1},
         {},

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from itertools import pairwise
@@ -11,22 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, written
+from conftest import ROOT, case, ran, table, written
 from pkgen.scenes import lengths
 
 FPUT = ROOT / "models" / "chains" / "fput.lag"
 PARTS = case("parts")
-
-
-def rows(text: str) -> tuple[list[str], list[list[float]]]:
-    table = list(csv.reader(io.StringIO(text)))
-    return table[0], [[float(x) for x in row] for row in table[1:]]
-
-
-def ran(pkgen, *arguments) -> tuple[list[str], list[list[float]]]:
-    done = pkgen("run", *arguments)
-    assert done.returncode == 0, done.stderr
-    return rows(done.stdout)
 
 
 @pytest.fixture
@@ -116,9 +103,8 @@ def test_what_repels_passes_near_and_never_ends(pkgen, tmp_path: Path) -> None:
     walls = "fixed x[0] = 0, x[N+1] = N + 1\nstart x[i = 1..N]' = 3*sin(7*i^2)\n"
     path.write_text(GAS.replace("i = 1..N-1)", "i = 0..N)") + walls, encoding="utf-8")
     for method in ("dop853", "verlet --step 0.002"):
-        names, table = ran(
-            pkgen, path, "--until", "200", "--every", "0.5", "--method", *method.split()
-        )
-        places = [row[1 : names.index("x[1]'")] for row in table]
+        run = ("run", path, "--until", "200", "--every", "0.5", "--method", *method.split())
+        names, found = table(ran(*run).stdout)
+        places = [row[1 : names.index("x[1]'")] for row in found]
         gaps = [b - a for row in places for a, b in pairwise(row)]
-        assert 0 < min(gaps) < 0.15 and len(table) == 401
+        assert 0 < min(gaps) < 0.15 and len(found) == 401

@@ -3,8 +3,6 @@ members written out, or beside single runs; other models are loops_*.lag of test
 
 from __future__ import annotations
 
-import csv
-import io
 import random
 import resource
 import subprocess
@@ -13,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, ran, seeds, written
+from conftest import ROOT, case, ran, seeds, table, written
 
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
 import families
@@ -29,7 +27,7 @@ BY = {
 
 
 def rows(text: str) -> list[list[float]]:
-    return [[float(x) for x in row] for row in list(csv.reader(io.StringIO(text)))[1:]]
+    return table(text)[1]
 
 
 @pytest.mark.parametrize("by", BY)

@@ -55,11 +55,7 @@ def both(path: Path, compilation: Compilation, monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("cell", ODD)
 @pytest.mark.parametrize("place", range(3))
 def test_one_cell_that_is_odd(
-    cell: str,
-    place: int,
-    compilation: Compilation,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    cell: str, place: int, compilation: Compilation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cells = ["1", "2", "3"]
     cells[place] = cell

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import random
 from pathlib import Path
 
 import pytest
 from rotation_models import made
 
-from conftest import case, ran, seeds, written
+from conftest import case, ran, seeds, table, written
 
 
 def numbers(pkgen, model: Path, *options: object) -> list[list[float]]:
     done = ran("run", model, *options)
-    return [[float(x) for x in row] for row in list(csv.reader(io.StringIO(done.stdout)))[1:]]
+    return table(done.stdout)[1]
 
 
 def off(one: list[list[float]], other: list[list[float]]) -> float:

@@ -63,11 +63,7 @@ def outcome(name: str) -> Outcome:
     """The command line in this process, since there are many cases."""
     case = CASES[name]
     stdout, stderr = io.StringIO(), io.StringIO()
-    with (
-        tempfile.TemporaryDirectory() as scratch,
-        redirect_stdout(stdout),
-        redirect_stderr(stderr),
-    ):
+    with tempfile.TemporaryDirectory() as scratch, redirect_stdout(stdout), redirect_stderr(stderr):
         folder = Path(scratch)
         model, out = folder / f"{model_name(case)}.lag", folder / "rows.csv"
         model.write_text(case.text, encoding="utf-8")

@@ -8,6 +8,7 @@ import random
 from collections.abc import Callable
 
 import pytest
+from scipy.optimize import brentq
 from stability_asker import asker, mapped
 
 from conftest import ROOT, case, seeds
@@ -16,11 +17,7 @@ from conftest import ROOT, case, seeds
 def first(off: Callable[[float], float]) -> float:
     """The least y at which four steps of a motion exp(i t) are off by half of what it covers."""
     low = next(0.01 * k for k in range(1, 1000) if off(0.01 * (k + 1)) >= 1)
-    high = low + 0.01
-    for _ in range(40):
-        middle = (low + high) / 2
-        low, high = (low, middle) if off(middle) >= 1 else (middle, high)
-    return high
+    return brentq(lambda y: off(y) - 1, low, low + 0.01, xtol=1e-14)
 
 
 def rk4(y: float) -> float:

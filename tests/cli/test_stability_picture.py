@@ -91,8 +91,7 @@ def crowded(made: StabilityMap, seed: int) -> StabilityMap:
             lines.append((Prediction(kind, name, 0, chance.randrange(4), other, h, 1.0), slant))
     rows = tuple(
         replace(
-            row,
-            predictions=tuple(replace(p, h=p.h * (1 + slant * k / 4)) for p, slant in lines),
+            row, predictions=tuple(replace(p, h=p.h * (1 + slant * k / 4)) for p, slant in lines)
         )
         for k, row in enumerate(made.rows)
     )

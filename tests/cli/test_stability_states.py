@@ -7,6 +7,7 @@ import random
 from pathlib import Path
 
 import pytest
+from scipy.optimize import brentq
 from stability_asker import mapped
 
 from conftest import seeds
@@ -51,17 +52,14 @@ def test_random_spirals(tmp_path: Path, seed: int) -> None:
     root = complex(half * half - product) ** 0.5
     lambdas = (half + root, half - root)
 
-    def outside(h: float) -> bool:
-        grown = (abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24) for z in (h * x for x in lambdas))
-        return max(grown) > 1
+    def grown(h: float) -> float:
+        return max(abs(sum((h * x) ** k / math.factorial(k) for k in range(5))) for x in lambdas)
 
-    low, high = 0.0, next(h for h in (1e-3 * k for k in range(1, 10**6)) if outside(h))
-    while high - low > 1e-12 * high:
-        middle = (low + high) / 2
-        low, high = (low, middle) if outside(middle) else (middle, high)
+    beyond = next(h for h in (1e-3 * k for k in range(1, 10**6)) if grown(h) > 1)
+    exact = brentq(lambda h: grown(h) - 1, max(beyond - 1e-3, 1e-9), beyond, xtol=1e-14)
     found = limits(made)["rk4"]
-    assert found["h"] == pytest.approx(high, rel=1e-6)
-    assert found["measured"] == pytest.approx(high, rel=0.01)
+    assert found["h"] == pytest.approx(exact, rel=1e-6)
+    assert found["measured"] == pytest.approx(exact, rel=0.01)
 
 
 def test_lorenz(tmp_path: Path) -> None:

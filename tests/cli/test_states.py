@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran, table, written
+from conftest import case, ran, written
 
 # Of an orbit from its pericentre: the action of a revolution is that of T - V, whose means are a
 # half and 1 by the virial theorem, and the area is that of the ellipse.
@@ -19,14 +19,6 @@ LOTKA = case("lotka")
 @pytest.fixture
 def orbit(tmp_path: Path) -> Path:
     return written(tmp_path, ORBIT)
-
-
-def test_columns_in_the_order_of_the_language(pkgen, orbit: Path) -> None:
-    """Coordinates, rates, states, observed names, energy; starts by the option."""
-    done = pkgen("run", orbit, "--until", "1", "--every", "1", "--start", "area=0.25")
-    head, (first, _) = table(done.stdout)
-    assert head == ["t", "x", "y", "x'", "y'", "S", "area", "energies", "energy"]
-    assert first[5:7] == [0, 0.25]
 
 
 @pytest.mark.needs_addon("pages")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from pathlib import Path
@@ -43,17 +42,6 @@ def test_members_are_single_runs(pkgen, pendulum: Path) -> None:
     assert worst[0] == 70 and second["value"] == worst[3]
     assert third["member"] > 55  # it swings the most
     assert result["settings"]["ensemble"] == "swarm k"
-
-
-def test_a_miss_names_the_member_and_options_set_all(pkgen, pendulum: Path) -> None:
-    done = pkgen("run", pendulum, "--scene", "many", "--start", "theta'=0")
-    assert done.returncode == 4 and "at t = 0.8 of k = 70 is not below -4" in done.stderr
-    rows = list(csv.DictReader(done.stdout.splitlines()))
-    assert all(
-        float(r["energy"])
-        == pytest.approx(0.005 - 4.905 * math.cos(3 * int(r["k"]) / 71), abs=1e-5)
-        for r in rows
-    )
 
 
 FUNCTIONS = case("swarm_m")
