@@ -25,16 +25,17 @@ def test_only_some_kernels(pkgen, tmp_path: Path) -> None:
     assert pkgen(DOUBLE, "-o", tmp_path, "--kernels", "mass,force").returncode == 0
     text = (tmp_path / "double_pendulum.c").read_text()
     assert "double_pendulum_mass(" in text and "double_pendulum_jacobian(" not in text
-    done = pkgen(DOUBLE, "--kernels", "mass,farce", cwd=tmp_path)
-    assert done.returncode == 2 and "farce" in done.stderr and "force" in done.stderr
+
+
+STAGES = {"parse": "File", "check": "", "derive": "%0", "analyze": "Structure", "reduce": ""}
 
 
 @pytest.mark.parametrize(
-    "stage", ["parse", "check", "derive", "analyze", "reduce", "lower", "render"]
+    ("stage", "begins"), [*STAGES.items(), ("lower", "program"), ("render", "")]
 )
-def test_every_stage_can_be_shown(stage: str) -> None:
+def test_every_stage_can_be_shown(stage: str, begins: str) -> None:
     done = ran(HOOP, f"--dump={stage}")
-    assert len(done.stdout.splitlines()) > 5
+    assert len(done.stdout.splitlines()) > 5 and done.stdout.startswith(begins)
 
 
 def test_check_finds_nothing_in_the_models(pkgen) -> None:
@@ -58,19 +59,11 @@ def test_check_reports_as_json(pkgen, tmp_path: Path) -> None:
     assert (found["line"], found["column"], found["severity"]) == (3, 18, "error")
 
 
-def test_explain_names_what_is_constant(pkgen) -> None:
-    text = pkgen("explain", ROOT / "models/heavy_top.lag").stdout
-    (constants,) = [line for line in text.splitlines() if "constants" in line]
-    assert [c.strip(" ,") for c in constants.split()[1:]] == ["energy", "p_phi", "p_psi"]
-
-
 def test_explain_shows_what_a_scene_leaves(pkgen) -> None:
     done = pkgen("explain", ROOT / "models/heavy_top.lag", "--scene", "nutation", "--canonical")
     assert done.stdout.startswith("heavy_top_nutation: ")
     assert "\n1 degree of freedom\n" in done.stdout and "Scene " not in done.stdout
     assert "dH/d(p_theta) = p_theta/I1\n" in done.stdout
-    done = pkgen("explain", ROOT / "models/heavy_top.lag", "--scene", "nutatio")
-    assert done.returncode == 2 and "did you mean 'nutation'?" in done.stderr
 
 
 def test_explain_as_json(pkgen) -> None:

@@ -23,7 +23,9 @@ FALL = case("member_lanes_fall")
 FREE = PENDULUM.replace("event flip: b - 2 rising stop\n", "")  # without events that are asked
 FIXED, LOOSE = {"step": 0.02}, {"rtol": 1e-7}
 TWO = {"x": (-0.5, 0.5), "y": (-0.4, 0.4), "x'": (-0.4, 0.4), "y'": (-0.3, 0.3)}
+DRAG = LATTICE + "dissipation (x' - 2*y')^2/8\n"
 CASES = {
+    "drag": (DRAG, TWO, FIXED, "yoshida4", None),
     "no events": (FREE, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, LOOSE, "dop853", None),
     "dopri5": (FREE, {"a": (-2, 2), "b'": (-3, 3)}, LOOSE, "dopri5", None),
     "events": (PENDULUM, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, FIXED, "rk4", "low"),

@@ -141,23 +141,3 @@ def test_a_scene_has_the_parameters_that_it_reads(pkgen, tmp_path):
     fields = re.findall(r"    pk_real (\w+);", text[text.index("reverses_params {") :])
     assert " ".join(fields) == "m a b c h A B C D g n2 nx ny nz rx ry rz"
     assert "d, rho_x, rho_y, det, half, apart, growth, pitching, steep: nothing" in text
-
-
-def test_c_is_made_without_sympy(tmp_path, request):
-    program = (
-        "import sys\n"
-        "sys.modules['sympy'] = sys.modules['mpmath'] = None\n"
-        "from pkgen.__main__ import main\n"
-        "folder, *models = sys.argv[1:]\n"
-        "sys.exit(any(main(w) for m in models for w in (['check', m], [m, '-o', folder])))\n"
-    )
-    some = [m for m in MODELS if m.stem in ("kepler", "foucault", "harmonic_ring")]
-    done = subprocess.run(
-        [sys.executable, "-c", program, tmp_path, *some], capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    program = program.replace("'check'", "'explain'")
-    done = subprocess.run(
-        [sys.executable, "-c", program, tmp_path, some[0]], capture_output=True, text=True
-    )
-    assert done.returncode == 1 and "explain shows equations by SymPy" in done.stderr
