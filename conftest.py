@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from datetime import date
@@ -190,6 +191,15 @@ def skip_if_ignored(name: str) -> None:
     number = getattr(signal, f"SIG{name}")
     if number != signal.SIGKILL and signal.getsignal(number) == signal.SIG_IGN:
         pytest.skip(f"SIG{name} is ignored here, as nohup has it")
+
+
+def wait_for(happened: Callable[[], object], child: subprocess.Popen | None = None) -> None:
+    """Waits, as long as a loaded machine may take; the child does not end before."""
+    began = time.monotonic()
+    while not happened():
+        assert child is None or child.poll() is None, child.stderr and child.stderr.read()
+        assert time.monotonic() - began < 300
+        time.sleep(0.02)
 
 
 def written(folder: Path, text: str) -> Path:

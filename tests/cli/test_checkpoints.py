@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +18,7 @@ import checkpoint_runs as runs
 import numpy
 import pytest
 
+from conftest import wait_for
 from pkgen.run.library import COMPUTE
 
 GSLS_OWN = ("gsl_msadams", "gsl_msbdf", "gsl_bsimp")
@@ -217,9 +217,7 @@ def started(folder: Path, *words: str) -> subprocess.Popen:
 
 def ended(process: subprocess.Popen, ck: Path, number: int) -> int:
     """Its code after the signal, sent when there is a checkpoint."""
-    until = time.monotonic() + 60
-    while not ck.exists() and process.poll() is None and time.monotonic() < until:
-        time.sleep(0.01)
+    wait_for(lambda: ck.exists() or process.poll() is not None)
     process.send_signal(number)
     process.communicate()
     return process.returncode

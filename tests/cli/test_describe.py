@@ -43,12 +43,8 @@ def test_bounds_defaults_and_starts(tmp_path: Path) -> None:
     found = described(PENDULUM, tmp_path, "--set", "m=3")
     m, length, _, k = found["parameters"]
     assert (m["value"], m["lo"], m["hi"], m["lo_open"]) == (3, 0, None, True)
-    assert (length["lo"], length["hi"], length["lo_open"], length["hi_open"]) == (
-        0.5,
-        3,
-        False,
-        True,
-    )
+    bounds = [length[name] for name in ("lo", "hi", "lo_open", "hi_open")]
+    assert bounds == [0.5, 3, False, True]
     assert k["follows"] and k["value"] == pytest.approx(3 * 9.81 / 2, rel=1e-15)
     (theta,) = found["coordinates"]
     assert theta["q"] == 0.5 and theta["v"] == pytest.approx(3.0) and theta["periodic"]

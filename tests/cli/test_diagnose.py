@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, diagnosed, ran
+from conftest import ROOT, case, diagnosed, ran, wait_for
 from pkgen.run import build
 from pkgen.system import toolchain
 
@@ -146,9 +146,7 @@ def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
     command += ["--step", "0.001", "--until", "300", "--every", "150", "--diagnose", "lyapunov"]
     child = subprocess.Popen([*command, "-o", str(out)], stderr=subprocess.PIPE, text=True)
     partial = out.with_name("rows.csv.partial")
-    while not (partial.exists() and partial.read_text().count("\n") == 4):
-        assert child.poll() is None, child.stderr.read()
-        time.sleep(0.05)
+    wait_for(lambda: partial.exists() and partial.read_text().count("\n") == 4, child)
     time.sleep(0.3)
     child.send_signal(signal.SIGINT)
     assert child.wait(timeout=300) == 130

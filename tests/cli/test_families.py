@@ -30,11 +30,9 @@ def test_emission_keeps_loops_whatever_the_size(pkgen, tmp_path: Path) -> None:
         assert "fput_advance" in text and f"p->N = {size};" in text
 
 
-def test_a_million_members(pkgen, tmp_path: Path) -> None:
+def test_a_million_members(tmp_path: Path) -> None:
     out = tmp_path / "rows.csv"
-    done = pkgen(
-        "run",
-        FPUT,
+    words = [
         "--size",
         "N=1000000",
         "--method",
@@ -45,10 +43,8 @@ def test_a_million_members(pkgen, tmp_path: Path) -> None:
         "0.5",
         "--every",
         "0.5",
-        "-o",
-        out,
-    )
-    assert done.returncode == 0, done.stderr
+    ]
+    ran("run", FPUT, *words, "-o", out)
     with open(out, encoding="utf-8") as file:
         assert file.readline().startswith("t,q[1],q[2],")
         assert file.readline().count(",") == 2_000_001
@@ -65,11 +61,11 @@ def test_zeros_before_a_size_are_none_of_it():
 GRAVITY = case("gravity")
 
 
-def test_chains_are_run_by_dop853_and_pair_sums_by_gauss(pkgen, tmp_path: Path) -> None:
+def test_chains_are_run_by_dop853_and_pair_sums_by_gauss(tmp_path: Path) -> None:
     gravity = written(tmp_path, GRAVITY)
     for model, method in ((FPUT, "dop853"), (gravity, "gauss")):
-        done = pkgen("run", model, "--size", "N=300", "--until", "0.5", "--every", "0.5", "--json")
-        assert done.returncode == 0, done.stderr
+        words = ["--size", "N=300", "--until", "0.5", "--every", "0.5", "--json"]
+        done = ran("run", model, *words)
         assert json.loads(done.stdout)["report"]["method"] == method
 
 

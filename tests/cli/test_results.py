@@ -10,14 +10,13 @@ import resource
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy
 import pytest
 
-from conftest import ROOT, ran, skip_if_ignored
+from conftest import ROOT, ran, skip_if_ignored, wait_for
 from pkgen.system import files
 from pkgen.system.exits import UsageError
 
@@ -31,14 +30,6 @@ LATE = 300  # seconds: for a loaded machine
 def start(*words: object, **more: object) -> subprocess.Popen[str]:
     command = [*PKGEN, *map(str, words)]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, **more)
-
-
-def until(happened: Callable[[], bool], child: subprocess.Popen[str]) -> None:
-    began = time.monotonic()
-    while not happened():
-        assert child.poll() is None, child.stderr.read()
-        assert time.monotonic() - began < LATE
-        time.sleep(0.02)
 
 
 def small_files() -> None:
@@ -134,7 +125,7 @@ def test_a_signal_on_the_way(good: Path, name: str) -> None:
     before = seen(good.parent)
     child = start("run", MODEL, *ENDLESS, "-o", good)
     growing = files.partial(good)
-    until(lambda: growing.exists() and growing.stat().st_size > 10_000, child)
+    wait_for(lambda: growing.exists() and growing.stat().st_size > 10_000, child)
     child.send_signal(getattr(signal, f"SIG{name}"))
     code = child.wait(timeout=LATE)
     said = partial(good, before)
