@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import tomllib
 
-from conftest import ROOT, ran, written
+from conftest import ROOT, ran
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 IN_TEST = {"thrown_stone", "kepler", "henon_heiles", "n_body", "pendulum", "foucault"}
@@ -63,14 +63,3 @@ def test_a_worse_run_misses(pkgen, tmp_path: Path, path: Path, name: str, expect
         command = ["run", path, "--scene", name, "-o", tmp_path / "rows.csv"]
         worse = pkgen(*command, *WORSE.get(f"{path.stem} {name}", "--rtol 1e-4").split())
         assert worse.returncode == 4 and "error: expectation missed: " in worse.stderr, name
-
-
-def test_a_component_of_a_constraint_is_fulfilled_by_what_is_held(tmp_path):
-    path = written(
-        tmp_path,
-        "model held\ncoord x, y, z, u\nkinetic (x'^2 + y'^2 + z'^2 + u'^2)/2\n"
-        "constraint c: [x, y, z] = [u, 2*u, 0]\nstart x' = 1, u' = 1, y' = 2\n"
-        "scene still\n hold z = 0\n until 1\n record y every 1\nend\n",
-    )
-    done = ran("run", path, "--scene", "still")
-    assert done.stdout.splitlines()[-1] == "1,2"

@@ -9,8 +9,8 @@ import json
 import math
 import time
 from contextlib import nullcontext
-from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -26,21 +26,14 @@ pytestmark = pytest.mark.filterwarnings("error")
 PENDULUM = case("stability_pendulum")
 
 
-@dataclass(frozen=True)
-class Done:
-    code: int
-    out: str
-    err: str
-
-
 @pytest.fixture
 def stability(capsys):
     """The command in this process: importing pkgen takes longer than a small map."""
 
-    def run(*arguments: object) -> Done:
+    def run(*arguments: object) -> SimpleNamespace:
         code = main(["stability", *map(str, arguments)])
         out, err = capsys.readouterr()
-        return Done(code, out, err)
+        return SimpleNamespace(code=code, out=out, err=err)
 
     return run
 
@@ -51,15 +44,10 @@ def quick(tmp_path_factory) -> tuple[dict, Path]:
     directory = tmp_path_factory.mktemp("stability")
     model = written(directory, PENDULUM)
     said = io.StringIO()
+    words = "--methods verlet,rk4 --vary theta=0.001..0.002 --steps 1.98..2.02 --points 2x2"
     with contextlib.redirect_stdout(said):
-        code = main(
-            [
-                *("stability", str(model), "-o", str(directory), "--json"),
-                *("--methods", "verlet,rk4", "--vary", "theta=0.001..0.002"),
-                *("--steps", "1.98..2.02", "--points", "2x2"),
-            ]
-        )
-    assert code == 0
+        given = ["stability", str(model), "-o", str(directory), "--json", *words.split()]
+        assert main(given) == 0
     return json.loads(said.getvalue()), directory
 
 

@@ -3,6 +3,7 @@
     # run: OPTIONS                     arrives, and all that its scene expects is met
     # miss: OPTIONS                    something that its scene expects is missed
     # same 1e-9: OPTIONS || OPTIONS    two runs have the same rows, in which something moves
+    # ends 1e-9: OPTIONS || OPTIONS    the same of their last rows alone
     # loops 1e-9: OPTIONS              families as loops and with members written out agree
     # slides 1e-9: OPTIONS             they end alike, on the same switch
 
@@ -30,7 +31,7 @@ from pkgen.source import Source
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
 import families
 
-ROW = re.compile(r"# (long )?(run|miss|same|loops|slides)(?:\[([\w ,]+)\])?(?: (\S+))?: *(.*)")
+ROW = re.compile(r"# (long )?(run|miss|same|ends|loops|slides)(?:\[([\w ,]+)\])?(?: (\S+))?: *(.*)")
 MODELS = sorted(Path(__file__).parent.glob("*.lag"))
 
 
@@ -98,12 +99,13 @@ def test_it_comes_out_as_it_says(path, kind, tag, near, words, tmp_path, capsys)
         said = capsys.readouterr().err
         assert code == (4 if kind == "miss" else 0), said
         assert ("expectation missed" in said) == (kind == "miss")
-        assert kind == "same" or re.search(r"expected: \d+ of \d+ met", said), said
-        found.append(rows(out) if kind == "same" else [])
-    if kind == "same":
+        assert "||" in words or re.search(r"expected: \d+ of \d+ met", said), said
+        found.append(rows(out) if "||" in words else [])
+    if "||" in words:
         one, other = found
-        assert len(one) == len(other) > 1
         assert moves([[*row.values()] for row in one])
+        one, other = (x[-1:] if kind == "ends" else x for x in found)
+        assert len(one) == len(other) > (kind == "same")
         for a, b in zip(one, other, strict=True):
             assert a == pytest.approx(b, rel=near, abs=near)
 
