@@ -80,3 +80,12 @@ def test_lines_of_what_winds_have_errors_of_their_own(capsys, tmp_path: Path) ->
     for n, line in enumerate(lines[:3], 1):
         assert line["frequency"] == pytest.approx(n * rate, abs=1e-9)
         assert line["error"] < 1e-9
+
+
+def test_a_large_drift_is_not_called_bounded(capsys, tmp_path: Path) -> None:
+    """Verlet's energy of an oscillator comes back, and is off by (h omega)^2/8 of it in between."""
+    words = ("--method", "verlet", "--until", 900, "--step")
+    drifts = [
+        ran(capsys, tmp_path, case("trust_swing"), *words, h)[0]["drifts"] for h in (1.5, 0.1)
+    ]
+    assert [of[0]["growth"] for of in drifts] == ["off by more than a tenth", "bounded"]

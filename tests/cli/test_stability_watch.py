@@ -7,21 +7,15 @@ import random
 from dataclasses import replace
 
 import pytest
-from stability_asker import asker
+from stability_asker import asker, point
 
 from conftest import case, seeds
-from pkgen.analysis.stability.ask import Asker, Point
 
 # Off its resonance: the swing of a motion that stretches stays as small as it was.
 ELASTIC = case("stability_watch_elastic")
 PLANET = case("stability_watch_planet")
 PERIHELION = "conserve A = y'*(x*y' - y*x') - x/sqrt(x^2 + y^2)"
 LINE = "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n"
-
-
-def point(asked: Asker, method: str, h: float) -> Point:
-    asked.motion()
-    return asked.point(method, h)
 
 
 def test_energy_that_goes_to_another_coordinate() -> None:
