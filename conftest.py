@@ -214,6 +214,19 @@ def case(name: str) -> str:
     return (ROOT / "tests" / "cases" / f"{name}.lag").read_text(encoding="utf-8")
 
 
+def expanded(text: str, word: str, form: str) -> str:
+    """The text with WORD(s) replaced by a form of s, whatever brackets s has."""
+    while f"{word}(" in text:
+        first = text.index(f"{word}(")
+        start = end = first + len(word) + 1
+        depth = 1
+        while depth:
+            depth += {"(": 1, ")": -1}.get(text[end], 0)
+            end += 1
+        text = text[:first] + form.format(text[start : end - 1]) + text[end:]
+    return text
+
+
 def table(text: str) -> tuple[list[str], list[list[float]]]:
     """The head and the rows of what a run has printed."""
     head, *lines = text.splitlines()

@@ -83,17 +83,6 @@ def test_errors_are_those_of_closed_forms(kind: str, tmp_path: Path) -> None:
     assert seen > 2
 
 
-def test_errors_on_the_way_are_no_smaller_than_at_the_end(tmp_path: Path) -> None:
-    found = {}
-    for kind in ("final", "max", "mean"):
-        rows = charted(tmp_path, "--error", kind)[1]
-        found[kind] = {row["step"]: float(row["error"]) for row in rows if row["outcome"] == "done"}
-    shared = set.intersection(*(set(x) for x in found.values()))
-    assert len(shared) > 3
-    for h in shared:
-        assert found["max"][h] >= found["final"][h] and found["max"][h] > found["mean"][h] > 0
-
-
 @pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.path])
 def test_states_on_the_way_that_end_early_are_given_up(kind: ErrorKind, tmp_path: Path) -> None:
     """A cap that only the run with rows meets, as on a machine that is busy at that moment."""

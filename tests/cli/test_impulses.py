@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 import tomllib
 
+from conftest import expanded
+
 RAMPS = tomllib.loads(Path(__file__).with_name("ramps.toml").read_text(encoding="utf-8"))
 
 
@@ -18,16 +20,7 @@ def written_with(text: str, w: float | None) -> str:
     bend, jump = "max(0, {0})", "step({0})"
     if w is not None:
         bend, jump = f"({{0}})*(1 + tanh(({{0}})/{w}))/2", f"(1 + tanh(({{0}})/{w}))/2"
-    for word, made in (("BEND", bend), ("JUMP", jump)):
-        while word in text:
-            first = text.index(word)
-            end, depth = first + len(word) + 1, 1
-            while depth:
-                depth += {"(": 1, ")": -1}.get(text[end], 0)
-                end += 1
-            inner = text[first + len(word) + 1 : end - 1]
-            text = text[:first] + made.format(inner) + text[end:]
-    return text
+    return expanded(expanded(text, "BEND", bend), "JUMP", jump)
 
 
 def last(pkgen, path, *more: str) -> list[float]:

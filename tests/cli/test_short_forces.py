@@ -9,7 +9,7 @@ import random
 
 import pytest
 
-from conftest import seeds
+from conftest import expanded, seeds
 
 PLACES = {
     "potential": "potential A*F(x - S)",
@@ -47,14 +47,7 @@ def model_of(place: str, function: str, start: float) -> str:
         f"{more}kinetic (x'^2 + y'^2 + z'^2)/2 + 0.2*y'*z' + 0.3*x'*z'\n"
         f"potential y^2/2\n{text}\nstart x' = 1.5, y = 0.2\nscene s\n  until 1.6\n  {clause}\nend\n"
     )
-    while "F(" in text:
-        first = text.index("F(")
-        end, depth = first + 2, 1
-        while depth:
-            depth += {"(": 1, ")": -1}.get(text[end], 0)
-            end += 1
-        text = text[:first] + function.format(text[first + 2 : end - 1]) + text[end:]
-    return text.replace("S", str(start))
+    return expanded(text, "F", function).replace("S", str(start))
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 17))
