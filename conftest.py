@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from datetime import date
@@ -170,6 +171,16 @@ def ran(*arguments: object, **options) -> subprocess.CompletedProcess[str]:
     return done
 
 
+def diagnosed(
+    folder: Path, model: Path | str, what: str, *arguments: object
+) -> tuple[dict, str, dict]:
+    """The diagnostics of a run with its rows in a file, what it says, and its report."""
+    path, rows = written(folder, model) if isinstance(model, str) else model, folder / "rows.csv"
+    done = ran("run", path, "--diagnose", what, "-o", rows, *arguments)
+    report = json.loads(Path(f"{rows}.json").read_text())["report"]
+    return report["diagnostics"], done.stderr, report
+
+
 @pytest.fixture
 def pkgen():
     return run_pkgen
@@ -182,6 +193,15 @@ def skip_if_ignored(name: str) -> None:
         pytest.skip(f"SIG{name} is ignored here, as nohup has it")
 
 
+def wait_for(happened: Callable[[], object], child: subprocess.Popen | None = None) -> None:
+    """Waits, as long as a loaded machine may take; the child does not end before."""
+    began = time.monotonic()
+    while not happened():
+        assert child is None or child.poll() is None, child.stderr and child.stderr.read()
+        assert time.monotonic() - began < 300
+        time.sleep(0.02)
+
+
 def written(folder: Path, text: str) -> Path:
     """The model in a file of its name."""
     path = folder / f"{text.split()[1]}.lag"
@@ -192,6 +212,19 @@ def written(folder: Path, text: str) -> Path:
 def case(name: str) -> str:
     """The text of a model that tests are about."""
     return (ROOT / "tests" / "cases" / f"{name}.lag").read_text(encoding="utf-8")
+
+
+def expanded(text: str, word: str, form: str) -> str:
+    """The text with WORD(s) replaced by a form of s, whatever brackets s has."""
+    while f"{word}(" in text:
+        first = text.index(f"{word}(")
+        start = end = first + len(word) + 1
+        depth = 1
+        while depth:
+            depth += {"(": 1, ")": -1}.get(text[end], 0)
+            end += 1
+        text = text[:first] + form.format(text[start : end - 1]) + text[end:]
+    return text
 
 
 def table(text: str) -> tuple[list[str], list[list[float]]]:

@@ -23,12 +23,12 @@ LONGEST = 7.0  # s: of a case of these
 KEPT = {
     "tests/test_docs.py": "examples of the docs run",
     "tests/messages/test_pages.py": "messages are read whole",
+    "tests/runs/test_runs.py": "each row is a test of its own",
     "test_names_and_comments_are_never_markup_or_script": "no other test covers it",
     "test_models_compile_without_sympy": "no other test covers it",
     "test_a_value_out_of_bounds_is_refused_in_words": "no other test covers it",
     "test_a_communication_step_has_an_end": "an FMU once never returned",
     "test_answers_are_commands_that_keep_their_word": "the answer of a chart is run",
-    "test_the_tension_of_a_rod_is_an_output_an_event_and_expected": "a user's whole way",
 }
 Functions = dict[str, dict[str, float]]  # seconds by path::function and by what is in its brackets
 

@@ -1,11 +1,13 @@
-"""What the tests of `pkgen stability` share: a compiled model's driver, asked by lines of text."""
+"""What the tests of `pkgen stability` share: a model that is asked in process, a map of one."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
-from conftest import case
-from pkgen.analysis.stability.ask import Asker
+from conftest import case, ran, written
+from pkgen.analysis.stability.ask import Asker, Point
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 from pkgen.run.build import build_library
@@ -40,3 +42,14 @@ def asker(text: str, *, until: float = 100.0) -> Asker:
 
 def start(asked: Asker, q: float, v: float = 0.0) -> Asker:
     return asked.with_settings(replace(asked.settings, start_q=((0, q),), start_v=((0, v),)))
+
+
+def point(asked: Asker, method: str, h: float) -> Point:
+    asked.motion()
+    return asked.point(method, h)
+
+
+def mapped(folder: Path, text: str, *words: object) -> dict:
+    """A quick map, as --json has it."""
+    words = ("--quick", "--json", "-o", folder, *words)
+    return json.loads(ran("stability", written(folder, text), *words).stdout)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, ran, table, written
 
 # The scenes share their C: it is the model's, and of what they record.
 KEPLER = case("kepler")
@@ -21,12 +20,10 @@ def run(
     directory: Path, text: str, scene: str, *options: object
 ) -> tuple[dict, list[list[float]], str]:
     """The sidecar, the rows, and what was said."""
-    path, rows = directory / "model.lag", directory / "rows.csv"
-    path.write_text(text)
-    done = ran("run", path, "--scene", scene, "-o", rows, *options)
-    with open(rows, newline="", encoding="utf-8") as file:
-        table = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
-    return json.loads((directory / "rows.csv.json").read_text()), table, done.stderr
+    rows = directory / "rows.csv"
+    done = ran("run", written(directory, text), "--scene", scene, "-o", rows, *options)
+    found = table(rows.read_text())[1]
+    return json.loads((directory / "rows.csv.json").read_text()), found, done.stderr
 
 
 def position(t: float) -> tuple[float, float]:

@@ -16,25 +16,12 @@ from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
-from pkgen.analysis.chart import (
-    chart,
-    labels,
-    picture,
-    points,
-    reference,
-    spectrum,
-    sweep,
-    table,
-)
-from pkgen.analysis.chart import errors as errors_of
-from pkgen.analysis.chart.answer import Answer
-from pkgen.analysis.chart.exact import Exact
+from conftest import case, ran, written
+from pkgen.analysis.chart import chart, points, spectrum, sweep, table
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.methods import inline_flags
 from pkgen.plot.names import number
-from pkgen.plot.style import Look
 
 PENDULUM = case("chart_pendulum")
 METHODS = "euler,verlet,rk4,gauss2,gauss,yoshida4,dop853"
@@ -44,23 +31,11 @@ METHODS = "euler,verlet,rk4,gauss2,gauss,yoshida4,dop853"
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
     """A quick chart: what --json says, and the directory with its files."""
     directory = tmp_path_factory.mktemp("chart")
-    model = directory / "pendulum.lag"
-    model.write_text(PENDULUM)
-    done = ran(
-        *(
-            "chart",
-            model,
-            "-o",
-            directory,
-            "--quick",
-            "--seconds",
-            8,  # of which it needs three; a loaded machine more
-            "--methods",
-            METHODS,
-            "--full",
-        ),
-        *("--set", "w=1.193", "--start", "theta=1.0", "--json"),
-    )
+    model = written(directory, PENDULUM)
+    # Of eight seconds it needs three; a loaded machine more.
+    words = f"--quick --seconds 8 --full --json --methods {METHODS}".split()
+    given = ("--set", "w=1.193", "--start", "theta=1.0", "-o", directory)
+    done = ran("chart", model, *words, *given)
     return json.loads(done.stdout), directory
 
 
@@ -135,40 +110,6 @@ def test_a_worse_method_loses(made) -> None:
     assert steps[1e-12]["work"] > steps[1e-3]["work"] > 0
 
 
-def test_no_point_of_the_table_refutes_an_answer(made) -> None:
-    """What keeps an accuracy and costs less than the answer is marked as lucky, and a run a little
-    finer shows it; a "none" has nothing but luck beside it."""
-    found, directory = made
-    rows = [r for r in rows_of(directory) if r["outcome"] == "done"]
-    cheaper = 0
-    for a in found["answers"]:
-        axis = a["cheapest_in"]
-        cost = float(a[axis]) if a["method"] else math.inf
-        able = [r for r in rows if float(r["error"]) <= a["accuracy"] and float(r[axis]) < cost]
-        cheaper += len(able)
-        for row in able:
-            assert row["lucky"] == "true", (a, row)
-            setting = "step" if row["step"] else "rtol"
-            least = (0.86 if row["step"] else 0.29) * float(row[setting])
-            assert any(
-                r["method"] == row["method"]
-                and r[setting]
-                and least <= float(r[setting]) < float(row[setting])
-                and float(r["error"]) > a["accuracy"]
-                for r in rows
-            ), (a, row)
-        if a["method"]:  # and the answer is a point of the table, which keeps its accuracy
-            setting = "step" if a["step"] else "rtol"
-            (own,) = (
-                r
-                for r in rows
-                if (r["method"], r[setting]) == (a["method"], repr(float(a[setting])))
-            )
-            assert float(own["error"]) <= a["accuracy"] and float(own[axis]) == cost, (a, own)
-    lucky = [p for p in found["points"] if p["lucky"]]
-    assert all(p["outcome"] == "done" for p in lucky) and (cheaper > 0) == bool(lucky)
-
-
 def test_points_past_the_limit_are_marked(made) -> None:
     """Verlet is not stable beyond h w = 2; rotations apart, its first step is longer."""
     points = [p for p in made[0]["points"] if p["method"] == "verlet"]
@@ -230,8 +171,7 @@ def test_pictures_name_the_model_and_every_curve(made) -> None:
 
 def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
     """From upright but for the rounding of pi, what __float128 knows of the fall is 1e-6 or so."""
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM.replace("1.1", "3.141592653589793"))
+    model = written(tmp_path, PENDULUM.replace("1.1", "3.141592653589793"))
     done = ran(
         "chart", model, "-o", tmp_path, "--points", 8, "--until", 60, "--methods", "gauss", "--json"
     )
@@ -241,37 +181,9 @@ def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
     assert last["method"] is None and "reference" in last["reason"]
 
 
-@pytest.mark.parametrize(
-    "options, said",
-    [
-        (["--methods", "rk5"], "rk5"),
-        (["--points", 1], "2 at least"),
-        (["--seconds", 0], "positive"),
-        (["--seconds", "inf"], "finite"),
-        (["--set", "w=-1"], "parameter w is outside its bounds"),
-        (["--start", "theta=0", "--methods", "rk4", "--quick"], "nothing moves"),
-        (["--until", -1], "positive"),
-    ],
-)
-def test_wrong_options_are_usage(pkgen, tmp_path: Path, options: list, said: str) -> None:
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
-    done = pkgen("chart", model, "-o", tmp_path, *options)
-    assert done.returncode == 2 and said in done.stderr
-    assert "Traceback" not in done.stderr and not list(tmp_path.glob("*.svg"))
-
-
 def test_a_method_named_twice_is_one() -> None:
     assert [m.name for m in chart.methods(["rk4", "gauss", "rk4"])] == ["rk4", "gauss"]
     assert inline_flags(["rk4", "rk4"]) == inline_flags(["rk4"])
-
-
-def test_a_motion_that_ends_has_no_chart(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "fall.lag"
-    model.write_text("model fall\ncoord r\nkinetic r'^2/2\npotential -1/r\nstart r = 0.7\n")
-    done = pkgen("chart", model, "-o", tmp_path, "--quick", "--json", "--methods", "rk4")
-    assert done.returncode == 4
-    assert "reference" in json.loads(done.stdout)["error"] and not list(tmp_path.glob("*.svg"))
 
 
 def point(setting: float, error: float | None, work: int = 1, status: str = "PK_DONE") -> Point:
@@ -332,52 +244,11 @@ def test_families_follow_from_what_a_method_says_of_itself() -> None:
     assert {family: m.family for family, m in of.items()} == {f: f for f in points.FAMILIES}
 
 
-def test_of_many_methods_six_are_drawn() -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    # Of nine each is the cheapest at an error of its own.
-    errors = [10.0 ** -(k + 1) for k in range(9)]
-    tracks = []
-    for k in range(9):
-        costs = [1 + 5 * abs(j - k) + j for j in range(9)]
-        made = [point(0.5**j, e, c) for j, (e, c) in enumerate(zip(errors, costs, strict=True))]
-        tracks.append(Track(ChartedMethod(f"method{k}", 4), tuple(made)))
-    known = reference.Reference([(0.0, Exact([1]))], [1.0], 0, 0, 1.0, 1.0, "double", 1)
-    found = spectrum.Spectrum(omega=1.0, rho=0.0, until=1.0)
-    about = "m", "", [], 1.0, errors_of.KINDS["final"], 1, known, found, tracks, {}
-    figure = picture.picture(
-        chart.Chart(*about, [Answer(1e-3, "seconds", None, None, "none")]), "seconds", Look()
-    )
-    named = {t.get_text() for t in figure.axes[0].texts} & {t.method.name for t in tracks}
-    pyplot.close(figure)
-    assert len(named) == 6
-
-
-def test_labels_do_not_lie_over_each_other() -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(figsize=(5, 4))
-    axes.set_xlim(0, 1)
-    axes.set_ylim(0, 1)
-    crowd = [labels.Label(f"method{k}", 0.6, 0.5 + 0.005 * k, "black", 7) for k in range(9)]
-    labels.place(axes, crowd, [])
-    boxes = [t.get_window_extent() for t in axes.texts]
-    pyplot.close(figure)
-    assert len(boxes) == 9
-    for i, one in enumerate(boxes):
-        assert not any(one.overlaps(other) for other in boxes[:i])
-
-
 def test_steps_are_as_long_as_they_may_be(pkgen, tmp_path: Path) -> None:
     """Of a method that is exact on a linear system one step is all it takes."""
-    model = tmp_path / "springs.lag"
-    model.write_text("model springs\ncoord x\nkinetic x'^2/2\npotential 8*x^2\nstart x = 1\n")
+    model = written(
+        tmp_path, "model springs\ncoord x\nkinetic x'^2/2\npotential 8*x^2\nstart x = 1\n"
+    )
     words = ("--methods", "exponential", "--until", 30, "--seconds", 2, "--points", 5)
     assert pkgen("chart", model, *words, "-o", tmp_path).returncode == 0
     with (tmp_path / "springs_chart.csv").open() as file:

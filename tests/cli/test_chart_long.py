@@ -11,7 +11,7 @@ import json
 import math
 from pathlib import Path
 
-from conftest import case, ran
+from conftest import case, ran, written
 
 MODEL = case("oscillator")
 METHODS = "verlet,euler,radau5,gauss2"
@@ -19,8 +19,7 @@ STEP = 0.1
 
 
 def test_drifts_over_decades(tmp_path: Path) -> None:
-    model = tmp_path / "oscillator.lag"
-    model.write_text(MODEL)
+    model = written(tmp_path, MODEL)
     words = ("--long", "--step", STEP, "--methods", METHODS, "--seconds", 6, "-o", tmp_path)
     done = ran("chart", model, *words, "--json", "--format", "png,pdf")
     told = json.loads(done.stdout)

@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +18,7 @@ import checkpoint_runs as runs
 import numpy
 import pytest
 
+from conftest import wait_for
 from pkgen.run.library import COMPUTE
 
 GSLS_OWN = ("gsl_msadams", "gsl_msbdf", "gsl_bsimp")
@@ -209,21 +209,6 @@ def test_inputs_that_are_computed_are_settings(tmp_path: Path, ck: Path) -> None
     assert resumed(**inputs(0.0, 1.0))[0] == 0
 
 
-def test_a_false_state_is_refused_or_runs(tmp_path: Path) -> None:
-    """Bytes that somebody has changed, with the sum that belongs to them: lengths and numbers of
-    columns and events are looked at."""
-    what = runs.by(runs.of("events", tmp_path), "dop853")
-    ck = tmp_path / "c"
-    assert runs.run(what, checkpoint=bytes(ck), checkpoint_after=30)[0] == 75
-    good, dice = ck.read_bytes(), random.Random(2)
-    for _ in range(60):
-        bad = bytearray(good)
-        bad[dice.randrange(48, len(good))] ^= 1 << dice.randrange(8)
-        bad[20:24] = zlib.crc32(bad[24:]).to_bytes(4, sys.byteorder)
-        ck.write_bytes(bad)
-        assert runs.run(what, checkpoint=bytes(ck), resume=1)[0] in (0, 2, 4)
-
-
 def started(folder: Path, *words: str) -> subprocess.Popen:
     return subprocess.Popen(
         [sys.executable, "-m", "pkgen", *words], cwd=folder, stderr=-1, stdout=-1, text=True
@@ -232,9 +217,7 @@ def started(folder: Path, *words: str) -> subprocess.Popen:
 
 def ended(process: subprocess.Popen, ck: Path, number: int) -> int:
     """Its code after the signal, sent when there is a checkpoint."""
-    until = time.monotonic() + 60
-    while not ck.exists() and process.poll() is None and time.monotonic() < until:
-        time.sleep(0.01)
+    wait_for(lambda: ck.exists() or process.poll() is not None)
     process.send_signal(number)
     process.communicate()
     return process.returncode
@@ -264,24 +247,3 @@ def test_the_command_line(kind: str, pkgen, tmp_path: Path) -> None:
     assert reports[0] == reports[1]
     if kind == "npy":
         assert len(numpy.load(tmp_path / "b.npy")) == 3001
-
-
-def test_what_the_command_line_refuses(pkgen, tmp_path: Path) -> None:
-    (tmp_path / "m.lag").write_text(runs.text("free"))
-
-    def refused(*words: str) -> str:
-        done = pkgen(*words, cwd=tmp_path)
-        assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr
-        return done.stderr
-
-    run = ("run", "m.lag", "--until", "1")
-    assert "-o FILE.csv" in refused(*run, "--checkpoint", "c", "--plot", "c.svg")
-    for name in ("a.csv", "a.csv.partial", "a.csv.partial.json"):
-        assert "rows and what" in refused(*run, "-o", "a.csv", "--checkpoint", name)
-    assert "no folder" in refused(*run, "--checkpoint", "none/c")
-    assert "it is there already" in refused(*run, "--checkpoint", "m.lag")
-    assert "is for --checkpoint" in refused(*run, "--checkpoint-every", "9")
-    assert "a number of seconds" in refused(*run, "--checkpoint", "c", "--checkpoint-every", "x")
-    assert "GSL's own" in refused(*run, "--checkpoint", "c", "--method", "gsl_msadams")
-    assert "no checkpoint of pkgen" in refused("resume", "m.lag")
-    assert "No such file" in refused("resume", "c")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case
-from pkgen.back.facts import facts, found_by_symmetry, invariants
+from conftest import ROOT, case, written
+from pkgen.back.facts import found_by_symmetry, invariants
 from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
 from pkgen.explain.explain import constants_text, proofs_record
@@ -20,22 +20,8 @@ FALSE = case("swing")
 HELIX = case("helix")
 
 
-@pytest.mark.parametrize("command", [["run"], []])
-def test_a_false_claim_is_an_error_of_the_model(pkgen, tmp_path: Path, command) -> None:
-    path = tmp_path / "swing.lag"
-    path.write_text(FALSE)
-    done = pkgen(*command, path, cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (1, "") and not (tmp_path / "swing.c").exists()
-    first, second = done.stderr.split("swing.lag:")[1:]
-    assert first.startswith("5:1: error: 'fast' is not constant: dfast/dt = ")
-    assert "    5 | conserve fast = a'^2" in first and "      | ^^^^" in first
-    assert "help: to watch it, say 'observe fast'" in first
-    assert second.startswith("7:1: error: that 'odd' is constant is not proved: ")
-
-
 def test_as_json(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "swing.lag"
-    path.write_text(FALSE)
+    path = written(tmp_path, FALSE)
     done = pkgen("check", path, "--json")
     found = json.loads(done.stdout)["diagnostics"]
     assert done.returncode == 1 and [d["line"] for d in found] == [5, 7]
@@ -52,11 +38,7 @@ def test_explain_shows_how_each_is_proved(helix) -> None:
     assert "  lambda_0*p_phi + p_z  symmetry lambda_0 d/dphi + d/dz\n" in text
     assert proofs_record(helix.structure)["invariants"] == [
         {"name": "energy", "by": "time shift", "generator": "d/dt"},
-        {
-            "name": "lambda_0*p_phi + p_z",
-            "by": "symmetry",
-            "generator": "lambda_0 d/dphi + d/dz",
-        },
+        {"name": "lambda_0*p_phi + p_z", "by": "symmetry", "generator": "lambda_0 d/dphi + d/dz"},
     ]
 
 
@@ -75,21 +57,6 @@ def test_long_sums_are_cut_and_it_says_where_they_are_whole(helix) -> None:
     assert "--json" not in constants_text([], replace(long, invariants=()))
 
 
-@pytest.mark.parametrize(
-    ("kinetic", "said"),
-    [
-        ("(2 + sin(t))*a'^2", "diagonal, depends on t"),
-        ("(2 + sin(t*a))*a'^2", "diagonal, depends on the coordinates and t"),
-        ("(2 + u^2)*a'^2", "diagonal, depends on the inputs"),
-        ("(2 + cos(a))*a'^2", "diagonal, depends on the coordinates"),
-    ],
-)
-def test_what_a_mass_matrix_varies_with(kinetic: str, said: str) -> None:
-    text = f"model m\ncoord a\ninput u\nkinetic {kinetic}\npotential sin(t)*a\n"
-    made = compile_model(Source("m.lag", text), kernels=frozenset({"mass"}))
-    assert dict(facts(made.equations, made.structure))["mass matrix"] == said
-
-
 def test_explain_as_json_has_structure_and_claims(pkgen) -> None:
     record = json.loads(pkgen("explain", TOP, "--json").stdout)
     assert record["structure"]["mass_blocks"] == [[0, 2], [1]]
@@ -98,16 +65,8 @@ def test_explain_as_json_has_structure_and_claims(pkgen) -> None:
 
 
 def test_the_header_of_the_c_lists_them(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "helix.lag"
-    path.write_text(HELIX)
+    path = written(tmp_path, HELIX)
     assert pkgen(path, "--runtime", cwd=tmp_path).returncode == 0
     text = (tmp_path / "helix.h").read_text()
     assert "lambda_0*p_phi + p_z: symmetry lambda_0 d/dphi + d/dz" in text.replace("\n * ", " ")
     assert " *   definite: not proved; M may be singular where r vanishes\n" in text
-
-
-def test_blocks_apart_are_named() -> None:
-    text = "model apart\ncoord a, b, c\nkinetic (a'^2 + b'^2 + c'^2)/2\n"
-    made = compile_model(Source("apart.lag", text + "potential cos(a - c) + cos(b)\n"))
-    rows = dict(facts(made.equations, made.structure))
-    assert rows["blocks"] == "{a, c}, {b} do not influence each other"

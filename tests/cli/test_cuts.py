@@ -9,7 +9,7 @@ from functools import cache
 import pytest
 
 import pkgen
-from conftest import seeds
+from conftest import case, seeds
 from pkgen.functions import FUNCTIONS
 
 # Where V is smooth, or even at the cut, or vanishes there, the run goes on.
@@ -21,16 +21,7 @@ SMOOTH = (
     "y*atan2(y, x)",
 )
 JUMPS = ("atan2(y, x)", "(atan2(y, x) - 1)^2", "cos(atan2(y, x)/2 - 1)", "x*atan2(y, x)")
-MODEL = """model passed
-param a = 1
-param b = 0
-param c = 1
-coord s
-let x = cos(s)
-let y = sin(s)
-kinetic s'^2/2
-potential c*(%s)
-"""
+MODEL = case("cuts_model")
 CASES = [
     *(
         f"{name}({', '.join(('a*s + b', '1 - s')[: len(row.arguments)])})"

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import ROOT, case, ran, run_pkgen, seeds
+from conftest import ROOT, case, ran, run_pkgen, seeds, written
 from pkgen.api.arguments import DEFAULTS
 from pkgen.compiler import compile_model
 from pkgen.describe.drawing import drawing, drawn
@@ -34,8 +34,7 @@ view plane xy width 3*l
 
 
 def described(text: str, folder: Path, *more: str) -> dict:
-    path = folder / "m.lag"
-    path.write_text(text)
+    path = written(folder, text)
     done = ran("describe", path, "--json", *more)
     return json.loads(done.stdout, parse_constant=pytest.fail)
 
@@ -44,12 +43,8 @@ def test_bounds_defaults_and_starts(tmp_path: Path) -> None:
     found = described(PENDULUM, tmp_path, "--set", "m=3")
     m, length, _, k = found["parameters"]
     assert (m["value"], m["lo"], m["hi"], m["lo_open"]) == (3, 0, None, True)
-    assert (length["lo"], length["hi"], length["lo_open"], length["hi_open"]) == (
-        0.5,
-        3,
-        False,
-        True,
-    )
+    bounds = [length[name] for name in ("lo", "hi", "lo_open", "hi_open")]
+    assert bounds == [0.5, 3, False, True]
     assert k["follows"] and k["value"] == pytest.approx(3 * 9.81 / 2, rel=1e-15)
     (theta,) = found["coordinates"]
     assert theta["q"] == 0.5 and theta["v"] == pytest.approx(3.0) and theta["periodic"]
@@ -73,8 +68,7 @@ class Drawn:
     and a run have."""
 
     def __init__(self, text: str, folder: Path):
-        path = folder / "m.lag"
-        path.write_text(text)
+        path = written(folder, text)
         compilation = compile_model(read(str(path)), use=drawn(None))
         options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=[])
         settings = asked.settings(options, compilation)

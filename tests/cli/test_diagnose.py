@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, ran
+from conftest import ROOT, case, diagnosed, ran, wait_for
 from pkgen.run import runtime
 from pkgen.system import toolchain
 
@@ -28,25 +28,17 @@ RK4 = ("--method", "rk4", "--step", "0.01")
 DAMPED = case("diagnose_damped")
 
 
-def diagnosed(pkgen, model: Path, what: str, *arguments: object) -> tuple[dict, dict]:
-    """The diagnostics of a run, and its report."""
-    done = pkgen("run", model, "--diagnose", what, "--json", *arguments)
-    assert done.returncode == 0, done.stdout[-500:] + done.stderr
-    report = json.loads(done.stdout)["report"]
-    return report["diagnostics"], report
-
-
 def starts(angle: float) -> list[str]:
     found = ["--start", "theta1'=0", "--start", "theta2'=0"]
     return [*found, "--start", f"theta1={angle}", "--start", f"theta2={angle}"]
 
 
-def test_a_chaotic_pendulum(pkgen) -> None:
+def test_a_chaotic_pendulum(tmp_path: Path) -> None:
     # REGIMES D2 and D3, by the midpoint rule, whose reversal is exact but for round-off.
     arguments = ["--method", "gauss1", "--step", "0.004", *starts(math.pi / 2)]
     what = ["lyapunov", "reversal", "spectrum", "symplectic"]
     arguments += ["--until", "100", "--every", "0.1"]
-    found, _ = diagnosed(pkgen, DOUBLE, ",".join(what), *arguments)
+    found, *_ = diagnosed(tmp_path, DOUBLE, ",".join(what), *arguments)
     assert list(found) == what
     chaos, back = found["lyapunov"], found["reversal"]
     assert chaos["motion"] == "chaotic" and 0.01 < chaos["error"] < 0.3
@@ -60,13 +52,15 @@ def test_a_chaotic_pendulum(pkgen) -> None:
     assert all(c["residual"] > 0.03 for c in found["spectrum"]["coordinates"])
 
 
-def test_a_regular_pendulum(pkgen) -> None:
+def test_a_regular_pendulum(tmp_path: Path) -> None:
     # D3: a regular orbit returns; rk4 does not, nor does it keep the symplectic form.
     arguments = ["--until", "60", "--step", "0.01", *starts(0.5)]
-    found, report = diagnosed(
-        pkgen, DOUBLE, "reversal,symplectic", *arguments, "--method", "gauss2"
+    found, _, report = diagnosed(
+        tmp_path, DOUBLE, "reversal,symplectic", *arguments, "--method", "gauss2"
     )
-    worse, drifting = diagnosed(pkgen, DOUBLE, "symplectic,reversal", *arguments, "--method", "rk4")
+    worse, _, drifting = diagnosed(
+        tmp_path, DOUBLE, "symplectic,reversal", *arguments, "--method", "rk4"
+    )
     errors = [r["reversal"]["times"][-1][1] for r in (found, worse)]
     assert not found["reversal"]["lost"] and 0 < errors[0] < 1e-13 and errors[1] > 1e3 * errors[0]
     assert worse["symplectic"]["defect"] > 1e3 * worse["symplectic"]["rounding"]
@@ -75,44 +69,36 @@ def test_a_regular_pendulum(pkgen) -> None:
     assert abs(drifting["drifts"][0]["exponent"] - 1) < 0.1
 
 
-def test_frequencies_of_normal_modes(pkgen) -> None:
+def test_frequencies_of_normal_modes(tmp_path: Path) -> None:
     # REGIMES D1: the double pendulum's small swings.
     swings = [*starts(1e-6), "--until", "300", "--every", "0.3"]
     method = ["--method", "gauss8", "--step", "0.1"]
-    found, _ = diagnosed(pkgen, DOUBLE, "spectrum,symplectic", *swings, *method)
+    found, *_ = diagnosed(tmp_path, DOUBLE, "spectrum,symplectic", *swings, *method)
     slow, fast = found["spectrum"]["coordinates"][0]["lines"][:2]
     assert abs(slow["frequency"] - 2.3971993979) < 1e-10
     assert abs(fast["frequency"] - 5.7873512980) < 1e-10
     assert 0 < max(slow["error"], fast["error"]) < 1e-9
 
 
-def test_forces_shrink_the_form(pkgen, tmp_path: Path) -> None:
+def test_forces_shrink_the_form(tmp_path: Path) -> None:
     # d/dt of an area in (q, p) under p' = ... - c v: exp(-c h) in all, whatever the method.
-    path = tmp_path / "damped.lag"
-    path.write_text(DAMPED)
-    found, _ = diagnosed(pkgen, path, "symplectic", "--step", "0.1", "--method", "gauss4")
+    found, *_ = diagnosed(tmp_path, DAMPED, "symplectic", "--step", "0.1", "--method", "gauss4")
     result = found["symplectic"]
     assert not result["variational"] and not result["symplectic"]
     assert result["volume"] == pytest.approx(math.exp(-0.02) - 1, abs=1e-12)
 
 
-def test_forces_that_keep_the_form(pkgen, tmp_path: Path) -> None:
+def test_forces_that_keep_the_form(tmp_path: Path) -> None:
     """A force of an input alone moves all alike; that there are forces is said, and no more."""
-    path = tmp_path / "pushed.lag"
-    path.write_text("model m\ncoord x\ninput f\nkinetic x'^2/2\npotential x^2/2\nforce x = f\n")
+    text = "model m\ncoord x\ninput f\nkinetic x'^2/2\npotential x^2/2\nforce x = f\n"
     words = ["--start", "x=1", "--step", "0.1", "--method", "gauss4"]
-    found, _ = diagnosed(pkgen, path, "symplectic", *words)
+    found, *_ = diagnosed(tmp_path, text, "symplectic", *words)
     assert found["symplectic"]["symplectic"] and not found["symplectic"]["variational"]
-    done = pkgen("run", path, "--diagnose", "symplectic", "--until", "1", *words)
-    assert "forces besides those of L have left that as it is" in done.stderr
-    path.write_text(DAMPED)
-    done = pkgen("run", path, "--diagnose", "symplectic", "--until", "1", *words[2:])
-    assert "forces besides those of L need not keep areas" in done.stderr
 
 
-def test_a_chain_is_unrolled_for_its_derivatives(pkgen) -> None:
+def test_a_chain_is_unrolled_for_its_derivatives(tmp_path: Path) -> None:
     arguments = ["--until", "300", "--size", "N=17", "--method", "verlet", "--step", "0.1"]
-    found, _ = diagnosed(pkgen, FPUT, "lyapunov", *arguments)
+    found, *_ = diagnosed(tmp_path, FPUT, "lyapunov", *arguments)
     assert found["lyapunov"]["motion"] == "regular" and found["lyapunov"]["exponent"] < 0.02
 
 
@@ -156,28 +142,13 @@ def test_the_example_in_c(pkgen, tmp_path: Path) -> None:
     assert found["motion"] == "chaotic"
 
 
-def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
-    # The run has steps enough, the way there and back has not.
-    few = ["--method", "rk4", "--step", "0.01", "--max-steps", "1000", "--json"]
-    done = pkgen("run", DOUBLE, "--diagnose", "reversal,symplectic", *few)
-    assert (
-        done.returncode == 4
-        and "diagnose reversal: too many steps (--max-steps): 1000" in done.stderr
-    )
-    report = json.loads(done.stdout)["report"]
-    assert report["status"] == "PK_DONE"
-    assert report["diagnostics"]["reversal"]["status"] == "PK_TOO_MANY_STEPS"
-
-
 def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
     out = tmp_path / "rows.csv"
     command = [sys.executable, "-m", "pkgen", "run", str(DOUBLE), "--method", "gauss8"]
     command += ["--step", "0.001", "--until", "300", "--every", "150", "--diagnose", "lyapunov"]
     child = subprocess.Popen([*command, "-o", str(out)], stderr=subprocess.PIPE, text=True)
     partial = out.with_name("rows.csv.partial")
-    while not (partial.exists() and partial.read_text().count("\n") == 4):
-        assert child.poll() is None, child.stderr.read()
-        time.sleep(0.05)
+    wait_for(lambda: partial.exists() and partial.read_text().count("\n") == 4, child)
     time.sleep(0.3)
     child.send_signal(signal.SIGINT)
     assert child.wait(timeout=300) == 130
@@ -187,33 +158,24 @@ def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
     assert report["whole"] and "diagnostics" not in report
 
 
-def test_a_run_that_an_event_ends(pkgen, tmp_path: Path) -> None:
-    # Diagnosed as far as it went; and where the rows are at events no spectrum is made of them.
-    path = tmp_path / "swing.lag"
-    path.write_text(SWING + " stop\n")
-    found, report = diagnosed(pkgen, path, "reversal,symplectic", "--until", "100", *RK4)
+def test_a_run_that_an_event_ends(tmp_path: Path) -> None:
+    # Diagnosed as far as it went.
+    found, _, report = diagnosed(
+        tmp_path, SWING + " stop\n", "reversal,symplectic", "--until", "100", *RK4
+    )
     assert report["status"] == "PK_STOPPED_EVENT" and 1 < report["t"] < 3
     assert found["reversal"]["times"][-1][0] <= report["t"]
     assert found["symplectic"]["t"] <= report["t"] and found["symplectic"]["states"] == 16
-    path.write_text(SWING + "\n")
-    done = pkgen("run", path, "--diagnose", "spectrum", "--at", "bottom", "--until", "900", *RK4)
-    assert done.returncode == 2 and "rows are at event bottom alone" in done.stderr
 
 
 def test_least_action_is_a_minimum_up_to_the_first_conjugate_point(tmp_path: Path) -> None:
-    rows = tmp_path / "rows.csv"
-    said = {}
-    for until in (1, 3):
-        done = ran(
-            *("run", ROOT / "models/bead_on_hoop.lag", "--until", until, "-o", rows),
-            *("--diagnose", "least_action"),
-        )
-        report = json.loads(Path(f"{rows}.json").read_text())["report"]
-        said[until] = report["diagnostics"]["least_action"], done.stderr
-    found, text = said[1]
+    hoop = ROOT / "models/bead_on_hoop.lag"
+    found, text, _ = diagnosed(tmp_path, hoop, "least_action", "--until", 1)
+    found = found["least_action"]
     assert found["minimum"] and found["index"] == 0 and found["conjugate"] == []
     assert "a minimum among paths with the same ends" in text
-    found, text = said[3]
+    found, text, _ = diagnosed(tmp_path, hoop, "least_action", "--until", 3)
+    found = found["least_action"]
     assert not found["minimum"] and found["settled"]
     assert found["index"] == len(found["conjugate"]) == 2
     assert found["conjugate"][0] == pytest.approx(1.18315949, abs=1e-6)
@@ -233,21 +195,3 @@ def test_least_action_takes_as_many_modes_as_its_conjugate_points_ask(pkgen, tmp
     found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["least_action"]
     assert not found["minimum"] and found["index"] == len(found["conjugate"]) == 8
     assert found["modes"] > 24
-
-
-def test_conjugate_points_that_count_twice_are_said(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "round.lag"
-    path.write_text(case("both"))
-    run = ("run", path, "--until", "7", "--diagnose", "least_action", "-o", tmp_path / "rows.csv")
-    said = pkgen(*run).stderr  # at pi and 2 pi, each twice
-    assert "4 independent ways to a neighbour with less; 4 more by points that count twice" in said
-
-
-def test_lines_of_a_coordinate_that_winds_have_errors_of_their_own(pkgen) -> None:
-    """The precession of a top, whose last lines half of the time does not tell apart."""
-    model = ROOT / "models" / "heavy_top.lag"
-    found, _ = diagnosed(pkgen, model, "spectrum", "--until", "100", "--every", "0.05")
-    found = found["spectrum"]["coordinates"]
-    nutation = {c["name"]: c["lines"][0] for c in found}
-    assert nutation["phi"]["frequency"] == pytest.approx(nutation["theta"]["frequency"], abs=1e-9)
-    assert 0 < max(line["error"] for c in found for line in c["lines"][:3]) < 1e-8

@@ -3,16 +3,14 @@ in coordinates of their own, which have neither."""
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from dataclasses import replace
 
 import pytest
-from stability_asker import asker
+from stability_asker import asker, mapped
 
-from conftest import seeds
-from pkgen.__main__ import main
+from conftest import case, seeds
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure
 from pkgen.analysis.stability.ask import Asker
@@ -20,80 +18,17 @@ from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import limit
 from pkgen.analysis.stability.rest import Rest
 
-ANGLE = """model angle
-param l = {l}
-param g = {g}
-coord a
-kinetic l^2*a'^2/2
-potential -g*l*cos(a)
-start a = 0.3
-"""
-ROD = """model rod
-param l = {l}
-param g = {g}
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential g*y
-constraint rod: x^2 + y^2 = l^2
-start x = l*sin(0.3), y = -l*cos(0.3)
-"""
-SPHERE = """model sphere
-param l = {l}
-param g = {g}
-coord x, y, z
-kinetic (x'^2 + y'^2 + z'^2)/2
-potential g*z
-constraint rod: x^2 + y^2 + z^2 = l^2
-start x = l*sin(0.3), z = -l*cos(0.3)
-"""
+ANGLE = case("equilibria_bound_angle")
+ROD = case("equilibria_bound_rod")
+SPHERE = case("equilibria_bound_sphere")
 # A point of mass 1 at -l on the axis of a body without inertia of its own but what is next to none.
-PIVOT = """model pivot
-param l = {l}
-param g = {g}
-rotation R
-let w = omega(R)
-let bob = R*[0, 0, -l]
-kinetic l^2/2*(w.x^2 + w.y^2) + 0.3*l^2/2*w.z^2
-potential g*bob.z
-start R = rot([1, 0, 0], 0.3)
-"""
-WIRE = """model wire
-coord x
-let y = {a}*x^4 - {b}*x^2 + {c}*x
-let slope = 4*{a}*x^3 - 2*{b}*x + {c}
-kinetic (1 + slope^2)*x'^2/2
-potential 9.81*y
-start x = {x}
-"""
-BEAD = """model bead
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential 9.81*y
-constraint wire: y = {a}*x^4 - {b}*x^2 + {c}*x
-start x = {x}, y = {a}*{x}^4 - {b}*{x}^2 + {c}*{x}
-"""
+PIVOT = case("equilibria_bound_pivot")
+WIRE = case("equilibria_bound_wire")
+BEAD = case("equilibria_bound_bead")
 # Steady circles: r is at rest, phi goes on with the momentum of the start.
-CONE = """model cone
-param k = {k}
-coord r, phi
-kinetic ((1 + k^2)*r'^2 + r^2*phi'^2)/2
-potential 9.81*k*r
-start r = {r}, phi' = {w}
-"""
-BOWL = """model bowl
-param k = {k}
-coord r, z, phi
-kinetic (r'^2 + z'^2 + r^2*phi'^2)/2
-potential 9.81*z
-constraint wall: z = k*r
-start r = {r}, z = k*{r}, phi' = {w}
-"""
-FREE = """model body
-rotation R
-let w = omega(R)
-kinetic ({a}*w.x^2 + w.y^2 + 0.9*w.z^2)/2
-start omega(R) = [0.3, 0.1, 1]
-"""
+CONE = case("equilibria_bound_cone")
+BOWL = case("equilibria_bound_bowl")
+FREE = case("equilibria_bound_free")
 
 
 def rates(rest: Rest) -> list[list[tuple[float, float]]]:
@@ -197,12 +132,9 @@ def test_limits_are_those_of_the_angle_and_are_met(text: str, method: str) -> No
     assert measured.h == pytest.approx(told.h, rel=0.01)
 
 
-def test_a_map_is_about_the_equilibrium_that_a_start_at_rest_swings_about(tmp_path, capsys) -> None:
-    model = tmp_path / "rod.lag"
-    model.write_text(ROD.format(l=1, g=9.81))
-    words = ("--quick", "--points", "6x3", "--json", "--methods", "rk4,rattle,gauss1")
-    assert main(["stability", str(model), *words, "-o", str(tmp_path)]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_a_map_is_about_the_equilibrium_that_a_start_at_rest_swings_about(tmp_path) -> None:
+    words = ("--points", "6x3", "--methods", "rk4,rattle,gauss1")
+    found = mapped(tmp_path, ROD.format(l=1, g=9.81), *words)
     assert found["varied"]["name"] == "amplitude" and found["primary"] == 0
     told = {(p["method"], p["kind"]): p for p in found["predictions"]}
     for key in (("rk4", "limit"), ("rattle", "limit"), ("gauss1", "branch")):
@@ -215,12 +147,9 @@ def test_a_map_is_about_the_equilibrium_that_a_start_at_rest_swings_about(tmp_pa
     assert any("with constraints resonances, cycles" in said for said in found["remarks"])
 
 
-def test_a_continuum_is_named(tmp_path, capsys) -> None:
-    model = tmp_path / "pivot.lag"
-    model.write_text(PIVOT.format(l=1, g=9.81))
-    words = ("--quick", "--points", "3x2", "--json", "--methods", "rk4", "--until", "20")
-    assert main(["stability", str(model), *words, "-o", str(tmp_path)]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_a_continuum_is_named(tmp_path) -> None:
+    words = ("--points", "3x2", "--methods", "rk4", "--until", "20")
+    found = mapped(tmp_path, PIVOT.format(l=1, g=9.81), *words)
     assert any("equilibria 1, 2 are each one of a continuum" in said for said in found["remarks"])
     assert any("R all around" in said for said in found["remarks"])
     assert [e["slack"] for e in found["equilibria"]] == [1, 1]

@@ -10,22 +10,10 @@ from functools import cache
 import pytest
 
 import pkgen
-from conftest import ROOT, seeds
+from conftest import ROOT, case, seeds
 
 EPS = 2.0**-52
-MODEL = """model pushed
-param f = 0
-param c = 0
-param k = 0
-param a = 1
-param b = 2
-coord x
-kinetic x'^2/2
-potential k*x^2/2
-force x = f - c*x'
-observe left = b - x
-event there: %s stop
-"""
+MODEL = case("events_exact_model")
 EVENTS = {  # the function, and what of the motion is at `a`
     "x - a rising": "x",
     "x - a": "x",
@@ -44,11 +32,7 @@ MOTIONS = {
     "free": ({}, {"x'": 1}, lambda t: (t, 1, 0)),
     "thrown": ({"f": -0.1}, {"x'": 1}, lambda t: (t - t * t / 20, 1 - t / 10, -0.1)),
     "hung": ({"f": 1, "k": 1}, {}, lambda t: (1 - math.cos(t), math.sin(t), math.cos(t))),
-    "braked": (
-        {"c": 1},
-        {"x'": 1},
-        lambda t: (-math.expm1(-t), math.exp(-t), -math.exp(-t)),
-    ),
+    "braked": ({"c": 1}, {"x'": 1}, lambda t: (-math.expm1(-t), math.exp(-t), -math.exp(-t))),
     "dragged": (
         {"f": 1, "c": 1},
         {},

@@ -18,14 +18,7 @@ from pkgen.front.read import read
 from pkgen.run import members_file
 from pkgen.system.exits import UsageError
 
-DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"
-
-
-def test_a_method_that_does_not_apply_is_refused(pkgen) -> None:
-    done = pkgen("run", DOUBLE, "--method", "verlet", "--step", "0.01")
-    assert done.returncode == 4
-    assert "separable" in done.stderr and done.stdout.count("\n") <= 2
 
 
 FALL = case("failures_fall")
@@ -40,39 +33,12 @@ def test_numerical_failure_says_when(pkgen, tmp_path: Path) -> None:
     assert all(x == x for row in json.loads(done.stdout)["rows"] for x in row)
 
 
-def test_missing_file(pkgen, tmp_path: Path) -> None:
-    for path in (tmp_path / "none.lag", tmp_path):
-        done = pkgen("check", path)
-        assert done.returncode == 2 and "Traceback" not in done.stderr
-
-
 def test_broken_compiler(pkgen, tmp_path: Path) -> None:
     env = {**os.environ, "CC": "false", "PKGEN_CACHE": str(tmp_path)}
     done = pkgen("run", HOOP, "--until", "1", env=env)
     assert done.returncode == 3, done.stderr
     done = pkgen("run", HOOP, "--until", "1", env={**env, "CC": "no-such-compiler"})
     assert done.returncode == 3 and "no-such-compiler" in done.stderr
-
-
-def test_a_reader_that_goes_away(tmp_path: Path) -> None:
-    command = f"{sys.executable} -m pkgen run {DOUBLE} --until 100 --every 0.001 | head -n 1"
-    done = subprocess.run(
-        ["bash", "-c", command + "; exit ${PIPESTATUS[0]}"],
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert done.stdout.startswith("t,theta1") and (done.returncode, done.stderr) == (0, "")
-
-
-def test_what_is_no_number_has_no_sign(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "root.lag"
-    model = "model root\ncoord x\nkinetic x'^2/2\npotential x^2/2\n"
-    path.write_text(model + "observe root = sqrt(x)\nstart x = 1\n")
-    done = pkgen("run", path, "--until", "3", "--every", "0.5")
-    assert done.returncode == 4 and "root is not finite" in done.stderr
-    cells = [row.split(",")[3] for row in done.stdout.splitlines()]
-    assert cells[0] == "root" and cells[1] == "1" and cells[-1] == "nan"
 
 
 FULL, CLOSED = "standard output: No space left on device", "Bad file descriptor"

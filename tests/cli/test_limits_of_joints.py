@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from conftest import case
+from conftest import case, written
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -32,27 +32,8 @@ def test_they_are_the_events_that_one_would_write():
     assert evaluate(e.graph, e.events, symbols) == pytest.approx(wanted, rel=1e-14)
 
 
-def test_runs_stop_there_and_say_so(pkgen, tmp_path):
-    model = tmp_path / "lift.lag"
-    model.write_text(LIFT)
-    ran = pkgen("run", model, "--scene", "falls")
-    assert ran.returncode == 0 and "run: stopped at event drop_1_upper at t = 0.31927" in ran.stderr
-    assert "limits not met: 5" in ran.stderr and "drop_2" not in ran.stderr
-    ran = pkgen("run", model, "--scene", "held")
-    assert ran.returncode == 0 and "drop_2_upper: once" in ran.stderr, ran.stderr
-    assert "never used" not in ran.stderr
-    told = pkgen("explain", model, "--scene", "held").stdout
-    assert "drop_1_upper: a limit of what is held" in told and "drop_2_upper: a" not in told
-    ran = pkgen("run", model, "--until", "1", "--start", "a=-2", "--start", "drop[2]=5")
-    assert "run: stopped at event drop_2_upper at t = 0\n" in ran.stderr
-    assert len(ran.stdout.splitlines()) == 2 and ran.returncode == 0
-    ran = pkgen("run", model, "--until", "1", "--start", "a=-1.57", "--start", "drop[1]=-0.4")
-    assert "stopped at event drop_1_upper at t = 0.4" in ran.stderr  # at a limit it is not beyond
-
-
 def test_members_that_start_beyond_one_end_alone(pkgen, tmp_path):
-    model = tmp_path / "lift.lag"
-    model.write_text(LIFT)
+    model = written(tmp_path, LIFT)
     ran = pkgen("run", model, "--scene", "many")
     rows = [line.split(",") for line in ran.stdout.splitlines()[1:]]
     assert ran.returncode == 0, ran.stderr

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import pkgen
-from conftest import case
+from conftest import case, written
 
 PENDULUM = case("twice")
 LATTICE = case("lattice")
@@ -23,7 +23,9 @@ FALL = case("member_lanes_fall")
 FREE = PENDULUM.replace("event flip: b - 2 rising stop\n", "")  # without events that are asked
 FIXED, LOOSE = {"step": 0.02}, {"rtol": 1e-7}
 TWO = {"x": (-0.5, 0.5), "y": (-0.4, 0.4), "x'": (-0.4, 0.4), "y'": (-0.3, 0.3)}
+DRAG = LATTICE + "dissipation (x' - 2*y')^2/8\n"
 CASES = {
+    "drag": (DRAG, TWO, FIXED, "yoshida4", None),
     "no events": (FREE, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, LOOSE, "dop853", None),
     "dopri5": (FREE, {"a": (-2, 2), "b'": (-3, 3)}, LOOSE, "dopri5", None),
     "events": (PENDULUM, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, FIXED, "rk4", "low"),
@@ -58,8 +60,7 @@ MEMBERS = 75  # more than the lanes of a block, and no multiple of theirs
 @pytest.mark.parametrize("name", CASES)
 def test_members_are_what_they_are_alone(name: str, tmp_path: Path) -> None:
     text, ranges, steps, method, at = CASES[name]
-    path = tmp_path / "model.lag"
-    path.write_text(text + ("start y = -1\n" if text is BEAD else ""), encoding="utf-8")
+    path = written(tmp_path, text + ("start y = -1\n" if text is BEAD else ""))
     rng = np.random.default_rng(2385)
     table = {of: rng.uniform(*span, MEMBERS) for of, span in ranges.items()}
     # Steps are no part of the rows' distance.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case
+from conftest import ROOT, case, written
 from pkgen.__main__ import main
 from pkgen.analysis.chart import text
 from pkgen.analysis.chart.spectrum import Spectrum
@@ -21,27 +21,8 @@ MODEL = case("three")
 
 @pytest.fixture
 def model(tmp_path: Path) -> Path:
-    path = tmp_path / "three.lag"
-    path.write_text(MODEL)
+    path = written(tmp_path, MODEL)
     return path
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ("--method gaus3", "--method gaus3: there is no such method; did you mean 'gauss3'"),
-        ("--method nosuch", "--method nosuch: there is no such method; there are: euler, "),
-        ("--diagnose lyapnov", "there is no 'lyapnov'; did you mean 'lyapunov'?"),
-        ("--at halv", "--at halv: the model has no such event; did you mean 'half'?"),
-        ("--record enery", "--record enery: the model has no such column; did you mean 'energy'?"),
-        ("--start x=0,y'=2", "one value an option: --start x=0 --start y'=2"),
-        ("--start x=0;y", "--start x=0;y: "),
-    ],
-)
-def test_a_wrong_name_in_an_option(model: Path, capsys, options: str, said: str) -> None:
-    assert main(["run", str(model), *options.split()]) == 2
-    shown = capsys.readouterr().err
-    assert said in shown and "settings line" not in shown and "until" not in shown
 
 
 def test_a_run_says_what_its_numbers_are(model: Path, capsys) -> None:

@@ -47,3 +47,12 @@ def test_the_digit_is_the_order_or_of_some_the_stages() -> None:
         found = method["stages"] if stem in of_stages else method["order"]
         assert found == wanted, method["name"]
     assert seen > 30
+
+
+def test_what_is_known_of_methods_is_as_the_runtime_says() -> None:
+    """The generator knows it without a C compiler."""
+    noted = {trait for method in METHODS.values() for trait in method.traits}
+    for method in runtime_methods():
+        known = METHODS[method["name"]]
+        assert known.traits == noted & {*method["flags"]}, method["name"]
+        assert {*known.requires} == {*method["requires"]}, method["name"]

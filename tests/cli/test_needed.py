@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, ran, written
+from conftest import ROOT
 from pkgen import __main__ as command
 from pkgen.back.kernels import KERNELS
 from pkgen.compiler import compile_model
@@ -36,14 +36,6 @@ SCENES = [
     for path in MODELS
     for name in re.findall(r"^scene (\w+)", path.read_text(), re.M)
 ]
-QUICK = {
-    ("models/chains/fput.lag", "harmonic"),
-    ("models/constrained/pendulum_rod.lag", "right_angle"),
-    ("models/bead_on_hoop.lag", "pendulums"),
-    ("models/coupled_oscillators.lag", "reference"),
-    ("models/heavy_top.lag", "nutation"),
-    ("models/two_pendulums.lag", "both"),
-}
 LANES = {"lanes", "members", "advance"}
 # A process of its own: counts are written where one ends.
 RUN = """
@@ -149,53 +141,3 @@ def test_a_scene_has_the_parameters_that_it_reads(pkgen, tmp_path):
     fields = re.findall(r"    pk_real (\w+);", text[text.index("reverses_params {") :])
     assert " ".join(fields) == "m a b c h A B C D g n2 nx ny nz rx ry rz"
     assert "d, rho_x, rho_y, det, half, apart, growth, pitching, steep: nothing" in text
-
-
-STONE = case("stone")
-
-
-def test_what_is_set_and_not_read_is_noted(pkgen, tmp_path):
-    path = written(tmp_path, STONE)
-    run = ("run", path, "--scene", "falls")
-    plain = ran(*run)
-    for name, text in (("d", "d = 3 [cm]"), ("far", "far=4"), ("h", "h=-6 [cm]")):
-        done = pkgen(*run, "--set", text)
-        assert f"pkgen: --set {name}: no effect: nothing that scene 'falls'" in done.stderr
-        assert done.stdout == plain.stdout and done.returncode == 0
-    for text in ("m=3", "last=2", "k[1]=3", "kept=1"):
-        done = pkgen(*run, "--set", text)
-        assert done.stdout != plain.stdout and done.returncode == 0 and "--set" not in done.stderr
-    other = pkgen(*run, "--set", "k[2]=3")  # of a family all is there
-    assert other.stdout == plain.stdout and "--set" not in other.stderr
-    for text, said in (
-        ("d=-5", "--set d=-5: outside its bounds: d"),
-        ("far=6", "--set far=6: outside its bounds: far"),
-        ("d=2 [kg]", "2 [kg] is a mass [kg], d is a length [m]"),
-        ("dd=5", "no such parameter"),
-    ):
-        done = pkgen(*run, "--set", text)
-        assert done.returncode == 2 and said in done.stderr, done.stderr
-    outside = pkgen(*run, "--set", "kept=4")
-    whole = pkgen(*run, "--set", "h=-6 [cm]", "--no-reduce")
-    for done in (outside, whole):
-        assert done.returncode != 0 and "outside its bounds" in done.stderr
-
-
-def test_c_is_made_without_sympy(tmp_path, request):
-    program = (
-        "import sys\n"
-        "sys.modules['sympy'] = sys.modules['mpmath'] = None\n"
-        "from pkgen.__main__ import main\n"
-        "folder, *models = sys.argv[1:]\n"
-        "sys.exit(any(main(w) for m in models for w in (['check', m], [m, '-o', folder])))\n"
-    )
-    some = [m for m in MODELS if m.stem in ("kepler", "foucault", "harmonic_ring")]
-    done = subprocess.run(
-        [sys.executable, "-c", program, tmp_path, *some], capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    program = program.replace("'check'", "'explain'")
-    done = subprocess.run(
-        [sys.executable, "-c", program, tmp_path, some[0]], capture_output=True, text=True
-    )
-    assert done.returncode == 1 and "explain shows equations by SymPy" in done.stderr

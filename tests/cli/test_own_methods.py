@@ -6,37 +6,26 @@ from __future__ import annotations
 import json
 import math
 import random
+import shutil
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 import pkgen as api
-from conftest import ROOT, ran, run_pkgen, seeds
+from conftest import ROOT, ran, run_pkgen, seeds, written
 from pkgen.front.read import from_text
 from pkgen.own.made import of_text, of_weights
 
 PENDULUM = ROOT / "models/pendulums/pendulum.lag"
 RK4 = "A\n0\n1/2\n0 1/2\n0 0 1\nb 1/6 1/3 1/3 1/6\n"
-DOPRI5 = """# Dormand, Prince 5(4)
-A
-0
-1/5
-3/40 9/40
-44/45 -56/15 32/9
-19372/6561 -25360/2187 64448/6561 -212/729
-9017/3168 -355/33 46732/5247 49/176 -5103/18656
-35/384 0 500/1113 125/192 -2187/6784 11/84
-b    35/384 0 500/1113 125/192 -2187/6784 11/84 0
-bhat 5179/57600 0 7571/16695 393/640 -92097/339200 187/2100 1/40
-"""
 TRIPLE = "1.3512071919596576340476878,-1.7024143839193152680953757,1.3512071919596576340476878"
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "rk4.tab").write_text(RK4)
-    (tmp_path / "pair.tab").write_text(DOPRI5)
+    shutil.copy(ROOT / "tests/cases/dopri5.tab", tmp_path / "pair.tab")
     return tmp_path
 
 
@@ -62,8 +51,7 @@ ORACLE = "model m\ncoord x\nlagrangian x'^2/2 - x^2/2 - x^4/4\nstart x = 1\n"
 
 def measured(folder: Path, steps: tuple[int, int], *options: object) -> float:
     """The order, of x'' = -x - x^3 at t = 2 beside gauss at its finest."""
-    model = folder / "oracle.lag"
-    model.write_text(ORACLE)
+    model = written(folder, ORACLE)
 
     def x(*how: object) -> float:
         shown = ("--until", 2, "--every", 2, "--record", "x", "-o", "-")
@@ -125,11 +113,11 @@ def test_what_is_told(folder: Path) -> None:
 
 
 def test_scenes_and_commands(folder: Path) -> None:
-    model = folder / "m.lag"
-    model.write_text(
+    model = written(
+        folder,
         ORACLE + "method mine tableau rk4.tab\n"
         "scene a\n until 2\n method mine step 0.1\n record x every 2\nend\n"
-        "scene b\n until 2\n method pair tableau pair.tab rtol 1e-9\n record x every 2\nend\n"
+        "scene b\n until 2\n method pair tableau pair.tab rtol 1e-9\n record x every 2\nend\n",
     )
     done = run_pkgen("run", model, "--scene", "a")
     assert done.returncode == 0 and "mine: t = 2 after 20 steps" in done.stderr
@@ -157,8 +145,7 @@ def test_a_file_may_be_called_anything(tmp_path: Path) -> None:
 
 def test_described(folder: Path) -> None:
     """With what the model brings and the options do, and why not where they do not apply."""
-    model = folder / "swing.lag"
-    model.write_text("model swing\nmethod mine tableau rk4.tab\n" + ORACLE.split("\n", 1)[1])
+    model = written(folder, "model swing\nmethod mine tableau rk4.tab\n" + ORACLE.split("\n", 1)[1])
     options = ("--composition", "1/2,1/2", "--tableau", folder / "pair.tab", "--json")
     done = run_pkgen("describe", model, *options)
     found = json.loads(done.stdout)["methods"]

@@ -16,12 +16,7 @@ from pkgen.front.read import read
 from pkgen.run.build import build_library
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
-METHODS = {
-    "gauss": [],
-    "dop853": [],
-    "gauss4": ["--step", "0.01"],
-    "rk4": ["--step", "0.001"],
-}
+METHODS = {"gauss": [], "dop853": [], "gauss4": ["--step", "0.01"], "rk4": ["--step", "0.001"]}
 # glibc chooses pow, exp and log by the processor.
 OLD = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable"
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, skip_if_ignored
+from conftest import ROOT, skip_if_ignored, wait_for
 from pkgen.system import files
 
 HOOP = ROOT / "models/bead_on_hoop.lag"
@@ -73,13 +73,6 @@ def alive(pid: int) -> bool:
     return state not in "ZX"
 
 
-def wait_for(happened, what: str) -> None:
-    began = time.monotonic()
-    while not happened():
-        assert time.monotonic() - began < LATE, what
-        time.sleep(0.02)
-
-
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
 @pytest.mark.parametrize("phase, name", CASES)
 def test_no_process_outlives_it(phase: str, name: str, tmp_path: Path) -> None:
@@ -109,14 +102,14 @@ def test_no_process_outlives_it(phase: str, name: str, tmp_path: Path) -> None:
         lines = " ".join(descendants(child.pid).values())
         return there in lines and "sleep 1000" in lines
 
-    wait_for(begun, f"nothing began: {phase}")
+    wait_for(begun)
     assert child.poll() is None, child.stderr.read()
     time.sleep(0.3)
     started = descendants(child.pid)
     assert started or there == LIBRARY
     child.send_signal(getattr(signal, f"SIG{name}"))
     assert child.wait(timeout=LATE) == (-9 if name == "KILL" else 130)
-    wait_for(lambda: not any(map(alive, started)), f"left: {started}")
+    wait_for(lambda: not any(map(alive, started)))
     if name != "KILL":
         assert "Traceback" not in child.stderr.read() and not list(scratch.iterdir())
     elif list(scratch.iterdir()):  # the next command takes it away
@@ -159,7 +152,7 @@ def test_what_nohup_ignores_is_ignored(tmp_path: Path) -> None:
         stdout=subprocess.DEVNULL,
         preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),
     )
-    wait_for(lambda: loaded(child.pid), "no run")
+    wait_for(lambda: loaded(child.pid), child)
     child.send_signal(signal.SIGHUP)
     time.sleep(0.3)
     assert child.poll() is None

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pkgen as api
-from conftest import ROOT
+from conftest import ROOT, written
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 RUN = (
@@ -112,8 +112,7 @@ def test_a_record_may_be_one_name(double: api.Model) -> None:
 
 
 def test_an_error_of_a_model_says_all(tmp_path: Path) -> None:
-    path = tmp_path / "wrong.lag"
-    path.write_text("model wrong\ncoord x\nkinetic y'^2/2\n")
+    path = written(tmp_path, "model wrong\ncoord x\nkinetic y'^2/2\n")
     with pytest.raises(api.ModelError) as wrong:
         api.load(path)
     said = str(wrong.value)
@@ -121,8 +120,9 @@ def test_an_error_of_a_model_says_all(tmp_path: Path) -> None:
 
 
 def test_warnings_come_once_for_each_model(tmp_path: Path) -> None:
-    path = tmp_path / "idle.lag"
-    path.write_text("model idle\ncoord x\nparam unused = 1\nkinetic x'^2/2\npotential x^2/2\n")
+    path = written(
+        tmp_path, "model idle\ncoord x\nparam unused = 1\nkinetic x'^2/2\npotential x^2/2\n"
+    )
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         model = api.load(path)

@@ -10,7 +10,7 @@ import numpy
 import pytest
 
 import pkgen
-from conftest import case
+from conftest import case, written
 
 MODEL = case("python_inputs_driven")
 SAMPLED = {
@@ -98,35 +98,28 @@ def test_an_integrator_steps(model: pkgen.Model) -> None:
 
 @pytest.mark.parametrize("method", ["dop853", "gauss", "verlet"])
 def test_tables_are_joined_by_lines(model: pkgen.Model, method: str) -> None:
+    """Beside a function of as many lines."""
     how = {"step": 1e-4} if method == "verlet" else {"rtol": 1e-11}
-    knots = numpy.array([0, 1.0, 2.5, 4.0])
-    values = numpy.array([0, 2.0, -1.0, 1.0])
+    knots, values = numpy.array([[0, 1.0, 2.5, 4.0], [0, 2.0, -1.0, 1.0]])
     r = model.run(4, method=method, every=0.25, inputs={"u": (knots, values)}, **how)
-    x, v, t = 1.0, 0.0, 0.0  # u = c + d s: x = (c + d s)/4 + A cos 2s + B sin 2s
-    ends = {}
-    for k in range(3):
-        d = (values[k + 1] - values[k]) / (knots[k + 1] - knots[k])
-        for s in [0.25 * i for i in range(17) if knots[k] < 0.25 * i <= knots[k + 1]]:
-            c, h = values[k] + d * (t - knots[k]), s - t
-            first, second = x - c / 4, (v - d / 4) / 2
-            x, v, t = (
-                (c + d * h) / 4 + first * math.cos(2 * h) + second * math.sin(2 * h),
-                d / 4 - 2 * first * math.sin(2 * h) + 2 * second * math.cos(2 * h),
-                s,
-            )
-            ends[s] = x
-    exact = numpy.array([1.0, *ends.values()])
-    assert numpy.abs(r["x"] - exact).max() < (1e-7 if method == "verlet" else 1e-8)
+    lines = {"u": lambda t, q, v: numpy.interp(t, knots, values)}
+    exact = model.run(4, method="dop853", every=0.25, inputs=lines, linear=0.5, rtol=1e-12)
+    assert numpy.abs(r["x"] - exact["x"]).max() < (1e-7 if method == "verlet" else 1e-8)
+    assert numpy.ptp(r["x"]) > 1
 
 
 def test_tables_and_functions_hold_or_join(model: pkgen.Model) -> None:
     t = numpy.linspace(0, 2, 21)
-    steps = model.run(2, inputs={"u": (t, numpy.sin(t), "hold")}, rtol=1e-10)
-    held = model.run(2, inputs={"u": lambda t, q, v: math.sin(t)}, hold=0.1, rtol=1e-10)
-    assert abs(steps["x"][-1] - held["x"][-1]) < 1e-8
-    lines = model.run(2, inputs={"u": (t, numpy.sin(t))}, rtol=1e-10)
-    joined = model.run(2, inputs={"u": lambda t, q, v: math.sin(t)}, linear=0.1, rtol=1e-10)
-    assert abs(lines["x"][-1] - joined["x"][-1]) < 1e-8 < abs(lines["x"][-1] - held["x"][-1])
+
+    def end(u: object, **how: float) -> float:
+        return model.run(2, inputs={"u": u}, rtol=1e-10, **how)["x"][-1]
+
+    def sine(t, q, v):
+        return math.sin(t)
+
+    held, joined = end(sine, hold=0.1), end(sine, linear=0.1)
+    assert abs(end((t, numpy.sin(t), "hold")) - held) < 1e-8
+    assert abs(end((t, numpy.sin(t))) - joined) < 1e-8 < abs(joined - held)
 
 
 @pytest.mark.parametrize(
@@ -169,10 +162,10 @@ def test_errors_of_a_function_end_the_run(model: pkgen.Model) -> None:
 
 def test_inputs_of_each_kind_together(tmp_path) -> None:
     """x' = a + b + c of a held table, a joined one and a constant: x is a sum of areas."""
-    path = tmp_path / "sum.lag"
-    path.write_text(
+    path = written(
+        tmp_path,
         "model sum\ninput a\ninput b\ninput c\ncoord y\nstate x\nkinetic y'^2/2\n"
-        "rate x = a + b + c\nstart x = 0\n"
+        "rate x = a + b + c\nstart x = 0\n",
     )
     model = pkgen.load(path)
     rng = numpy.random.default_rng(3)

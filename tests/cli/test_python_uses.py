@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import pkgen as api
-from conftest import ROOT
+from conftest import ROOT, written
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 
@@ -18,8 +18,7 @@ DOUBLE = ROOT / "models/double_pendulum.lag"
 def test_kernels_take_inputs(tmp_path) -> None:
     """Beside the formula, at random: an array, a dictionary, broadcast; without, inputs are 0."""
     text = "model cart\nparam m = 2\ncoord x\ninput F\ninput G\nkinetic m/2*x'^2\n"
-    path = tmp_path / "cart.lag"
-    path.write_text(text + "potential x^4/4\nforce x = F + 2*G*x - x'\n")
+    path = written(tmp_path, text + "potential x^4/4\nforce x = F + 2*G*x - x'\n")
     m, draw = api.load(path), np.random.default_rng(5)
     q, v, F, G = draw.normal(size=(4, 7, 1))
     right = (F + 2 * G * q - v - q**3) / 2

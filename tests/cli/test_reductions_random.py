@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import seeds
+from conftest import seeds, written
 
 EVEN = ("1", "(2 + cos({0}))", "(1 + {0}^2)", "exp(sin({0})/3)")
 WELLS = ("0", "k*{0}^2/2", "-cos({0})", "{0}^4/4 + {0}^2/2")
@@ -68,8 +68,7 @@ def system(seed: int) -> tuple[str, list[str]]:
 @pytest.mark.parametrize("seed", seeds([1, 2, 3], 29))
 def test_random_systems_move_as_they_do_whole(pkgen, tmp_path: Path, seed: int) -> None:
     text, options = system(seed)
-    model = tmp_path / "random.lag"
-    model.write_text(text)
+    model = written(tmp_path, text)
     rows = []
     for more in ([], ["--no-reduce"]):
         done = pkgen("run", model, "--scene", "s", *options, *more)

@@ -11,43 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import ran
+from conftest import case, ran
 
-MODEL = """model two_oscillators
-param k = 1 in (0, inf)
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential k*x^2/2 + {second}
-event crossing: x falling
-start x = 1, x' = 0.3, y = 0.7
-
-scene members
-  swarm j = 1..3
-  start x = j/2
-  until 7
-  method {method} step {step}
-  record x, x' every {every}
-end
-scene watched
-  swarm j = 1..3
-  start x = j/2
-  until 7
-  method {method} step {step}
-  record x, x' every {every} at crossing
-end
-scene alone
-  until 7
-  method {method} step {step}
-  record x, x' every {every}
-  expect x = {expected} within 1e-12 at 4.56
-end
-scene apart
-  until 7
-  method {method} step {step}
-  record x, x', y every {every}
-  expect x = {expected} within 1e-12 at 4.56
-end
-"""
+MODEL = case("rows_between_model")
 A = np.array([[0.0, 1.0], [-1.0, 0.0]])
 ONE = np.eye(2)
 

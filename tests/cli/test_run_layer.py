@@ -9,16 +9,11 @@ from pathlib import Path
 import checkpoint_runs as runs
 import pytest
 
+from conftest import case
 from pkgen.cli.run import prepared
 from pkgen.run import library
 
-KEPLER = """model kepler
-param mu = 1
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -mu/sqrt(x^2 + y^2)
-start x = 0.4, y' = 2
-"""
+KEPLER = case("run_layer_kepler")
 
 
 @pytest.fixture(scope="module")

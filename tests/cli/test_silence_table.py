@@ -48,42 +48,6 @@ IN_C = {
     "PK_OUT_OF_BOUNDS": ("tests/runtime/test_silence.c", "parameters"),
     "PK_BLOCK_TOO_SMALL": ("tests/runtime/test_status.c", "bad_arguments"),
 }
-HEAD = """# Never silent
-
-No run passes over any of this: it ends with the status, exit code 4, the last valid time, and rows
-up to that time alone (`beyond` is known only at the end of the run: there rows behind the last
-valid time, in JSON `last_valid`, are written too, and are void). Each line is provoked by
-`tests/cli/test_silence_table.py`, which also writes this page (numbers rounded to four digits); the
-cases are in `tests/cli/silence.toml`.
-
-| case | what | run | status | says |
-|---|---|---|---|---|
-"""
-FOOT = """
-A step that is too long for its method may leave the motion without a sign of it. So behind the
-reason stands, after "last valid time", since when the energy of a conservative system is off by
-more than .01 of its scale, and for fixed steps and loose tolerances what dop853 at 1e-9 makes of
-the same motion. Fixed steps that *arrive* with such an energy are judged by dop853 too: where the
-motion ends on the way (it runs away in finite time) the exit code is 4; likewise where they stop at
-an event. Where it does not end, a run that arrives with such an energy, by whatever method, says
-so in a warning (`warning` in the report), and its exit code is 0.
-
-Of an ensemble with fixed steps, members of a conservative system whose energy at their last row is
-off by more than .01 of its scale are counted in a warning (`astray`, `first_astray`). They are not
-followed further: the exit code stays, no member is run by dop853, and an energy that is wrong on
-the way and right again at the end is not seen.
-
-What fixed steps cannot tell: that a motion without a constant energy (forces, inputs, explicit
-time) has run away in finite time. A large change in one step is no sign: a kick by an input and a
-close passage have it too. Such a run is silent until numbers overflow (PK_NOT_FINITE), a few
-steps later; then dop853 is asked, and rows behind the end that it tells are void. An adaptive
-method tells at once: there steps underflow.
-
-By programs of one's own alone, since `pkgen run` sees to it:
-
-| status | provoked by |
-|---|---|
-"""
 
 
 @dataclass(frozen=True)
@@ -99,11 +63,7 @@ def outcome(name: str) -> Outcome:
     """The command line in this process, since there are many cases."""
     case = CASES[name]
     stdout, stderr = io.StringIO(), io.StringIO()
-    with (
-        tempfile.TemporaryDirectory() as scratch,
-        redirect_stdout(stdout),
-        redirect_stderr(stderr),
-    ):
+    with tempfile.TemporaryDirectory() as scratch, redirect_stdout(stdout), redirect_stderr(stderr):
         folder = Path(scratch)
         model, out = folder / f"{model_name(case)}.lag", folder / "rows.csv"
         model.write_text(case.text, encoding="utf-8")
@@ -164,18 +124,22 @@ def test_ends_by_its_status(name: str) -> None:
 
 
 def test_the_page_has_every_case() -> None:
-    foot = FOOT
+    """Two tables stand in it, of runs and of programs of one's own."""
+    in_c = ""
     for status, (file, test) in IN_C.items():
         text = (ROOT / file).read_text(encoding="utf-8")
         body = text[text.index(f"static void {test}(") :]
         assert status in body[: body.index("\n}\n")]
-        foot += f"| {status} | `{test}` in {file} |\n"
-    if UPDATE:
-        PAGE.write_text(HEAD + "".join(map(line, CASES)) + foot, encoding="utf-8")
+        in_c += f"| {status} | `{test}` in {file} |\n"
     page = PAGE.read_text(encoding="utf-8")
-    named = re.findall(r"^\| ([a-z-]+) \| ", page.removesuffix(foot), re.MULTILINE)
-    assert page.startswith(HEAD) and page.endswith(foot)
-    assert named == ["case", *CASES]
+    head, cases, foot = re.split(
+        r"(?<=\|---\|---\|---\|---\|---\|\n)((?:\|.*\n)*)", page, maxsplit=1
+    )
+    if UPDATE:
+        cases = "".join(map(line, CASES))
+        PAGE.write_text(head + cases + foot[: foot.index("| PK_")] + in_c, encoding="utf-8")
+    assert re.findall(r"^\| ([a-z-]+) \| ", cases, re.MULTILINE) == [*CASES]
+    assert foot.endswith("|---|---|\n" + in_c)
 
 
 def test_no_status_is_without_a_case() -> None:

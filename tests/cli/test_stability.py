@@ -9,12 +9,12 @@ import json
 import math
 import time
 from contextlib import nullcontext
-from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from conftest import ROOT, case, no_page
+from conftest import case, no_page, written
 from pkgen.__main__ import main
 from pkgen.analysis.stability import measure
 from pkgen.cli import stability as command
@@ -26,21 +26,14 @@ pytestmark = pytest.mark.filterwarnings("error")
 PENDULUM = case("stability_pendulum")
 
 
-@dataclass(frozen=True)
-class Done:
-    code: int
-    out: str
-    err: str
-
-
 @pytest.fixture
 def stability(capsys):
     """The command in this process: importing pkgen takes longer than a small map."""
 
-    def run(*arguments: object) -> Done:
+    def run(*arguments: object) -> SimpleNamespace:
         code = main(["stability", *map(str, arguments)])
         out, err = capsys.readouterr()
-        return Done(code, out, err)
+        return SimpleNamespace(code=code, out=out, err=err)
 
     return run
 
@@ -49,18 +42,12 @@ def stability(capsys):
 def quick(tmp_path_factory) -> tuple[dict, Path]:
     """A quick map of the pendulum on both sides of Verlet's limit, as a user makes it."""
     directory = tmp_path_factory.mktemp("stability")
-    model = directory / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(directory, PENDULUM)
     said = io.StringIO()
+    words = "--methods verlet,rk4 --vary theta=0.001..0.002 --steps 1.98..2.02 --points 2x2"
     with contextlib.redirect_stdout(said):
-        code = main(
-            [
-                *("stability", str(model), "-o", str(directory), "--json"),
-                *("--methods", "verlet,rk4", "--vary", "theta=0.001..0.002"),
-                *("--steps", "1.98..2.02", "--points", "2x2"),
-            ]
-        )
-    assert code == 0
+        given = ["stability", str(model), "-o", str(directory), "--json", *words.split()]
+        assert main(given) == 0
     return json.loads(said.getvalue()), directory
 
 
@@ -101,58 +88,11 @@ def test_the_page(quick) -> None:
         assert outside not in page
 
 
-def test_one_panel_has_room(stability, tmp_path: Path) -> None:
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
-    done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "3x2", "--until", "9")
-    assert done.code == 0 and done.err == no_page()
-
-
-USAGE = {
-    "unknown method": (["--methods", "verlett"], "did you mean 'verlet'?"),
-    "no fixed step": (["--methods", "dop853"], "chooses its steps itself"),
-    "no range": (["--vary", "theta=3"], "a name and a range"),
-    "unknown name": (["--vary", "thet=0..1"], "did you mean 'theta'"),
-    "downwards": (["--vary", "theta=1..0"], "must go upwards"),
-    "no step": (["--steps", "0..1"], "must be positive"),
-    "not two numbers": (["--points", "20"], "20"),
-    "too many": (["--points", "9999x9999"], "at most"),
-    "outside its bounds": (["--vary", "k=-1..2"], "parameter k is outside its bounds"),
-    "too many steps": (["--until", "1e9"], "shorter --until"),
-    "too many given": (["--until", "1e7", "--steps", "1..2", "--points", "2x2"], "in all"),
-}
-
-
-@pytest.mark.parametrize("case", USAGE)
-def test_usage_errors(stability, tmp_path: Path, case: str) -> None:
-    arguments, mentioned = USAGE[case]
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
-    done = stability(model, "-o", tmp_path, "--methods", "verlet", *arguments)
-    assert done.code == 2, done.out + done.err
-    assert mentioned in done.err and "Traceback" not in done.err
-    assert not list(tmp_path.glob("*_stability.*"))
-
-
-def test_a_method_that_does_not_apply_is_refused(stability, tmp_path: Path) -> None:
-    model = ROOT / "models/double_pendulum.lag"
-    done = stability(model, "-o", tmp_path, "--methods", "verlet")
-    assert done.code == 2
-    assert "verlet is refused: it needs a system that is separable" in done.err
-
-
-KEPLER = """model kepler
-param e = {e}
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential -1/sqrt(x^2 + y^2)
-start x = 1 - e, y' = sqrt((1 + e)/(1 - e))
-"""
+KEPLER = case("stability_kepler")
 
 
 def test_without_an_equilibrium_the_rates_are_varied(stability, tmp_path: Path) -> None:
-    model = tmp_path / "kepler.lag"
-    model.write_text(KEPLER.format(e=0.0))
+    model = written(tmp_path, KEPLER.format(e=0.0))
     asked = ["--methods", "verlet", "-o", tmp_path, "--points", "3x2", "--until", "20"]
     done = stability(model, *asked)
     assert done.code == 0 and "2 values of rates," in done.out, done.err
@@ -165,8 +105,7 @@ def test_without_an_equilibrium_the_rates_are_varied(stability, tmp_path: Path) 
 @pytest.mark.parametrize("e", [0.5, 0.9])
 def test_an_orbit_has_a_scale(stability, tmp_path: Path, e: float) -> None:
     """At the pericentre r = 1 - e the attraction grows at sqrt(2/r^3): Verlet's limit over it."""
-    model = tmp_path / "kepler.lag"
-    model.write_text(KEPLER.format(e=e))
+    model = written(tmp_path, KEPLER.format(e=e))
     asked = ["--methods", "verlet,gauss1", "-o", tmp_path, "--points", "2x3", "--until", "13"]
     done = stability(model, *asked, "--json")
     assert done.code == 0, done.err
@@ -177,37 +116,22 @@ def test_an_orbit_has_a_scale(stability, tmp_path: Path, e: float) -> None:
         assert 0.5 < p["measured"] / p["h"] < 2
 
 
-def test_what_falls_has_no_step_that_stands_out(stability, tmp_path: Path) -> None:
-    model = tmp_path / "fall.lag"
-    model.write_text(
-        "model fall\nparam g = 9.81 in (0, inf)\ncoord x\n"
-        "kinetic x'^2/2\npotential g*x\nstart x = 1\n"
-    )
-    done = stability(model, "-o", tmp_path)
-    assert done.code == 2 and "give --steps LO..HI" in done.err
-    done = stability(model, "-o", tmp_path, "--vary", "g=1..2", "--steps", "0.1..1")
-    assert done.code == 2 and "leaves" in done.err and "--until" in done.err
-    model.write_text("model even\ncoord x\nkinetic x'^2/2\npotential 0\nstart x' = 1\n")
-    done = stability(model, "-o", tmp_path, "--vary", "x'=1..2", "--steps", "0.1..1")
-    assert done.code == 2 and "cyclic" in done.err
-
-
 def test_progress_shows_from_the_start(stability, tmp_path: Path, monkeypatch) -> None:
     said: list[tuple[float, str]] = []
     monkeypatch.setattr(command, "progress", lambda _: nullcontext(lambda *now: said.append(now)))
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(tmp_path, PENDULUM)
     asked = ["--methods", "rk4", "--points", "2x2", "--until", "9", "-o", tmp_path]
-    assert stability(model, *asked).code == 0
+    done = stability(model, *asked)
+    assert done.code == 0 and done.err == no_page()
     parts = [part for part, _ in said]
     assert said[:2] == [(0.0, "compiling"), (0.0, "equilibria")]
     assert parts == sorted(parts) and parts[-1] == 1 and len(set(parts)) > 3
 
 
 def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
-    model = tmp_path / "spring.lag"
-    model.write_text(
-        "model spring\nparam k = 1\ncoord x\nkinetic x'^2/2\npotential k/2*x^2\nstart x = 1\n"
+    model = written(
+        tmp_path,
+        "model spring\nparam k = 1\ncoord x\nkinetic x'^2/2\npotential k/2*x^2\nstart x = 1\n",
     )
     asked = [
         *["--vary", "k=1..4", "--points", "20x4", "--methods", "verlet", "-o"],
@@ -229,10 +153,10 @@ def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
 
 
 def test_small_energies_are_said(stability, tmp_path: Path) -> None:
-    model = tmp_path / "mems.lag"
-    model.write_text(
+    model = written(
+        tmp_path,
         "model mems\nparam d = 1e-6\ncoord x\nkinetic 1e-12*x'^2/2\n"
-        "potential -x^2/2 + x^4/(4*d^2)\nstart x = 1.2e-6\n"
+        "potential -x^2/2 + x^4/(4*d^2)\nstart x = 1.2e-6\n",
     )
     asked = ["--methods", "verlet", "--points", "2x2", "--until", "1e-4", "-o", tmp_path]
     done = stability(model, *asked)
@@ -250,8 +174,7 @@ def test_what_fails_ends_all(stability, tmp_path: Path, monkeypatch) -> None:
         raise NumericsFailed("no more")
 
     monkeypatch.setattr(measure, "row", failing)
-    model = tmp_path / "pendulum.lag"
-    model.write_text(PENDULUM)
+    model = written(tmp_path, PENDULUM)
     done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "2x60")
     assert done.code == 4 and "no more" in done.err
     assert len(rows) < 30

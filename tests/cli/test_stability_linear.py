@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import cmath
-import json
 import random
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,9 +10,9 @@ from pathlib import Path
 
 import numpy
 import pytest
-from stability_asker import PENDULUM, asker, start
+from stability_asker import PENDULUM, asker, mapped, start
 
-from conftest import seeds
+from conftest import case, run_pkgen, seeds, written
 from pkgen.__main__ import main
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import map as maps
@@ -25,14 +24,7 @@ from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 from pkgen.middle.analyze import affine
 
-PAIR = """model pair
-coord x, y
-kinetic (x'^2 + {m}*y'^2)/2
-potential {k}*x^2/2 + {l}*(x - y)^2/2
-dissipation {c}*x'^2/2 + {d}*(x' - y')^2/2
-force x = {f}*cos({w}*t)
-start x = {x}, y = {y}
-"""
+PAIR = case("stability_linear_pair")
 R: dict[str, Callable[[complex], complex]] = {  # what a step makes of exp(z)
     "euler": lambda z: 1 + z,
     "rk4": lambda z: 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24,
@@ -40,13 +32,6 @@ R: dict[str, Callable[[complex], complex]] = {  # what a step makes of exp(z)
     "gauss2": lambda z: (1 + z / 2 + z**2 / 12) / (1 - z / 2 + z**2 / 12),
     "radau5": lambda z: (1 + 2 * z / 5 + z**2 / 20) / (1 - 3 * z / 5 + 3 * z**2 / 20 - z**3 / 60),
 }
-
-
-def told(capsys, tmp_path: Path, model: str, *words: str) -> dict:
-    path = tmp_path / "model.lag"
-    path.write_text(model, encoding="utf-8")
-    assert main(["stability", str(path), "-o", str(tmp_path), "--quick", "--json", *words]) == 0
-    return json.loads(capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("seed", seeds(range(3), 37))
@@ -99,22 +84,22 @@ def test_no_resonances_of_linear_models_are_predicted() -> None:
         assert ("1:3" in kinds) != linear and "limit" in kinds
 
 
-def test_a_start_of_zeros_is_one_row_or_refused(capsys, tmp_path: Path) -> None:
+def test_a_start_of_zeros_is_one_row_or_refused(tmp_path: Path) -> None:
     values = {"m": 1, "k": 1, "l": 1, "c": 0.1, "d": 0.1, "w": 2, "x": 0, "y": 0}
     words = "--methods", "gauss1", "--points", "4x5"
-    made = told(capsys, tmp_path, PAIR.format(f=1, **values), *words)
+    made = mapped(tmp_path, PAIR.format(f=1, **values), *words)
     assert len({p["x"] for p in made["points"]}) == 1
     assert any("start is 0" in remark for remark in made["remarks"])
-    (tmp_path / "model.lag").write_text(PAIR.format(f=0, **values), encoding="utf-8")
-    assert main(["stability", str(tmp_path / "model.lag"), *words]) == 2
-    assert "nothing moves" in capsys.readouterr().err
+    done = run_pkgen("stability", written(tmp_path, PAIR.format(f=0, **values)), *words)
+    assert done.returncode == 2 and "nothing moves" in done.stderr
 
 
-def test_what_was_not_measured_is_not_as_predicted(capsys, tmp_path: Path, monkeypatch) -> None:
+def test_what_was_not_measured_is_not_as_predicted(tmp_path: Path, monkeypatch) -> None:
     kept = []
     make = maps.make
     monkeypatch.setattr(maps, "make", lambda *given: kept.append(make(*given)) or kept[0])
-    told(capsys, tmp_path, PENDULUM, "--methods", "rk4", "--points", "2x1", "--steps", "0.1..0.2")
+    few = ("--quick", "--methods", "rk4", "--points", "2x1", "--steps", "0.1..0.2")
+    assert main(["stability", str(written(tmp_path, PENDULUM)), "-o", str(tmp_path), *few]) == 0
     made = replace(kept[0], measured=(), growths=())
     assert text.sentences(made)[0].startswith(
         "0 of 1 predictions are measured; not measured: limit"

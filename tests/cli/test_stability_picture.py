@@ -15,7 +15,7 @@ from matplotlib import pyplot
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
-from conftest import ROOT, no_page, seeds
+from conftest import ROOT, no_page, seeds, written
 from pkgen.__main__ import main
 from pkgen.analysis.stability import classes, draw, overlay
 from pkgen.analysis.stability import map as maps
@@ -91,8 +91,7 @@ def crowded(made: StabilityMap, seed: int) -> StabilityMap:
             lines.append((Prediction(kind, name, 0, chance.randrange(4), other, h, 1.0), slant))
     rows = tuple(
         replace(
-            row,
-            predictions=tuple(replace(p, h=p.h * (1 + slant * k / 4)) for p, slant in lines),
+            row, predictions=tuple(replace(p, h=p.h * (1 + slant * k / 4)) for p, slant in lines)
         )
         for k, row in enumerate(made.rows)
     )
@@ -102,8 +101,7 @@ def crowded(made: StabilityMap, seed: int) -> StabilityMap:
 @pytest.fixture(scope="module")
 def small(tmp_path_factory) -> StabilityMap:
     directory = tmp_path_factory.mktemp("picture")
-    model = directory / "p.lag"
-    model.write_text(PENDULUM)
+    model = written(directory, PENDULUM)
     with pytest.MonkeyPatch.context() as patch:
         asked = ("--methods", "verlet,rk4,gauss1,gauss2", "--points", "6x5", "--until", "20")
         return mapped(patch, model, "-o", directory, "--quick", *asked)
@@ -169,8 +167,7 @@ def test_numbers_have_three_digits() -> None:
 
 
 def test_formats_and_widths(tmp_path: Path, capsys) -> None:
-    model = tmp_path / "p.lag"
-    model.write_text(PENDULUM)
+    model = written(tmp_path, PENDULUM)
     asked = ["--methods", "rk4", "--points", "2x2", "--until", "9", "-o", str(tmp_path), "--quick"]
     assert main(["stability", str(model), *asked, "--width", "90", "--format", "pdf"]) == 0
     page = [] if no_page() else [".html"]

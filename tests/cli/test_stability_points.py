@@ -6,19 +6,14 @@ import math
 from dataclasses import replace
 
 import pytest
-from stability_asker import PENDULUM, asker, start
+from stability_asker import PENDULUM, asker, point, start
 
-from pkgen.analysis.stability.ask import Asker, Point
+from pkgen.analysis.stability.ask import Asker
 
 
 @pytest.fixture(scope="module")
 def pendulum() -> Asker:
     return asker(PENDULUM)
-
-
-def point(asked: Asker, method: str, h: float) -> Point:
-    asked.motion()
-    return asked.point(method, h)
 
 
 def test_classes(pendulum: Asker) -> None:

@@ -6,7 +6,8 @@ import math
 from dataclasses import replace
 
 import pytest
-from stability_asker import PENDULUM, asker, start
+from stability_asker import PENDULUM, asker
+from test_stability_modes import MEMS, PLANE
 
 from conftest import ROOT, case
 from pkgen.analysis.chart.chart import methods
@@ -14,8 +15,6 @@ from pkgen.analysis.stability import measure, misses, plan
 from pkgen.analysis.stability.ask import Asker, Close
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import Prediction, limit, predictions
-
-MAGNETIC = case("magnetic")
 
 # lambda = -c +- i sqrt(w^2 - c^2)
 DAMPED = case("stability_predictions_damped")
@@ -89,64 +88,13 @@ def test_resonances_between_two_modes(steps) -> None:
     assert steps["gauss1"].pair("1+2", 2.0) == pytest.approx(math.sqrt(32), rel=1e-10)
 
 
-def test_modes_of_a_gyroscopic_system() -> None:
-    rest = asker(MAGNETIC).rest()
-    assert len(rest.equilibria) == 1
-    modes = rest.equilibria[0].modes
-    middle, half = math.sqrt(1.3**2 + 0.35**2), 0.35
-    assert [m.frequency for m in modes] == pytest.approx([middle + half, middle - half], rel=1e-12)
-    assert [m.growth for m in modes] == [0, 0]
-    for m in modes:  # circles: y is a quarter turn beside x
-        x, y = complex(m.re[0], m.im[0]), complex(m.re[1], m.im[1])
-        assert abs(x) == pytest.approx(abs(y), rel=1e-9)
-        assert abs((x.conjugate() * y).real) < 1e-9
-
-
-def test_modes_of_a_damped_system_and_its_limit(steps) -> None:
-    rest = asker(DAMPED).rest()
-    (mode,) = rest.equilibria[0].modes
-    assert mode.growth == pytest.approx(-0.45, rel=1e-12)
-    assert mode.frequency == pytest.approx(math.sqrt(1.7**2 - 0.45**2), rel=1e-12)
+def test_the_limit_of_a_damped_system(steps) -> None:
+    at = asker(DAMPED).rest().equilibria[0]
     # |R(z)| = 1 on the ray of lambda.
-    h = limit(steps["rk4"], 0, rest.equilibria[0]).h
-    z = h * complex(mode.growth, mode.frequency)
+    h = limit(steps["rk4"], 0, at).h
+    z = h * complex(at.modes[0].growth, at.modes[0].frequency)
     assert abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24) == pytest.approx(1, abs=1e-8)
     assert h * 1.7 != pytest.approx(2 * math.sqrt(2), rel=1e-2)
-
-
-# A double well a micrometre wide, in SI units.
-MEMS = case("mems")
-
-
-@pytest.mark.parametrize("begin", [(1.2e-6, 0.0), (0.0, 0.3), (1e-8, 0.0)])
-def test_equilibria_of_what_is_small(begin: tuple[float, float]) -> None:
-    found = start(asker(MEMS), *begin).rest().equilibria
-    assert len(found) == 3
-    assert sorted(e.q[0] for e in found) == pytest.approx([-1e-6, 0, 1e-6], rel=1e-12, abs=1e-21)
-    for well in found[:2]:
-        assert [m.frequency for m in well.modes] == pytest.approx([math.sqrt(2) * 1e6], rel=1e-12)
-    assert found[2].modes[0].growth == pytest.approx(1e6, rel=1e-12)
-
-
-# An angle of great inertia beside a coordinate that is none, whose equation is a small one.
-@pytest.mark.parametrize("begin", [1.0, 1.13, 1.5, 3.0])
-def test_equilibria_beside_a_pole(begin: float) -> None:
-    """In a box that reaches to where forces are of 1e20 all others are small beside them."""
-    lennard_jones = "model lj\ncoord x\nkinetic x'^2/2\npotential 4*(1/x^12 - 1/x^6)\nstart x = 1\n"
-    found = start(asker(lennard_jones), begin).rest().equilibria
-    minimum = 2 ** (1 / 6)
-    assert sorted(e.q[0] for e in found) == pytest.approx([-minimum, minimum], rel=1e-12)
-    assert found[0].modes[0].frequency == pytest.approx(math.sqrt(72) / minimum, rel=1e-9)
-
-
-TURN = case("turn")
-
-
-def test_each_equation_decides_what_is_an_angle_by_its_own_size() -> None:
-    found = asker(TURN).rest().equilibria
-    assert [e.q for e in found] == [
-        (pytest.approx(angle, abs=1e-9), pytest.approx(10, rel=1e-9)) for angle in (0, math.pi)
-    ]
 
 
 def test_small_motions_are_small_beside_what_is_small(steps) -> None:
@@ -161,13 +109,8 @@ def test_small_motions_are_small_beside_what_is_small(steps) -> None:
     assert measure.small(rest, frozenset(), 0.0) == pytest.approx(1e-12)
 
 
-def test_what_the_linear_terms_do_not_decide() -> None:
-    # At 0 the linear terms vanish; -x^4/4 is unstable all the same.
-    quart = asker("model q\ncoord x\nkinetic x'^2/2\npotential -x^4/4 + x^6/6\nstart x = 0.3\n")
-    found = quart.rest().equilibria
-    assert [e.verdict for e in found] == ["stable", "stable", "not decided by the linear terms"]
-    assert not found[2].stable and all(m.rate == 0 for m in found[2].modes)
-    failed = replace(found[0], status="PK_NO_CONVERGENCE", modes=())
+def test_modes_that_are_not_found_decide_nothing(pendulum: Asker) -> None:
+    failed = replace(pendulum.rest().equilibria[0], status="PK_NO_CONVERGENCE", modes=())
     assert failed.verdict == "modes: PK_NO_CONVERGENCE" and not failed.stable
 
 
@@ -181,11 +124,7 @@ def test_what_is_degenerate_alone_is_not_decided(steps, potential: str) -> None:
 
 def test_a_mode_is_decided_beside_one_that_is_not(steps) -> None:
     # No step is long for y^4/4 at rest, but x has its limit.
-    text = "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential 2*x^2 + y^4/4\nstart y = 1\n"
-    found = asker(text).rest()
-    (at,) = found.equilibria
-    assert at.verdict == "not decided by the linear terms"
-    assert [m.rate for m in at.modes] == [pytest.approx(2, rel=1e-12), 0, 0]
+    at = asker(PLANE.format("2*x^2 + y^4/4", "y = 1")).rest().equilibria[0]
     assert limit(steps["verlet"], 0, at).h == pytest.approx(1, rel=1e-12)
 
 

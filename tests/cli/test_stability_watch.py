@@ -7,27 +7,15 @@ import random
 from dataclasses import replace
 
 import pytest
-from stability_asker import asker
+from stability_asker import asker, point
 
-from conftest import seeds
-from pkgen.analysis.stability.ask import Asker, Point
+from conftest import case, seeds
 
 # Off its resonance: the swing of a motion that stretches stays as small as it was.
-ELASTIC = (
-    "model m\nparam k = 9\ncoord s, theta\nkinetic (s'^2 + (1 + s)^2*theta'^2)/2\n"
-    "potential -(1 + s)*cos(theta) + k*s^2/2\nstart s = 0.383, theta = 0.001\n"
-)
-PLANET = (
-    "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential -1/sqrt(x^2 + y^2)\n"
-    "conserve L = x*y' - y*x'\nstart x = 1, y' = 0.9\n"
-)
+ELASTIC = case("stability_watch_elastic")
+PLANET = case("stability_watch_planet")
 PERIHELION = "conserve A = y'*(x*y' - y*x') - x/sqrt(x^2 + y^2)"
 LINE = "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n"
-
-
-def point(asked: Asker, method: str, h: float) -> Point:
-    asked.motion()
-    return asked.point(method, h)
 
 
 def test_energy_that_goes_to_another_coordinate() -> None:

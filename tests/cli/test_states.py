@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 
 import pytest
 
-from conftest import case, ran, table, written
+from conftest import case, ran, written
 
 # Of an orbit from its pericentre: the action of a revolution is that of T - V, whose means are a
 # half and 1 by the virial theorem, and the area is that of the ellipse.
@@ -22,71 +21,11 @@ def orbit(tmp_path: Path) -> Path:
     return written(tmp_path, ORBIT)
 
 
-def test_the_action_of_a_revolution(orbit: Path) -> None:
-    done = ran("run", orbit, "--scene", "revolution", "--json")
-    said = json.loads(done.stdout)
-    assert [c["name"] for c in said["columns"]] == ["t", "S", "S'", "area", "x"]
-    _, half, end = said["rows"]
-    assert half[1] == pytest.approx(1.5 * math.pi, abs=1e-9) and end[4] == pytest.approx(0.4)
-    assert len(said["report"]["q"]) == 2 and len(said["report"]["v"]) == 4
-
-
-def test_columns_in_the_order_of_the_language(pkgen, orbit: Path) -> None:
-    """Coordinates, rates, states, observed names, energy; starts by the option."""
-    done = pkgen("run", orbit, "--until", "1", "--every", "1", "--start", "area=0.25")
-    head, (first, _) = table(done.stdout)
-    assert head == ["t", "x", "y", "x'", "y'", "S", "area", "energies", "energy"]
-    assert first[5:7] == [0, 0.25]
-
-
-def test_states_alone_have_no_energy(pkgen, tmp_path: Path) -> None:
-    model = written(tmp_path, LOTKA)
-    done = pkgen("run", model, "--until", "20", "--every", "10", "--json", "--start", "lynx=1.5")
-    said = json.loads(done.stdout)
-    assert [c["name"] for c in said["columns"]] == ["t", "hare", "lynx"]
-    assert [len(row) for row in said["rows"]] == [3, 3, 3] and said["rows"][0][2] == 1.5
-    (drift,) = said["report"]["drifts"]
-    assert drift["name"] == "H" and 0 < drift["max"] < 1e-8
-
-
-def test_a_state_beside_two_blocks_is_explained(tmp_path: Path) -> None:
-    text = "model two\ncoord x, y\nstate work\nkinetic x'^2/2 + y'^2/2\npotential x^2 + y^2\n"
-    model = written(tmp_path, text + "rate work = x\nstart x = 1\n")
-    for command in (["explain", model], [model, "-o", tmp_path]):
-        ran(*command)
-
-
-def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
-    said = pkgen("explain", orbit).stdout
-    assert "2 degrees of freedom, 2 states" in said and "\n  area' = x*y'/2 - x'*y/2\n" in said
-    assert "x*p_y - y*p_x" in said  # symmetries are still searched for: S moves nothing
-    told = json.loads(pkgen("explain", orbit, "--json").stdout)
-    assert [s["name"] for s in told["states"]] == ["S", "area"]
-    model = written(tmp_path, LOTKA)
-    lotka = pkgen("explain", model).stdout
-    assert "2 states\n" in lotka and "Lagrangian" not in lotka and "mass matrix" not in lotka
-
-
 @pytest.mark.needs_addon("pages")
 def test_on_the_page(pkgen, tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     assert pkgen("explain", written(tmp_path, LOTKA), "--html", page).returncode == 0
     assert "Rates of the states" in page.read_text(encoding="utf-8")
-
-
-def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
-    done = pkgen("run", orbit, "--scene", "still")
-    head, (_, last) = table(done.stdout)
-    assert head == ["t", "S", "S'", "area"] and done.returncode == 0
-    swept = math.sqrt(1 - 0.36) / 2
-    assert last[1:] == pytest.approx([math.sin(1), math.cos(1), 2 + swept], abs=1e-9)
-    head, found = table(pkgen("run", orbit, "--scene", "many").stdout)
-    assert head == ["k", "t", "area"]
-    assert [row[2] for row in found] == pytest.approx([k + swept for k in (1, 2, 3)], abs=1e-5)
-    members = tmp_path / "members.csv"
-    members.write_text("area,x'\n1,0\n5,0.1\n")
-    done = pkgen("run", orbit, "--ensemble", members, "--until", "1", "--record", "area")
-    assert [row[2] for row in table(done.stdout)[1]] == pytest.approx([1.4, 5.4], abs=0.1)
 
 
 def test_the_chart_has_states(tmp_path: Path) -> None:

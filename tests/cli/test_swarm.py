@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from pathlib import Path
 
 import pytest
 
-from conftest import case, ran
+from conftest import case, written
 from pkgen.front.check.check import check_text
 from pkgen.front.check.scene_numbers import Values
 from pkgen.run.ensemble import Column
@@ -22,8 +21,7 @@ PENDULUM = case("swarm_pendulum")
 
 @pytest.fixture
 def pendulum(tmp_path: Path) -> Path:
-    path = tmp_path / "pendulum.lag"
-    path.write_text(PENDULUM)
+    path = written(tmp_path, PENDULUM)
     return path
 
 
@@ -44,17 +42,6 @@ def test_members_are_single_runs(pkgen, pendulum: Path) -> None:
     assert worst[0] == 70 and second["value"] == worst[3]
     assert third["member"] > 55  # it swings the most
     assert result["settings"]["ensemble"] == "swarm k"
-
-
-def test_a_miss_names_the_member_and_options_set_all(pkgen, pendulum: Path) -> None:
-    done = pkgen("run", pendulum, "--scene", "many", "--start", "theta'=0")
-    assert done.returncode == 4 and "at t = 0.8 of k = 70 is not below -4" in done.stderr
-    rows = list(csv.DictReader(done.stdout.splitlines()))
-    assert all(
-        float(r["energy"])
-        == pytest.approx(0.005 - 4.905 * math.cos(3 * int(r["k"]) / 71), abs=1e-5)
-        for r in rows
-    )
 
 
 FUNCTIONS = case("swarm_m")
@@ -97,18 +84,3 @@ def test_too_many_starts_are_refused_before_they_take_the_memory() -> None:
     said = r"m.lag:6:9: .* 9,000,000 members with 6 starts each; the limit is 50,000,000 in all"
     with pytest.raises(UsageError, match=said):
         swarm.members(model, model.scenes[0], Values(model, {}), known, ())
-
-
-def test_members_may_start_anywhere_on_a_constraint(pkgen, write) -> None:
-    """The model's own start is off it, or each member's is the scene's."""
-    path = write(
-        "model m\ncoord x, z\nkinetic (x'^2 + z'^2)/2\npotential z\nconstraint c: z = x^2 + 1\n"
-        "scene s\n  swarm k = 1..3\n  start x = k, z = k^2 + 1\n  until 1\n  record x, z\nend\n"
-    )
-    done = ran("run", path, "--scene=s")
-    path.write_text(path.read_text().replace("z = k^2 + 1", "z = k^2 + 2"))
-    done = pkgen("run", path, "--scene=s")
-    assert done.returncode == 1 and "the start breaks the constraint 'c'" in done.stderr
-    path.write_text(path.read_text().replace("z = k^2 + 2", "z = k + 1"))
-    done = pkgen("run", path, "--scene=s")
-    assert done.returncode == 4 and "first k = 2" in done.stderr, done.stderr

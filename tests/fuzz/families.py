@@ -144,8 +144,12 @@ WRITTEN_LACKS = ("too large", "limit")
 
 
 def compared(folder: Path, words: tuple[str, ...], error: float, bends: bool = False) -> str:
+    return differ(both(folder, *words), words, error, bends)
+
+
+def differ(answers: list[Answer], words: tuple[str, ...], error: float, bends: bool = False) -> str:
     """Empty, or how the two differ. Steps end where it bends of what is written out alone."""
-    (code, mine, told, said), (their_code, theirs, report, heard) = both(folder, *words)
+    (code, mine, told, said), (their_code, theirs, report, heard) = answers
     if code != their_code:
         if any(x in said for x in LOOPS_LACK) or any(x in heard for x in WRITTEN_LACKS):
             return ""

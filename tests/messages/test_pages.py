@@ -1,8 +1,9 @@
 """Commands and their messages: each page beside this file is a list of them.
 
 A page has files (`--- NAME`, then the text), commands (`$ run …`), and below each its exit code and
-what it says. Files stay until another of their name comes. Words are compared as they are, numbers
-to four digits; lines about the length of a run are left out. `make golden` writes pages anew.
+what it says; behind ` | ` stands what those lines of its output have that are shown (`> `). Files
+stay until another of their name comes. Words are compared as they are, numbers to four digits;
+lines about the length of a run are left out. `make golden` writes pages anew.
 """
 
 import os
@@ -49,9 +50,11 @@ def cases() -> list:
 def said(words: str, files: dict[str, str], folder: Path) -> list[str]:
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
+    words, _, shown = words.partition(" | ")
     done = run_pkgen(*shlex.split(words.replace("$ROOT", str(ROOT))), cwd=folder)
     text = done.stderr.replace(str(ROOT), "$ROOT")
     lines = [line for line in text.splitlines() if not LENGTHS.search(line)]
+    lines += [f"> {line}" for line in done.stdout.splitlines() if shown and shown in line]
     return [f"exit {done.returncode}{', rows' * bool(done.stdout)}", *lines]
 
 
@@ -67,7 +70,7 @@ def test_each_says_what_its_page_has(page, words, files, wanted, tmp_path) -> No
     same &= numbers(found) == pytest.approx(numbers(wanted), rel=1e-4)
     if not same and os.environ.get("PKGEN_UPDATE"):
         text = page.read_text(encoding="utf-8")
-        before, after = ("\n".join((f"$ {words}", *x)) for x in (wanted, found))
+        before, after = ("\n".join(("", f"$ {words}", *x, "")) for x in (wanted, found))
         page.write_text(text.replace(before, after, 1), encoding="utf-8")
         return
     assert same, "\n".join(found)
