@@ -14,6 +14,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy
 import pytest
 
 from conftest import case, ran
@@ -29,9 +30,9 @@ from pkgen.analysis.chart import (
 )
 from pkgen.analysis.chart import errors as errors_of
 from pkgen.analysis.chart.answer import Answer
-from pkgen.analysis.chart.exact import Exact
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
+from pkgen.analysis.chart.rows import Rows
 from pkgen.methods import inline_flags
 from pkgen.plot.names import number
 from pkgen.plot.style import Look
@@ -345,7 +346,7 @@ def test_of_many_methods_six_are_drawn() -> None:
         costs = [1 + 5 * abs(j - k) + j for j in range(9)]
         made = [point(0.5**j, e, c) for j, (e, c) in enumerate(zip(errors, costs, strict=True))]
         tracks.append(Track(ChartedMethod(f"method{k}", 4), tuple(made)))
-    known = reference.Reference([(0.0, Exact([1]))], [1.0], 0, 0, 1.0, 1.0, "double", 1)
+    known = reference.Reference(Rows(*numpy.ones((3, 1))), numpy.ones(1), 1, 0, 0, 1.0, "double", 1)
     found = spectrum.Spectrum(omega=1.0, rho=0.0, until=1.0)
     about = "m", "", [], 1.0, errors_of.KINDS["final"], 1, known, found, tracks, {}
     figure = picture.picture(
