@@ -23,7 +23,6 @@ from pkgen.__main__ import parser_of
 from pkgen.analysis.chart import chart as charts
 from pkgen.analysis.chart.answer import Answer
 from pkgen.analysis.chart.chart import Chart
-from pkgen.analysis.chart.errors import Measure
 from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.chart.points import ChartedMethod, Point
 from pkgen.cli.chart import _effort
@@ -109,8 +108,7 @@ class Scan:
         self.known: dict[tuple[str, float], Point] = {}
 
     def point(self, method: ChartedMethod, setting: float, lap: float = 0.0) -> Point:
-        known = self.chart.reference
-        measure = Measure(self.chart.kind, known.path, known.scales)
+        measure = self.chart.reference.measure(self.chart.kind)
         if method.fixed:
             setting = self.chart.until / math.ceil(self.chart.until / setting * (1 - 1e-12))
         key = method.name, setting

@@ -12,14 +12,15 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy
 import pytest
 
 from conftest import case, ran, written
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.errors import KINDS, ErrorKind, Measure
-from pkgen.analysis.chart.exact import Exact
 from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.chart.points import ChartedMethod
+from pkgen.analysis.chart.rows import Rows
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.run.build import build_library
 from pkgen.run.library import Run
@@ -91,8 +92,9 @@ def test_states_on_the_way_that_end_early_are_given_up(kind: ErrorKind, tmp_path
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     library = build_library(compilation.files, compilation.model.name, "verlet")
     program = Program(library, asked.settings(options, compilation))
-    states = [(t, Exact.of([math.cos(t), -math.sin(t)], [0.0, 0.0], 1)) for t in times()]
-    measure, verlet = Measure(kind, states, [1.0, 1.0]), ChartedMethod("verlet", 2)
+    t = numpy.array(times())
+    states = Rows(t, numpy.column_stack([numpy.cos(t), -numpy.sin(t)]), numpy.zeros((len(t), 2)))
+    measure, verlet = Measure(kind, states, numpy.ones(2), 1), ChartedMethod("verlet", 2)
 
     whole_run = program.run
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from itertools import combinations
 
+import numpy
 import pytest
 
 from pkgen.analysis.chart import chart, draw, picture, reference, spectrum
 from pkgen.analysis.chart.answer import Answer
 from pkgen.analysis.chart.errors import KINDS
-from pkgen.analysis.chart.exact import Exact
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
+from pkgen.analysis.chart.rows import Rows
 from pkgen.plot import style
 from pkgen.plot.methods import mark
 from pkgen.plot.style import Look
@@ -35,7 +36,7 @@ def charted(names=NAMES) -> chart.Chart:
         costs = [1e-5 * math.exp(1.5 * (0.05 * at**2 + (0.8 - 0.1 * at) * j)) for j in range(9)]
         made = [point(0.5**j, 10.0 ** -(1.5 * j + 1), cost) for j, cost in enumerate(costs)]
         tracks.append(Track(ChartedMethod(name, 4), tuple(made)))
-    known = reference.Reference([(0.0, Exact([1]))], [1.0], 0, 0, 1.0, 1.0, "double", 1)
+    known = reference.Reference(Rows(*numpy.ones((3, 1))), numpy.ones(1), 1, 0, 0, 1.0, "double", 1)
     found = spectrum.Spectrum(omega=1.0, rho=0.0, until=1.0)
     about = "m", "", [], 1.0, KINDS["final"], 1, known, found, tracks, {}
     answers = [Answer(1e-3, axis, None, None, "none") for axis in ("seconds", "work")]

@@ -18,12 +18,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy
+
 from pkgen.analysis.chart import answer, sweep
 from pkgen.analysis.chart.answer import Answer, Beside
-from pkgen.analysis.chart.errors import Measure, State
-from pkgen.analysis.chart.exact import Exact
+from pkgen.analysis.chart.errors import Measure
 from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.chart.points import FOREIGN, ChartedMethod, Point, Track
+from pkgen.analysis.chart.rows import Rows
 from pkgen.analysis.chart.spectrum import Spectrum
 from pkgen.analysis.chart.sweep import Bench, Effort
 from pkgen.compiler import Compilation
@@ -52,13 +54,13 @@ class Opened:
         self, method: ChartedMethod, setting: float, seconds: float, cap: float, measure: Measure
     ) -> Point:
         motion, error, fastest, slow, reason = self.motion, None, None, False, ""
-        times = [t for t, _ in measure.path] if measure.kind.path else []
+        times = measure.exact.t.tolist() if measure.kind.path else []
         began = time.process_time()
         motion.late = began + cap
         try:
             with _quiet():
                 states = self.integrate(setting, times)
-                error = measure.of(self._seen(states, times), {})
+                error = measure.of(_rows(states, times), {})
                 motion.late = math.inf
                 fastest = self._laps(setting, seconds)
         except Slow:
@@ -83,12 +85,6 @@ class Opened:
             took=time.process_time() - began,
         )
 
-    def _seen(self, states: Any, times: Sequence[float]) -> list[State]:
-        n = self.motion.coordinates
-        rows = [list(map(float, y)) for y in (states if times else states[-1:])]
-        exact = [Exact.of(y, [0.0] * len(y), n) for y in rows]
-        return list(zip(times or [self.motion.until], exact, strict=True))
-
     def _laps(self, setting: float, seconds: float) -> float:
         """Returns the fastest CPU time of a run, from repetitions for at least `seconds`."""
         best, total, block = math.inf, 0.0, 1
@@ -104,6 +100,11 @@ class Opened:
             else:
                 best = min(best, took / block)
         return best
+
+
+def _rows(states: Any, times: Sequence[float]) -> Rows:
+    x = numpy.array(states if times else states[-1:], dtype=float)
+    return Rows(numpy.array(times), x, numpy.zeros_like(x))
 
 
 @contextlib.contextmanager

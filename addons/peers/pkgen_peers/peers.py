@@ -51,7 +51,6 @@ class Motion:
         self.compilation, self.settings = compilation, program.given()
         self.until = program.settings.until
         given = program.start
-        self.coordinates = len(given["q"])
         self.start = numpy.array([*given["q"], *given["v"]], dtype=float)
         self.scales = numpy.array(scales)
         self.count, self.late = 0, float("inf")

@@ -209,8 +209,8 @@ def _record(chart: Chart) -> dict[str, object]:
         "values": {name: value for name, value, _ in chart.values},
         "reference": {
             **{name: getattr(reference, name) for name in ("error", "holds", "scalar")},
-            "final": [float(x) for x in reference.final],
-            "scales": reference.scales,
+            "final": reference.exact.x[-1].tolist(),
+            "scales": reference.scales.tolist(),
         },
         "omega": chart.spectrum.omega,
         "limits": {

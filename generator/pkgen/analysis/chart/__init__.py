@@ -1,6 +1,7 @@
 """`pkgen chart`: accuracy against cost, by every method that applies to a model.
 
 reference  states along the motion beyond double precision, checked against other runs
+rows       output rows of runs, and their differences
 errors     definitions of the error of a run
 spectrum   frequencies along the motion, from which the stability limit of each method follows
 sweep      points: runs of every method at several steps or tolerances, measured in C

@@ -7,6 +7,8 @@ import random
 from dataclasses import replace
 from typing import Any, Protocol
 
+import numpy
+
 from ...compiler import Compilation
 from ...methods import Own
 from ...record import record
@@ -18,8 +20,7 @@ from ...system.exits import UsageError
 from ...system.progress import Show
 from . import answer, reference, spectrum, sweep
 from .answer import Answer, Beside
-from .errors import ENERGY, KINDS, ErrorKind, Measure
-from .exact import Exact
+from .errors import ENERGY, KINDS, ErrorKind
 from .measure import Program
 from .points import ChartedMethod, Track
 from .reference import PRECISE, Reference
@@ -126,14 +127,18 @@ def measure(
     given = program.given()
     on_progress(0.02, "compiling and integrating the reference")
     exact = reference.find(compilation, given)
-    motions = [(program, Measure(kind, exact.path, exact.scales))]
+    motions = [(program, exact.measure(kind))]
     structure = compilation.structure
     for k in range(1, starts):
-        at = exact.path[k * reference.TIMES // starts][1] if structure.autonomous else None
-        other = _at(given, at) if at else _beside(given, exact.scales, k)
+        state = exact.exact.x[k * reference.TIMES // starts]  # it fulfils constraints
+        if not structure.autonomous:  # beside the start, by up to BESIDE of each scale
+            chance = random.Random(k)
+            moved = [chance.uniform(-BESIDE, BESIDE) for _ in state]
+            state = exact.exact.x[0] + moved * exact.scales
+        q, v = (tuple(enumerate(x.tolist())) for x in numpy.split(state, [exact.coordinates]))
+        other = replace(given, start_q=q, start_v=v)
         motion = Program(path, other, compilation.model.methods)
-        found = reference.find(compilation, other)
-        motions.append((motion, Measure(kind, found.path, found.scales)))
+        motions.append((motion, reference.find(compilation, other).measure(kind)))
     follower = reference.best(structure)
     found = spectrum.find(program, follower, settings.until, not structure.variational)
     floor = 0.0 if kind.name == ENERGY else exact.worst if kind.path else exact.error
@@ -171,29 +176,6 @@ def measure(
         beside=beside,
         unmeasured=unmeasured,
         interrupted=children.ended(),
-    )
-
-
-def _at(given: Settings, state: Exact) -> Settings:
-    """Returns settings whose start is `state`, a state of the motion: it fulfils constraints."""
-    q, v = state[: state.coordinates], state[state.coordinates :]
-    return replace(
-        given,
-        start_q=tuple((i, float(x)) for i, x in enumerate(q)),
-        start_v=tuple((i, float(x)) for i, x in enumerate(v)),
-    )
-
-
-def _beside(given: Settings, scales: list[float], seed: int) -> Settings:
-    """Returns settings with a perturbed start, for equations that depend on time: each coordinate
-    and rate changes by up to BESIDE of its scale."""
-    chance = random.Random(seed)
-    n = len(given.start_q)
-    moved = [BESIDE * s * chance.uniform(-1, 1) for s in scales]
-    return replace(
-        given,
-        start_q=tuple((i, x + d) for (i, x), d in zip(given.start_q, moved, strict=False)),
-        start_v=tuple((i, x + d) for (i, x), d in zip(given.start_v, moved[n:], strict=True)),
     )
 
 

@@ -7,17 +7,16 @@ the energy is relative to its largest terms (docs/diagnostics.md), a lead or lag
 from __future__ import annotations
 
 import math
-import statistics
-from collections.abc import Callable
-from fractions import Fraction
+
+import numpy
 
 from ...record import record
-from ...system.exits import UsageError
-from .exact import Exact, difference
+from ...system.exits import NumericsFailed, UsageError
+from .rows import Rows
 
 ENERGY = "energy"
 END = 0.1  # a lead in phase is averaged over this last fraction of the duration
-State = tuple[float, Exact]
+LAST = slice(-1, None)
 
 
 @record
@@ -68,55 +67,38 @@ KINDS = {
 
 @record
 class Measure:
-    """Computes errors of one kind. `path` has the states of the reference at equal intervals;
-    `scales` has the magnitude of each component of a state, to which its error is relative."""
+    """Computes errors of one kind. `exact` has the states of the reference at equal intervals;
+    `scales` has the magnitude of each component of a state, to which its error is relative. The
+    first `coordinates` components are coordinates, next are their rates."""
 
     kind: ErrorKind
-    path: list[State]
-    scales: list[float]
+    exact: Rows
+    scales: numpy.ndarray
+    coordinates: int
 
-    def of(self, states: list[State], report: dict) -> float:
-        """Returns the error, which may be infinite. Raises UsageError if it is not defined for the
-        model."""
+    def of(self, seen: Rows, report: dict) -> float:
+        """Returns the error of a run, from its states at the times of the reference or, if the kind
+        needs no path, from its last state. The error may be infinite. Raises UsageError if it is
+        not defined for the model."""
         if self.kind.name == ENERGY:
             found = [d["max"] for d in report["drifts"] if d["name"] == ENERGY]
             if not found:
                 raise UsageError("--error energy: no energy of this model is constant")
             return math.inf if found[0] is None else float(found[0])
-        return _OF[self.kind.name](self, [state for _, state in states])
+        off = self.exact.apart(seen) if self.kind.path else self.exact.apart(seen, LAST, LAST)
+        if not numpy.isfinite(off).all():
+            raise NumericsFailed("a state is not finite")
+        if self.kind.name == "phase":
+            return self._phase(off)
+        far = (abs(off) / self.scales).max(axis=1)
+        return float(far.mean() if self.kind.name == "mean" else far.max())
 
-    def _far(self, states: list[Exact]) -> list[float]:
-        """Returns the error at each time of the reference. Raises ValueError if `states` has not
-        as many states as the reference."""
-        pairs = zip(states, self.path, strict=True)
-        return [difference(one, other, self.scales) for one, (_, other) in pairs]
-
-    def _final(self, states: list[Exact]) -> float:
-        return difference(states[-1], self.path[-1][1], self.scales)
-
-    def _max(self, states: list[Exact]) -> float:
-        return max(self._far(states))
-
-    def _mean(self, states: list[Exact]) -> float:
-        return statistics.fmean(self._far(states))
-
-    def _phase(self, states: list[Exact]) -> float:
-        n = self.path[0][1].coordinates
+    def _phase(self, off: numpy.ndarray) -> float:
+        n, t = self.coordinates, self.exact.t
         if not n:
             raise UsageError("--error phase: the model has no coordinates")
-        last = max(1, int(END * len(self.path)))
-        moved = apart = Fraction(0)
-        for (_, exact), state in [*zip(self.path, states, strict=True)][-last:]:
-            for i in range(n):
-                rate = exact[n + i] / Fraction(self.scales[i]) ** 2
-                moved += rate * exact[n + i]
-                apart += rate * (state[i] - exact[i])
-        return abs(float(apart / moved)) / self.path[-1][0] if moved else math.inf
-
-
-_OF: dict[str, Callable[[Measure, list[Exact]], float]] = {
-    "final": Measure._final,
-    "max": Measure._max,
-    "mean": Measure._mean,
-    "phase": Measure._phase,
-}
+        late = slice(-max(1, int(END * len(t))), None)
+        rates = self.exact.x[late, n : 2 * n]
+        parts = rates / self.scales[:n] ** 2
+        moved = (parts * rates).sum()
+        return abs(float((parts * off[late, :n]).sum() / moved)) / t[-1] if moved else math.inf

@@ -13,8 +13,8 @@ from ...run.library import Run, load
 from ...run.settings import Settings, Shown
 from ...system.exits import USAGE, UsageError
 from .errors import Measure
-from .exact import Exact
 from .points import ChartedMethod, Point
+from .rows import rows_of
 from .scale import divided
 
 AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
@@ -70,14 +70,6 @@ class Program:
         kinds = (("q", self.start["q"]), ("v", self.start["v"]))
         return tuple(Shown(kind, i, "") for kind, xs in kinds for i in range(len(xs)))
 
-    def states(self, done: Run) -> tuple[list[float], list[Exact]]:
-        """Returns the times and the states in the rows of a finished run. The columns of the run
-        must be those of the property `state`."""
-        high, low = done.rows(), done.rows(low=True)
-        n = len(self.start["q"])
-        exact = [Exact.of(x[1:], y[1:], n) for x, y in zip(high, low, strict=True)]
-        return [float(x[0]) for x in high], exact
-
     def path(self, method: str, tolerance: float, count: int, cap: float) -> Run:
         """Runs an adaptive method. The run divides its duration into `count` equal intervals and
         writes the state, a row of output, at the end of each."""
@@ -102,12 +94,11 @@ class Program:
         if self._arrived(done):
             seen = done
             if measure.kind.path:
-                every = until / (len(measure.path) - 1)
+                every = until / (len(measure.exact.t) - 1)
                 but = {"every": every, "show": self.state, "rows": "dense"}
                 seen = self.run(method.name, setting, but=but, bare=1, cap=cap)
             if self._arrived(seen):
-                states = list(zip(*self.states(seen), strict=True))
-                error = measure.of(states, seen.report)
+                error = measure.of(rows_of(seen), seen.report)
                 fastest = done.laps(seconds)
             else:  # the run with output rows failed: the point describes this run
                 done = seen

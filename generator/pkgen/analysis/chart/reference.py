@@ -13,15 +13,17 @@ from __future__ import annotations
 import sys
 from itertools import takewhile
 
+import numpy
+
 from ...compiler import Compilation
 from ...equations import Facts
 from ...record import record
 from ...run.settings import Settings
 from ...system.exits import BuildError, NumericsFailed, UsageError
 from . import wide
-from .errors import State
-from .exact import Exact, difference
+from .errors import ErrorKind, Measure
 from .measure import Program
+from .rows import Rows, rows_of
 
 TIMES = 100
 PRECISE = ("gauss", "dop853")  # the methods that compute the reference
@@ -36,33 +38,29 @@ TOLERANCES = {"__float128": (1e-28, 1e-25, 1e-22), "long double": (1e-18, 1e-17,
 
 @record
 class Reference:
-    """Reference states at equal intervals, in `path`. `error` is the error of the last state,
-    `worst` is the largest error of any state. Up to the time `holds` errors are below MUST_AGREE.
-    """
+    """Reference states at equal intervals, in `exact`. `scales` has the largest magnitude of each
+    component; if that is 0, the largest magnitude of all coordinates or all rates. `error` is the
+    error of the last state, `worst` is the largest error of any state. Up to the time `holds`
+    errors are below MUST_AGREE."""
 
-    path: list[State]
-    scales: list[float]
+    exact: Rows
+    scales: numpy.ndarray
+    coordinates: int
     error: float
     worst: float
     holds: float
-    until: float
     scalar: str
     steps: int
 
-    @property
-    def final(self) -> Exact:
-        return self.path[-1][1]
-
-    @property
-    def trusted(self) -> bool:
-        return self.error <= MUST_AGREE
+    def measure(self, kind: ErrorKind) -> Measure:
+        return Measure(kind, self.exact, self.scales, self.coordinates)
 
     def text(self, time: str) -> str:
         said = (
             f"gauss in {self.scalar}, {self.steps} steps, agrees with dop853 and a looser "
             f"tolerance to {self.error:.1e}"
         )
-        if self.trusted:
+        if self.error <= MUST_AGREE:
             return said
         unit = f" {time}" if time else ""
         return (
@@ -92,25 +90,22 @@ def _agree(program: Program, scalar: str, method: str) -> Reference:
     runs = [(method, tight), (method, loose), ("dop853", other)]
     if method == "dop853":  # the third run would repeat the first method
         runs = [(method, other), (method, other * 100)]
-    paths = [_path(program, *run) for run in runs]
-    exact, checks = paths[0], paths[1:]
-    if _at_rest([state for _, state in exact[0]]):
+    (exact, steps), *checks = (_path(program, *run) for run in runs)
+    largest, n = abs(exact.x).max(axis=0), len(program.start["q"])
+    # Nothing moves if no number changes by more than the round-off of a double.
+    if (numpy.ptp(exact.x, axis=0) <= sys.float_info.epsilon * largest).all():
         raise UsageError(
             "nothing moves from this start, so every method is exact; give another by --start"
         )
-    scales = _scales([state for _, state in exact[0]])
-    worst = [
-        max(difference(state, check[0][k][1], scales) for check in checks)
-        for k, (_, state) in enumerate(exact[0])
-    ]
-    agreed = takewhile(lambda pair: pair[1] <= MUST_AGREE, zip(exact[0], worst, strict=True))
-    holds = max((t for (t, _), _ in agreed), default=0.0)
-    return Reference(
-        exact[0], scales, worst[-1], max(worst), holds, exact[0][-1][0], scalar, exact[1]
-    )
+    kinds = largest[:n], largest[n:]
+    scales = numpy.concatenate([numpy.where(x > 0, x, x.max(initial=0.0) or 1.0) for x in kinds])
+    worst = numpy.max([(abs(exact.apart(rows)) / scales).max(axis=1) for rows, _ in checks], axis=0)
+    agreed = takewhile(lambda pair: pair[1] <= MUST_AGREE, zip(exact.t, worst, strict=True))
+    holds = max((float(t) for t, _ in agreed), default=0.0)
+    return Reference(exact, scales, n, float(worst[-1]), float(worst.max()), holds, scalar, steps)
 
 
-def _path(program: Program, method: str, tolerance: float) -> tuple[list[State], int]:
+def _path(program: Program, method: str, tolerance: float) -> tuple[Rows, int]:
     done = program.path(method, tolerance, TIMES, SLOWEST)
     found = done.report
     if found["status"] != "PK_DONE":
@@ -121,24 +116,4 @@ def _path(program: Program, method: str, tolerance: float) -> tuple[list[State],
         raise NumericsFailed(
             f"the reference came to t = {found['t']:.3g} in {SLOWEST:g} s; take a shorter --until"
         )
-    return list(zip(*program.states(done), strict=True)), found["steps"]
-
-
-def _at_rest(states: list[Exact]) -> bool:
-    """Whether nothing moves by more than the round-off of a double."""
-    return all(
-        float(max(xs) - min(xs)) <= sys.float_info.epsilon * float(max(map(abs, xs)))
-        for xs in zip(*states, strict=True)
-    )
-
-
-def _scales(states: list[Exact]) -> list[float]:
-    """Returns the largest magnitude of each coordinate and rate; if that is 0, the largest
-    magnitude of all coordinates or all rates."""
-    n = states[0].coordinates
-    largest = [float(max(map(abs, xs))) for xs in zip(*states, strict=True)]
-    scales: list[float] = []
-    for kind in (largest[:n], largest[n:]):
-        usual = max(kind, default=0.0) or 1.0
-        scales += [x or usual for x in kind]
-    return scales
+    return rows_of(done), found["steps"]
