@@ -64,7 +64,7 @@ READ = {
         tree
     """,
     "peers": """
-        analysis.chart.answer analysis.chart.errors analysis.chart.exact
+        analysis.chart.answer analysis.chart.errors analysis.chart.rows
         analysis.chart.measure analysis.chart.points analysis.chart.spectrum
         analysis.chart.sweep compiler functions graph.differentiate graph.graph
         graph.written middle.jacobians run.build

@@ -14,7 +14,6 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
-import numpy
 import pytest
 
 from conftest import case, ran, written

@@ -60,7 +60,7 @@ def test_equations_are_those_of_the_kernels() -> None:
 
 def test_an_expression_that_is_too_long_is_refused(monkeypatch) -> None:
     monkeypatch.setattr("pkgen.api.symbols._LONGEST", 9)
-    with pytest.raises(api.UsageError, match="double_pendulum: .*operations, and SymPy gets 9"):
+    with pytest.raises(api.UsageError, match=r"double_pendulum: .*operations, and SymPy gets 9"):
         api.load(DOUBLE).sympy()
 
 
