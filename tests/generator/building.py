@@ -3,7 +3,10 @@
 from collections.abc import Mapping, Sequence
 
 from pkgen.front.check.check import check_text
+from pkgen.middle.reduce.reduction import Needs
 from pkgen.model import Model
+from pkgen.plan import Use
+from pkgen.record import record
 from pkgen.source import Source
 
 DEFINED = {"lets": "let", "forces": "force"}
@@ -46,3 +49,13 @@ def parts_of_links(count: int, own: bool = False) -> dict[str, object]:
         kinetic=f"sum({m}/2*(x[k]'^2 + y[k]'^2), k = 1..N)",
         potential=f"sum({m}*g*y[k], k = 1..N)",
     )
+
+
+@record(kw_only=True)
+class Needing(Use):
+    """The whole model, of which these columns alone are needed."""
+
+    columns: frozenset[str]
+
+    def needs(self, used: Model) -> Needs:
+        return Needs(self.columns)

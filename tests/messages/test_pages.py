@@ -17,8 +17,8 @@ from conftest import ROOT, run_pkgen
 
 PAGES = sorted(Path(__file__).parent.glob("*.txt"))
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]\d+)?")
-# Lines about how long a run went.
-LENGTHS = re.compile(r"\d rejected|^energy |\d ms|^run: at t = .* of ")
+# Lines about the length of a run, and about rounding.
+LENGTHS = re.compile(r"\d rejected|^energy |\d ms|^run: at t = .* of |as a random walk grows")
 MARKS = ("=== ", "--- ", "$ ")
 SMALL = 1e-9  # numbers below are rounding
 
@@ -52,9 +52,9 @@ def said(words: str, files: dict[str, str], folder: Path) -> list[str]:
         (folder / name).write_text(text, encoding="utf-8")
     words, _, shown = words.partition(" | ")
     done = run_pkgen(*shlex.split(words.replace("$ROOT", str(ROOT))), cwd=folder)
-    text = done.stderr.replace(str(ROOT), "$ROOT")
-    lines = [line for line in text.splitlines() if not LENGTHS.search(line)]
+    lines = [line for line in done.stderr.splitlines() if not LENGTHS.search(line)]
     lines += [f"> {line}" for line in done.stdout.splitlines() if shown and shown in line]
+    lines = [line.replace(f"{folder}/", "").replace(str(ROOT), "$ROOT") for line in lines]
     return [f"exit {done.returncode}{', rows' * bool(done.stdout)}", *lines]
 
 

@@ -15,8 +15,8 @@ enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
  * times the largest h - W. */
 static pk_real doubt(const struct well *w, pk_real q, pk_real amplitude)
 {
-    const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = well_force(w, q);
-    const pk_real slope = (well_force(w, q + d) - well_force(w, q - d)) / (2 * d);
+    const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = force_at(w, q);
+    const pk_real slope = (force_at(w, q + d) - force_at(w, q - d)) / (2 * d);
     return PK_EPSILON * w->most * pk_abs(slope) / (F * F);
 }
 
@@ -31,7 +31,7 @@ static int half(const struct well *w, pk_real q, pk_real inwards, pk_real amplit
         const pk_real x = PK_F(sin)(s / 2), y = inwards * 2 * amplitude * x * x;
         U += well_work(w, q, last, y);
         last = y;
-        const pk_real M = well_mass(w, q + y), dq = amplitude * PK_F(sin)(s);
+        const pk_real M = mass_at(w, q + y), dq = amplitude * PK_F(sin)(s);
         if (!(U > 0 && M > 0))
             return 0;
         *J += PK_F(sqrt)(2 * M * U) * dq;
@@ -47,10 +47,10 @@ static int round_once(const struct well *w, pk_real q, pk_real U, pk_real direct
 {
     const pk_real dq = direction * (TURN / (pk_real)nodes);
     for (size_t j = 0; j < nodes; j++) {
-        const pk_real y = (pk_real)j * dq, M = well_mass(w, q + y);
+        const pk_real y = (pk_real)j * dq, M = mass_at(w, q + y);
         if (!(U > 0 && M > 0))
             return 0;
-        *J += PK_F(sqrt)(2 * M * U) + direction * well_linear(w, q + y);
+        *J += PK_F(sqrt)(2 * M * U) + direction * linear_at(w, q + y);
         *T += PK_F(sqrt)(M / (2 * U));
         U += well_work(w, q, y, y + dq);
     }
@@ -90,11 +90,11 @@ static void sums(struct action *a, const struct well *w, pk_real q, pk_real U, p
 static enum orbit orbit_of(struct action *a, struct well *w, pk_real q, pk_real U,
                            pk_real direction)
 {
-    const pk_real F = well_force(w, q);
+    const pk_real F = force_at(w, q);
     struct end ahead, behind = {0, 0, 1};
     if (!(U > 0)) { /* at rest: the start is a turning point */
         const pk_real d = 2 * PK_EPSILON * q;
-        if (!(pk_abs(F) > 2 * pk_abs(well_force(w, q + d) - well_force(w, q - d))))
+        if (!(pk_abs(F) > 2 * pk_abs(force_at(w, q + d) - force_at(w, q - d))))
             return pk_finite(F) ? EQUILIBRIUM : UNBOUNDED;
         direction = F > 0 ? 1 : -1;
     }
@@ -127,7 +127,7 @@ static int is_followed(const struct action *a, const struct well *w, pk_real q, 
     for (int k = 0; k <= SAMPLES; k++) {
         const pk_real x = q + a->lo + (a->hi - a->lo) * ((pk_real)k / SAMPLES);
         const pk_real left = h - s->energy(w->params, w->t, &x, &rest, w->u);
-        const pk_real rounding = pk_abs(h) + pk_abs(x * well_force(w, x));
+        const pk_real rounding = pk_abs(h) + pk_abs(x * force_at(w, x));
         const pk_real slack = shown + 256 * PK_EPSILON * rounding;
         if (!(left >= -slack) || ((k == 0 || k == SAMPLES) && !(left <= slack)))
             return 0;
@@ -150,7 +150,7 @@ enum pk_status action_find(struct action *found, const struct pk_problem *proble
     if (!(s->facts & PK_QUADRATIC))
         return PK_REFUSED;
     const pk_real direction = *v < 0 ? -1 : 1;
-    w.most = well_mass(&w, *q) * *v * *v / 2;
+    w.most = mass_at(&w, *q) * *v * *v / 2;
     const pk_real U = w.most;
     const pk_real h = s->energy ? s->energy(w.params, t, q, v, u) : 0;
     int followed = 0;

@@ -7,7 +7,7 @@
 enum { PANELS = 20000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
 #define FOLLOWED (1024 * PK_EPSILON) /* largest error of the work in a panel, relative to w->most */
 
-pk_real well_force(const struct well *w, pk_real q)
+pk_real force_at(const struct well *w, pk_real q)
 {
     const pk_real rest = 0;
     pk_real F;
@@ -15,7 +15,7 @@ pk_real well_force(const struct well *w, pk_real q)
     return F;
 }
 
-pk_real well_mass(const struct well *w, pk_real q)
+pk_real mass_at(const struct well *w, pk_real q)
 {
     const pk_real rest = 0;
     pk_real M;
@@ -23,7 +23,7 @@ pk_real well_mass(const struct well *w, pk_real q)
     return M;
 }
 
-pk_real well_linear(const struct well *w, pk_real q)
+pk_real linear_at(const struct well *w, pk_real q)
 {
     const pk_real rest = 0;
     pk_real b, pdot;
@@ -42,8 +42,8 @@ pk_real well_work(const struct well *w, pk_real q, pk_real a, pk_real b)
     const pk_real half = (b - a) / 2, middle = a + half;
     pk_real sum = 0;
     for (int i = 0; i < 3; i++)
-        sum += weight[i] * (well_force(w, q + (middle - half * x[i])) +
-                            well_force(w, q + (middle + half * x[i])));
+        sum += weight[i] * (force_at(w, q + (middle - half * x[i])) +
+                            force_at(w, q + (middle + half * x[i])));
     return half * sum;
 }
 
@@ -63,7 +63,7 @@ static enum pk_status left_at(void *context, pk_real distance, pk_real *U)
 static enum pk_status slope_at(void *context, pk_real distance, pk_real *slope)
 {
     const struct place *p = (const struct place *)context;
-    *slope = p->direction * well_force(p->w, p->q + (p->y + p->direction * distance));
+    *slope = p->direction * force_at(p->w, p->q + (p->y + p->direction * distance));
     return PK_DONE;
 }
 
@@ -116,8 +116,8 @@ static int is_angle(const struct well *w, pk_real q)
     for (int k = 0; k < PROBES; k++) {
         const pk_real x = q + (pk_real)k * PK_C(0.7310585786300049);
         const pk_real X = x + TURN;
-        const pk_real here[3] = {well_force(w, x), well_mass(w, x), well_linear(w, x)};
-        const pk_real there[3] = {well_force(w, X), well_mass(w, X), well_linear(w, X)};
+        const pk_real here[3] = {force_at(w, x), mass_at(w, x), linear_at(w, x)};
+        const pk_real there[3] = {force_at(w, X), mass_at(w, X), linear_at(w, X)};
         for (int i = 0; i < 3; i++) {
             off[i] = PK_F(fmax)(off[i], pk_abs(here[i] - there[i]));
             most[i] = PK_F(fmax)(most[i], pk_abs(here[i]));
@@ -136,7 +136,7 @@ static int is_angle(const struct well *w, pk_real q)
 struct end well_march(struct well *w, pk_real q, pk_real U, pk_real direction)
 {
     struct end end = {0, 0, 0};
-    const pk_real F = pk_abs(well_force(w, q));
+    const pk_real F = pk_abs(force_at(w, q));
     pk_real y = 0, d = U > 0 && F > 0 ? U / F : pk_abs(q) > 0 ? pk_abs(q) : 1;
     for (int panel = 0; panel < PANELS && pk_finite(d); panel++) {
         d = PK_F(fmin)(d, w->longest);

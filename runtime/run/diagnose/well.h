@@ -22,9 +22,9 @@ struct end {
     int turns, found;
 };
 
-pk_real well_force(const struct well *w, pk_real q); /* dL/dq at v = 0, which is -dW/dq */
-pk_real well_mass(const struct well *w, pk_real q);
-pk_real well_linear(const struct well *w, pk_real q); /* b */
+pk_real force_at(const struct well *w, pk_real q); /* dL/dq at v = 0, which is -dW/dq */
+pk_real mass_at(const struct well *w, pk_real q);
+pk_real linear_at(const struct well *w, pk_real q); /* b */
 /* Integrates the force at q + x over x from a to b, by the Gauss-Legendre rule of order 12. */
 pk_real well_work(const struct well *w, pk_real q, pk_real a, pk_real b);
 /* Marches from q, where h - W is U, in one direction until h - W is 0 or a turn is complete. */
