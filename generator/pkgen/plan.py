@@ -17,7 +17,7 @@ from .middle.report import ReportLine
 from .model import Model
 from .record import record
 
-EXPONENTIAL_MOST = 64  # most coordinates: each step multiplies by a full matrix
+EXPONENTIAL_MOST = 64  # most coordinates for `exponential`, whose step multiplies by a full matrix
 Made = tuple[Equations | LoopEquations, Facts]
 OPTION, SCENE, DEFAULT = "option", "scene", "default"  # origins of a method
 

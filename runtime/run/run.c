@@ -176,7 +176,7 @@ static const char *once(struct pk_run *run, char **text,
 const char *pk_run_report(struct pk_run *run)
 {
     const int known = (run->report || run->it.method) && !run->checkpoint.refused;
-    /* {}: a run without a state has no report */
+    /* {}: a run that could not start has no report */
     return known ? once(run, &run->report, report_run) : "{}";
 }
 

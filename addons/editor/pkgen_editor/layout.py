@@ -243,9 +243,10 @@ def _keep_columns(source: Source, block: list[Line]) -> None:
 
 
 def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
-    """Yields the aligned columns of the original text, from the left. A column of second tokens may
-    have statements of any kind; a column of later tokens has statements of one kind. A column may
-    skip lines."""
+    """Yields the aligned columns of the original text, from the left. A column is
+    a set of tokens that begin at the same place in several lines. Second tokens of a line align
+    with those of any statement, later tokens only with those of the same kind of statement. A
+    column may skip lines."""
     # (whether more than one space precedes any of the tokens, the tokens)
     found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}
     for line in block:

@@ -155,7 +155,7 @@ def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
     return made
 
 
-# Names in messages for options that are not arguments of the same name.
+# Command-line options whose argument in Python has another name -> the argument's name.
 _CALLS = {"ensemble": "ensemble()", "set": "params and inputs", "size": "sizes", "output": "rows"}
 # Dictionary arguments whose items are values of an option.
 _ITEMS = {"set": "inputs", "size": "sizes", "start": "start"}

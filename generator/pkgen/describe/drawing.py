@@ -112,7 +112,7 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
             continue
         stem, _, part = item.name.partition(".")
-        if part and part not in AXES:  # a body or joint is drawn by its centre of mass
+        if part and part not in AXES:  # the body's centre of mass is drawn, not its components
             if part == "com":
                 whole = Name(item.name, None, item.span)
                 at = tuple(Component(whole, k, item.span) for k in range(3))

@@ -27,7 +27,7 @@ CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord",
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
 # Internal quantities of a body that is fixed to another body.
 HELD = ("held", "place", "e", "f", "g")
-COLUMNS = ("X", "Y", "Z")  # Columns of R, used if a loop variable is the index of a body.
+COLUMNS = ("X", "Y", "Z")  # Columns of R, which families of bodies use in place of R.
 TURNING = ("R", "held", "turn")  # Quantities that are rotations.
 # End of a joint's range -> direction in which the event crosses zero, sign of the infinity that
 # means no limit.

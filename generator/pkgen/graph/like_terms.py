@@ -72,8 +72,9 @@ def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
 def _square_partners(
     g: Nodes, scale: Node, rest: Node
 ) -> Iterator[tuple[Factors, Node, Node, Node]]:
-    """Yields the terms that could be merged with scale * rest. Each comes as (monomial of the term,
-    scale of the term, scale of the merged term, rest of the merged term)."""
+    """Yields the terms that merge with scale * rest by sin^2 + cos^2 = 1 and the like. A term is a
+    scale times factors. Each is yielded as (factors of the term, its scale, scale of the sum,
+    factors of the sum)."""
     factors = g._factors[rest]
     for base, exponent in factors:
         partner = g._partner.get(base) if exponent >= 2 else None

@@ -60,8 +60,8 @@ def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def _sums(g: Graph, order: list[Node], plain: Iterable[bool]) -> set[Node]:
-    """Returns the sums with variables among the nodes of `order` whose element of `plain` is
-    true."""
+    """Returns the sums among the nodes of `order` that depend on variables, and whose element of
+    `plain` is true."""
     found = (node for node, is_plain in zip(order, plain, strict=True) if is_plain)
     return {n for n in found if g.op[n] is Op.ADD and g.depends[n] & VARIABLE}
 

@@ -99,7 +99,8 @@ struct pk_block_stepper {
     size_t lanes;                                          /* states in a block, at most 64 */
     unsigned long long (*step)(struct pk_block *block);    /* makes a step of given size */
     unsigned long long (*attempt)(struct pk_block *block); /* makes a trial step, or NULL */
-    /* Computes accelerations at block->t. All three return a bit mask of the lanes that failed. */
+    /* Computes accelerations at block->t. Returns, as step() and attempt() do, a bit mask of
+     * the lanes that failed. */
     unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,
                                   pk_real *a);
     /* Computes the functions of all events, then those of all switches, at block->t. Number k of

@@ -153,8 +153,9 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
     return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
 }
 
-/* Shifts angles of q by whole turns towards the start. Copies q to m->q if q has a better rank than
- * `best`, or the same rank and is nearer to the start than m->q. Returns the better rank. */
+/* Shifts angles of q by whole turns towards the start. Copies q to m->q if q is of a better kind
+ * (enum fitness) than `best`, or of the same kind and nearer to the start than m->q. Returns the
+ * better kind. */
 static enum fitness consider(struct modes *m, double *q, enum fitness best)
 {
     for (size_t i = 0; i < m->n; i++)

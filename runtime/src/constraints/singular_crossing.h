@@ -8,7 +8,7 @@
 enum { PK_SINGULAR_CROSSING_STAGES = 8 };
 
 struct pk_singular_crossing {
-    pk_real sigma; /* sigma when it was last computed */
+    pk_real sigma; /* least singular value of the scaled J M^-1/2, when it was last computed */
     pk_real at;    /* if sigma falls: predicted time at which it is 0 */
     pk_real falls; /* whether sigma falls */
     pk_real t, h;  /* start time and size of the crossing, a step across the singular position */

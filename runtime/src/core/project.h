@@ -62,8 +62,8 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
 /* Returns the largest ratio of a residual to the size of its terms (or NaN), and the index of that
- * row in *which. The size of a row's terms counts as at least the rounding of the terms of the
- * other rows. */
+ * row in *which. The size is at least PK_EPS times that of the other rows' terms, so that
+ * a row of tiny terms has no large ratio. */
 pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which);
 /* Factors J M^-1 J^T of the first `rows` rows, all or only holonomic rows, with the current J.
  * Returns 0, or 1 + the index of a row that depends on the others. */

@@ -60,9 +60,9 @@ static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_re
     }
 }
 
-/* Methods with momenta solve M v = p, so that v has the rounding of p. With constraints this
- * rounding does not move the state. The error of v_i is then taken as rtol times the sum of |M_ij
- * v_j|, over M_ii, and no equations are solved. */
+/* Methods with momenta solve M v = p, so that v has the rounding of p. With constraints v
+ * comes from a projection with the tolerance rtol: the error of v_i is then taken as rtol times the
+ * sum of |M_ij v_j|, over M_ii, and no equations are solved. */
 static void look_at_momenta(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;

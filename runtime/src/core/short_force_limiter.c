@@ -131,8 +131,9 @@ static struct window window(pk_real a, pk_real m, pk_real b)
 
 static pk_real warped(pk_real x) { return x + WARP * x * (1 - x); }
 
-/* Returns the fraction x of the trial step up to which mark k varies little enough (1: the whole
- * step). *rise is the part of this fraction after the point where the clipped u begins to vary. */
+/* Returns the fraction x of the trial step up to which mark k (a short force's argument u; see the
+ * head of this file) varies little enough; 1 is the whole step. *rise is the part of x after which u
+ * enters -ALIVE..ALIVE, outside of which the force does not vary. */
 static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 {
     const pk_real h = pk_abs(it->own->next_t - it->t),

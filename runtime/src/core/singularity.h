@@ -18,7 +18,7 @@ enum {
 enum { PK_SINGULARITY_SEARCH_PARTS = 5 };
 
 #define PK_SINGULARITY_DEEP \
-    PK_C(1e-12) /* a singularity vanishes where it has this fraction of its start value */
+    PK_C(1e-12) /* a divisor counts as 0 below this fraction of its value at the start */
 #define PK_SINGULARITY_SHALLOW \
     PK_C(1e-3) /* the same fraction if step sizes underflow: round-off stops the search */
 

@@ -29,10 +29,10 @@
 
 #include "gauss.h"
 
-/* limit of the norms in tests 2 and 3; below 1, the matrices are regular */
+/* limit of the norms in tests 2 and 3 above; below 1, J1 to J2 are regular */
 #define REGULAR PK_C(0.95)
 #define STRAIGHT PK_C(0.5) /* limit of the norm in straight(), for the path from v0 to V */
-#define LASTING PK_C(0.3)  /* if derivatives change by less, later steps are certified too */
+#define LASTING PK_C(0.3)  /* if derivatives change by less, no test is made in later steps */
 #define LEAST_LEAP PK_C(1e-4)
 #define NEWTON_RATE PK_C(0.25) /* usual ratio of the first two corrections of Newton's method */
 enum { MOST_POINTS = 400 };

@@ -153,7 +153,8 @@ void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, 
                        pk_real *x);
 void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_real *x,
                          const struct pk_band *lu, pk_real *y);
-/* In gauss_places.c. pk_gauss_band() describes the array `numbers` as a matrix of unknowns. The two
+/* In gauss_places.c. pk_gauss_band() describes the array `numbers` as a band matrix, whose
+ * rows and columns have the order of unknowns: member by member along a family. The two
  * other functions copy a vector of s stages from the order of coordinates to the order of unknowns,
  * and back. */
 struct pk_band pk_gauss_band(const struct pk_gauss_work *w, pk_real *numbers);

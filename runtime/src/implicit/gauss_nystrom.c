@@ -3,7 +3,7 @@
  *
  *     L_j = h b_j a_j,  V_i = v0 + sum mu_ij L_j,  P_j = h b_j V_j,  Q_i = q0 + sum mu_ij P_j
  *
- * (each product h b_j V_j is rounded once: mu2 of the adaptive method would break b_i a_ij + b_j
+ * (each product h b_j V_j is rounded once: rounded products mu_ij mu_jk, as the adaptive method uses, would break b_i a_ij + b_j
  * a_ji = b_i b_j by round-off that is the same in each step). The fixed-point iteration ends when
  * corrections no longer decrease: the remaining error is then random. If it does not converge,
  * Newton's iteration takes over; see newton.c.

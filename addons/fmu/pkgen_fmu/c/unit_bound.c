@@ -25,7 +25,7 @@ size_t unit_anchor_size(const struct unit *unit)
     return unit_bound(unit) ? PLACE + unit->n_x + unit->n_inputs : 0;
 }
 
-/* Initialises the integrator at the anchor. Fails if the anchor violates the constraints, as it may
+/* Initialises the integrator at the anchor, the last time and state that the importer has set. Fails if the anchor violates the constraints, as it may
  * after a change of parameters. */
 static enum unit_status begin(struct unit *unit)
 {

@@ -107,7 +107,7 @@ class Point:
     drifts: dict[str, float] = field(default_factory=dict)
     least: float | None = None  # range of errors over several starts; `error` is their median
     most: float | None = None
-    lucky: bool = False  # keeps an accuracy, but slightly finer runs miss it
+    lucky: bool = False  # accurate by chance: runs with slightly finer settings are less accurate
 
     @property
     def arrived(self) -> bool:

@@ -31,10 +31,11 @@ SLOWEST = 5.0  # most seconds of a run in a wider type
 # fraction of the way of the farthest method.
 NEARLY = 0.2
 FLOOR = 0.3  # largest error of a reference, relative to the accuracy
-ROUNDED = 2.0**-49  # error of an exact flow by round-off of its coefficients, equal in all runs
+ROUNDED = 2.0**-49  # round-off of a matrix exponential, the same in each run
 OTHER = 0.7  # longest step of the run for comparison, relative to the longest step of the reference
 # The reference is wrong if it differs from the run by another method by more than WRONG times the
-# difference of its own two runs, and by more than WRONG times the tolerance of the other method.
+# difference of the reference's own two runs, at its step and at a shorter one, and by more than
+# WRONG times the tolerance of the other method.
 WRONG = 1e3
 
 

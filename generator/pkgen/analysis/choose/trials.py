@@ -15,7 +15,7 @@ from ..chart.measure import Program
 from ..chart.rows import Rows, rows_of
 
 LAND, DENSE = "land", "dense"
-MANY = 256  # a run with more rows is not searched for larger magnitudes between rows
+MANY = 256  # the peaks between rows are computed only for runs of at most so many rows
 
 
 @record

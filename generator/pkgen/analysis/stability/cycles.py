@@ -100,8 +100,9 @@ def find(asker: Asker, period: float | None) -> Cycle | None:
 
 
 def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
-    """Returns one prediction if the loss of the cycle is sharp, or if the method keeps the cycle at
-    all step sizes searched; else none. The field `y` of the prediction is 2 pi h/period."""
+    """Returns one prediction if the step size at which the cycle is lost is known, or if the method
+    keeps the cycle at all step sizes searched; else none. The field `y` of the prediction is
+    2 pi h/period."""
     if cycle is None or lost is None or not lost.sharp:
         return []
     y = None if lost.h is None else 2 * math.pi * lost.h / cycle.period

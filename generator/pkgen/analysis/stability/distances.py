@@ -50,9 +50,9 @@ def beside(
     amplitude: float,
     state: numpy.ndarray | None = None,
 ) -> tuple[str, float, numpy.ndarray]:
-    """Makes steps from `state` and from a second state, which differs by `amplitude` boxes in each
-    unknown. Returns the status, the factor by which the distance of the two states has grown, and
-    the second state after the last step."""
+    """Makes steps from `state` and from a second state, which differs by `amplitude` times the
+    width of the search box in each unknown. Returns the status, the factor by which the distance of
+    the two states has grown, and the second state after the last step."""
     if not h > 0 or not amplitude > 0:
         raise UsageError("a step is positive, and so is an amplitude")
     y = system.start if state is None else state

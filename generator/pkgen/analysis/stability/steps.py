@@ -13,7 +13,7 @@ from .ask import Motion
 from .plan import Axis
 from .predict import Prediction
 
-MARGIN = 1.25  # the longest step size of a map, relative to the longest predicted limit
+MARGIN = 1.25  # the longest step size of a stability map, over the longest predicted limit
 TURNS_UNLIMITED = 1.25  # in periods of the fastest mode: the longest step if there is no limit
 MOST_STEPS = 2_000_000  # most steps of a run
 

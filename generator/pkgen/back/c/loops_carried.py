@@ -30,9 +30,9 @@ from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet
 
 BESIDE = 1  # This number, in place of an offset, marks a scalar coordinate.
-Variable = tuple[int, int]  # (its index relative to m, at most 0; number of its family)
-# For each pass along the chain, the fields of Piece that it computes besides the value and the
-# rate.
+Variable = tuple[int, int]  # (index relative to the loop's index m, at most 0; family's number)
+# For each pass of a loop along a chain of links, the fields of Piece that the pass computes besides
+# the value and the rate.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
 
 

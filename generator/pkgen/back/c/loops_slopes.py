@@ -1,4 +1,5 @@
-"""Template variables of matrices of derivatives: their unknowns and the kernels that write them."""
+"""Template variables of the Jacobians of M a and f: the order of the unknowns, and the kernels that
+write the Jacobians."""
 
 from __future__ import annotations
 

@@ -102,8 +102,8 @@ def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dic
     return {name: _embedded(text) for name, text in files.items()}
 
 
-# Replacements in embedded C, which calls functions by the names of <tgmath.h> and returns plain
-# numbers for failures.
+# Replacements (pattern, text) that make lean C, which needs no header of the runtime: functions by
+# their names in <tgmath.h>, failures as plain numbers.
 _EMBEDDED = (
     (r"PK_F\((\w+)\)", r"\1"),
     (r"PK_RESTRICT ", ""),

@@ -261,8 +261,8 @@ class Schedule:
 
 
 def _typed(form: Form) -> Form:
-    """Returns the form, in which an integer is written as a real: functions of <tgmath.h> convert
-    an int to double."""
+    """Returns the argument of a function; an integer is written as a real. <tgmath.h> would compute
+    in double for an int, whatever pk_real is."""
     text = code(form)
     return constant(f"PK_C({text}.0)") if text.isdigit() else form
 

@@ -56,7 +56,7 @@ class Required(Checks):
             self.error("the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'")
 
     def _bodies(self) -> bool:
-        """Whether the model has bodies. Bodies without errors define kinetic energies."""
+        """Whether the model has bodies, each of which adds a kinetic energy."""
         return any(isinstance(s, st.Body) for s in self.file.statements)
 
     def _states_alone(self) -> None:

@@ -17,7 +17,7 @@ from ...graph.normal import Normal
 from ...graph.residues import Residues
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
-# The largest number of products of two terms that are computed for all normal forms together.
+# Limit of work: products of two terms that the expansion of all expressions may compute.
 WORK = 4_000
 # The largest number of values modulo a prime that are computed: nodes times coordinates.
 SWEPT = 10_000

@@ -124,8 +124,8 @@ def sides(
 ) -> dict[Node, tuple[int, int]]:
     """Returns a map from each call that is kept on one branch within a step to (index of its
     switch, sign). The sign is 1 if the call's argument has the sign of the switch, -1 if it has the
-    opposite sign. If a switch has an impulse, all its calls in the nodes `positions` are
-    included."""
+    opposite sign. If velocities jump at a switch, all
+    its calls in the nodes `positions` (potential, mass) are included."""
     surfaces, found = Surfaces(g.copy()), {}
     places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
     loose = free(g, range(len(g))) if places else set()

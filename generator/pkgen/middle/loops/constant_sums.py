@@ -81,7 +81,7 @@ def assigned(
     x: LoopExpander, name: str, order: int, over: tuple, expr, limits: list[Limit]
 ) -> tuple[Assigned, list[Node]]:
     """Returns the assignment of the expression `expr` to the members lo..hi of a name, and all
-    nodes of this assignment. `over` is (lo, hi, values of the names in indices)."""
+    nodes of this assignment. `over` is (lo, hi, map from the variables in indices to values)."""
     lo, hi, loop = over
     if lo is not None and lo == hi:  # a single member needs no loop
         loop = {name: lo if at == variable(ROW) else at for name, at in loop.items()}

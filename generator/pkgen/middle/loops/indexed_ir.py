@@ -168,11 +168,11 @@ class PairForce:
     hi: Affine
     first: Affine
     last: Affine
-    # Pairs (family, derivative of the body by member m of this family).
+    # Pairs (family, derivative of the summand by member m of this family).
     by_row: tuple[tuple[str, Node], ...]
-    # Pairs (family, derivative of the body by member j of this family).
+    # Pairs (family, derivative of the summand by member j of this family).
     by_other: tuple[tuple[str, Node], ...]
-    # Pairs (scalar coordinate, derivative of the body by this coordinate).
+    # Pairs (scalar coordinate, derivative of the summand by this coordinate).
     by_scalar: tuple[tuple[str, Node], ...]
 
 

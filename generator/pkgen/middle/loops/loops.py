@@ -222,8 +222,8 @@ class LoopEquations:
 
     @property
     def unseen(self) -> tuple[Group, ...]:
-        """The coordinates that have no meaningful value, because their rates are body rates or
-        states."""
+        """The coordinates whose value means nothing. Their rates are a body's angular velocity, or
+        stand for states of first-order equations."""
         return tuple(g for g in self.coordinates if g.is_turn or g.is_state)
 
     @property
