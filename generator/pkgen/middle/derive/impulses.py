@@ -92,8 +92,8 @@ class Across:
 
     def _side(self, node: Node, argument: Node) -> int:
         """Returns 0 unless the node is a function call such as abs(x) that switches branch where
-        the argument vanishes. Returns 1 if the call's own argument has the sign of the argument, -1 if
-        it has the opposite sign: abs(-x)."""
+        the argument vanishes. Returns 1 if the call's own argument has the sign of the argument,
+        -1 if it has the opposite sign: abs(-x)."""
         own, sign = self.surfaces.of_call(node)
         if not sign:
             return 0
