@@ -99,16 +99,16 @@ TEST("their integrals are seen by nobody")
     CU_ASSERT(found >= 2 * 24);
 }
 
-static struct motion motion_from(const struct fixture *f, const char *method, double end)
+static struct motion motion_from(const struct fixture *of, const char *method, double end)
 {
     static struct memory memory;
     memory_end(&memory);
-    return (struct motion){.problem = &f->problem,
+    return (struct motion){.problem = &of->problem,
                            .method = pk_method_find(method),
-                           .options = f->options,
+                           .options = of->options,
                            .end = end,
-                           .q = f->q0,
-                           .v = f->v0,
+                           .q = of->q0,
+                           .v = of->v0,
                            .memory = &memory};
 }
 
