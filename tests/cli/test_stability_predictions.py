@@ -11,8 +11,9 @@ from stability_asker import PENDULUM, asker, start
 from conftest import ROOT, case
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure, misses, plan
-from pkgen.analysis.stability.ask import Asker, Close
+from pkgen.analysis.stability.ask import Asker
 from pkgen.analysis.stability.method import StepMap
+from pkgen.analysis.stability.near import Close
 from pkgen.analysis.stability.predict import Prediction, limit, predictions
 
 MAGNETIC = case("magnetic")
