@@ -12,8 +12,9 @@ from test_stability_modes import MEMS, PLANE
 from conftest import ROOT, case
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure, misses, plan
-from pkgen.analysis.stability.ask import Asker, Close
+from pkgen.analysis.stability.ask import Asker
 from pkgen.analysis.stability.method import StepMap
+from pkgen.analysis.stability.near import Close
 from pkgen.analysis.stability.predict import Prediction, limit, predictions
 
 # lambda = -c +- i sqrt(w^2 - c^2)

@@ -4,13 +4,16 @@ the reference motion. Their unit, the box, is the width of the region that the m
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy
 
 from ...run.integration import Integration
 from ...system.exits import UsageError
-from .system import System
-from .unknowns import Unknowns
+
+if TYPE_CHECKING:
+    from .ask import Asker
 
 SAMPLES, MOST_RETURNS = 8192, 8
 RETURNED = 0.1  # largest distance, in boxes, that counts as a return
@@ -20,7 +23,7 @@ STILL = 0.1  # least box of a variable, relative to the largest box of its kind 
 
 
 @numpy.errstate(all="ignore")
-def returns(system: System, unknowns: Unknowns, period: float) -> tuple[numpy.ndarray, list[float]]:
+def returns(system: Asker, period: float) -> tuple[numpy.ndarray, list[float]]:
     """Returns the state of the motion at the end of its duration, and the times that elapse until
     the motion returns to this state. If `period` is not 0, the duration is rounded up to a multiple
     of it."""
@@ -32,7 +35,7 @@ def returns(system: System, unknowns: Unknowns, period: float) -> tuple[numpy.nd
     for k in range(SAMPLES + 1, 2 * SAMPLES + 1):
         if len(times) == MOST_RETURNS or not it.to(until * k / SAMPLES):
             break
-        d = float(abs(unknowns.apart(begun, it.state)).max(initial=0.0))
+        d = float(abs(system.unknowns.apart(begun, it.state)).max(initial=0.0))
         if before > last and d >= last and last < RETURNED and last < most / 3:
             times.append(until * (k - 1 - SAMPLES) / SAMPLES)
         most, before, last = max(most, d), last, d
@@ -41,21 +44,20 @@ def returns(system: System, unknowns: Unknowns, period: float) -> tuple[numpy.nd
 
 @numpy.errstate(all="ignore")
 def beside(
-    system: System,
-    unknowns: Unknowns,
+    system: Asker,
     *,
     method: str,
     h: float,
     count: int,
     amplitude: float,
-    state: numpy.ndarray | None = None,
+    state: Sequence[float] | None = None,
 ) -> tuple[str, float, numpy.ndarray]:
     """Makes steps from `state` and from a second state, which differs by `amplitude` times the
     width of the search box in each unknown. Returns the status, the factor by which the distance of
     the two states has grown, and the second state after the last step."""
     if not h > 0 or not amplitude > 0:
         raise UsageError("a step is positive, and so is an amplitude")
-    y = system.start if state is None else state
+    unknowns, y = system.unknowns, system.start if state is None else numpy.array(state, float)
     other = y.copy()
     sign = numpy.where(numpy.arange(len(unknowns.of)) % 2, -1, 1)
     other[unknowns.of] += sign * amplitude * unknowns.box
@@ -74,7 +76,7 @@ def beside(
 
 
 @numpy.errstate(all="ignore")
-def resolved(system: System, method: str, h: float, count: int) -> tuple[str, float]:
+def resolved(system: Asker, method: str, h: float, count: int) -> tuple[str, float]:
     """Makes `count` steps of a method from each of several states along the motion. Returns the
     status, and the largest distance in boxes between the results and the motion. States are
     compared instead of energies, since a free body's energy may stay constant at any step size."""
@@ -92,7 +94,7 @@ def resolved(system: System, method: str, h: float, count: int) -> tuple[str, fl
     return it.status if it.failed else "PK_DONE", most
 
 
-def _off(system: System, state: numpy.ndarray, motion: Integration) -> float:
+def _off(system: Asker, state: numpy.ndarray, motion: Integration) -> float:
     most = 0.0
     for k, kind in enumerate(system.kinds()):
         box = system.box[kind.start : kind.stop]

@@ -19,7 +19,7 @@ from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
 from . import budget, cycles, measure, plan
-from .ask import Asker, Motion, TimeUp
+from .ask import Asker, Motion
 from .budget import ROWS, SERIAL, Clock, Cut
 from .cycles import Cycle
 from .ghosts import Ghost, ghosts
@@ -28,6 +28,7 @@ from .method import StepMap
 from .predict import PAIRS, RESONANCES, Prediction, predictions
 from .rest import Equilibrium, Rest
 from .steps import MapOptions, refuse_unjudged, steps_over
+from .system import TimeUp
 
 LEAST_ROWS = 2  # an interrupted map must have at least these rows
 REFUSED = "PK_REFUSED"
@@ -79,10 +80,10 @@ def make(
     show(0.0, "equilibria")
     clock = Clock(asked.seconds, os.cpu_count() or 1)
     asker = Asker(program, asked.settings)
-    rest, motion = asker.rest(), asker.start()
+    rest, motion = asker.rest(), asker.initial()
     if asked.axis.kind == "parameter":
         for x in (asked.axis.values[0], asked.axis.values[-1]):  # checks the bounds
-            asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).check()
+            asker.with_settings(asked.axis.settings(asked.settings, x, None, motion))
     model = compilation.model
     bound, turned = bool(model.rotations or model.constraints), _quaternions(compilation)
     cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)

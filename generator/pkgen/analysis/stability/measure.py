@@ -18,9 +18,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...record import record
-from .ask import Asker, Motion, Point
+from .ask import Asker, Motion
 from .method import FURTHEST, LEAP, combined, first_change
 from .orbits import ROUNDED
+from .points import Point
 from .predict import RESONANCES, Prediction
 from .rest import Rest
 
@@ -130,9 +131,7 @@ def radius(asker: Asker, method: str, h: float) -> float | None:
     step fails."""
     import numpy
 
-    begun = asker.start()
-    states = [numpy.array([*begun.q, *begun.v])]
-    states += list(states[0] + numpy.eye(len(states[0])))
+    states = [asker.start, *(asker.start + numpy.eye(len(asker.start)))]
     question = {"method": method, "h": h, "count": 1, "amplitude": 1e-3}
     after = [asker.beside(state=y, **question) for y in states]
     if any(status != "PK_DONE" for status, *_ in after):

@@ -13,12 +13,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy
 
+from ...record import record
 from ...system.exits import UsageError
 from .rest import Mode
 from .system import EXACT, System
+
+if TYPE_CHECKING:
+    from .ask import Asker
 
 FAR = 1e3  # growth factor at which the steps end
 
@@ -47,47 +52,31 @@ def _largest(system: System, states: numpy.ndarray) -> numpy.ndarray:
     return abs(system.apart(states)[:, ~system.idle]).max(1, initial=0.0)
 
 
-class _Turning:
-    """Measures the rotation of a coordinate about the equilibrium, step by step."""
+def _turn(angles: numpy.ndarray, half: int) -> float:
+    """Returns the mean increase per step of angles modulo 2 pi. In the plane (q, -v/omega) the
+    orbit is no circle. Therefore the angle is not proportional to time, but oscillates about a
+    straight line. The slope of this line is computed from the means of the angle in the first and
+    in the second `half` of the steps, in which oscillations nearly cancel."""
+    turns = numpy.diff(angles)
+    turned = numpy.cumsum(turns + 2 * math.pi * (turns < 0))
+    if half and len(turned) >= 2 * half:
+        return float(turned[half : 2 * half].sum() - turned[:half].sum()) / half**2
+    return float(turned[-1]) / len(turned) if len(turned) else 0.0
 
-    def __init__(self, system: System, mode: Mode, steps: int, state: numpy.ndarray):
-        self.system, self.omega, self.half = system, mode.frequency, steps // 2
-        free = numpy.flatnonzero(~system.idle)
-        size = abs(numpy.array(mode.re))
-        self.lead = int(free[size[free].argmax()]) if len(free) else 0
-        self.steps, self.turned, self.sums = 0, 0.0, [0.0, 0.0]  # sums of angles by half
-        self.angle = float(self._phase(state[None])[0])
 
-    def _phase(self, states: numpy.ndarray) -> numpy.ndarray:
-        moved = states - self.system.start
-        q, v = self.system.q(moved)[:, self.lead], self.system.v(moved)[:, self.lead]
-        return numpy.arctan2(-v, self.omega * q)
+@record
+class Close:
+    """A run of a method that starts near an equilibrium."""
 
-    def look(self, states: numpy.ndarray) -> None:
-        angles = numpy.concatenate([[self.angle], self._phase(states)])
-        turns = numpy.diff(angles)
-        turned = self.turned + numpy.cumsum(turns + 2 * math.pi * (turns < 0))
-        number = self.steps + numpy.arange(len(states))
-        self.sums[0] += float(turned[number < self.half].sum())
-        self.sums[1] += float(turned[(number >= self.half) & (number < 2 * self.half)].sum())
-        self.steps += len(states)
-        self.angle, self.turned = float(angles[-1]), float(turned[-1])
-
-    @property
-    def mean(self) -> float:
-        """The mean angle per step. In the plane (q, -v/omega) the orbit is no circle. Therefore the
-        angle is not proportional to time, but oscillates about a straight line. The slope of this
-        line is computed from the means of the angle in the first and in the second half of the
-        steps, in which oscillations nearly cancel."""
-        if self.half and self.steps >= 2 * self.half:
-            return (self.sums[1] - self.sums[0]) / self.half**2
-        return self.turned / self.steps if self.steps else 0.0
+    status: str
+    steps: int
+    growth: float  # growth factor of the displacement; the run ends when it exceeds 1000
+    turn: float  # mean rotation angle per step
 
 
 @numpy.errstate(all="ignore")
 def near(
-    system: System,
-    modes: Sequence[Mode],
+    system: Asker,
     *,
     method: str,
     h: float,
@@ -96,10 +85,11 @@ def near(
     mode: int = -1,
     other: int | None = None,
     seed: float = 0.0,
-) -> dict[str, str | float]:
+) -> Close:
     """Makes `count` steps from a state near the start, an equilibrium. The state is displaced by
     `amplitude` along the mode with index `mode` or, if this is -1, along all modes that move and do
-    not grow; and by `seed` along the mode with index `other`. Returns the fields of a Close."""
+    not grow; and by `seed` along the mode with index `other`."""
+    modes = system.modes()
     if not modes or not all(-1 <= k < len(modes) for k in (mode, other or 0)):
         raise UsageError("no such mode")
     some = [m for m in modes if m.growth <= 0 and m.rate > 0] if mode < 0 else [modes[mode]]
@@ -116,24 +106,33 @@ def near(
         rates = system.v(states - system.start)[:, : system.m] @ weights[: system.m]
         return numpy.hypot(system.apart(states) @ weights, rates / modes[other].frequency)
 
+    leading = modes[max(mode, 0)]
+    lead = int((abs(numpy.array(leading.re)) * ~system.idle).argmax())
+
+    def angle(states: numpy.ndarray) -> numpy.ndarray:
+        moved = states - system.start
+        q, v = system.q(moved)[:, lead], system.v(moved)[:, lead]
+        return numpy.arctan2(-v, leading.frequency * q)
+
     it = system.begin(method, state, h=h)
-    first, grown = float(size(state[None])[0]), 1.0
-    turning = _Turning(system, modes[max(mode, 0)], count, state)
-    while turning.steps < count and grown < FAR and not it.failed:
-        states = it.steps((count + 1) * h, count - turning.steps)[:, 1:]
+    first, grown, made = float(size(state[None])[0]), 1.0, 0
+    angles = [angle(state[None])]
+    while made < count and grown < FAR and not it.failed:
+        states = it.steps((count + 1) * h, count - made)[:, 1:]
         growth = numpy.fmax.accumulate(numpy.fmax(size(states) / first, grown))
-        made = min(int((growth < FAR).sum()) + 1, len(states))
-        if made:
-            turning.look(states[:made])
-            grown = float(growth[made - 1])
+        states = states[: int((growth < FAR).sum()) + 1]
+        if len(states):
+            angles.append(angle(states))
+            grown, made = float(growth[len(states) - 1]), made + len(states)
     status = it.status if it.failed and grown < FAR else "PK_DONE"
-    return {"status": status, "steps": turning.steps, "growth": grown, "turn": turning.mean}
+    return Close(status, made, grown, _turn(numpy.concatenate(angles), count // 2))
 
 
 @numpy.errstate(all="ignore")
-def leave(system: System, modes: Sequence[Mode], mode: int, amplitude: float) -> float:
+def leave(system: Asker, mode: int, amplitude: float) -> float:
     """Returns the growth rate of the reference motion that starts at an equilibrium, displaced by
     `amplitude` along a growing mode."""
+    modes = system.modes()
     of, most = modes[mode], max(m.growth for m in modes)
     if not of.growth > 0:
         raise UsageError("one mode that grows, please")

@@ -9,12 +9,18 @@ Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy
 
 from ...record import record
 from ...system.exits import UsageError
-from .system import EXACT, System
-from .unknowns import TURN, Unknowns, halton, primes
+from .system import EXACT
+from .unknowns import TURN, halton, primes
+
+if TYPE_CHECKING:
+    from .ask import Asker
 
 MOST_KNOWN, MOST_ORBITS, MOST_TURNS = 128, 32, 60
 STATES = 4  # most states of an orbit that are returned
@@ -76,10 +82,8 @@ class _Search:
     1/|y - known|^2). The correction for the multiplied gap is that for the gap itself, times
     1/(1 - grad(p).correction/p)."""
 
-    def __init__(
-        self, system: System, unknowns: Unknowns, method: str | None, h: float, free: bool
-    ):
-        self.system, self.unknowns, self.free = system, unknowns, free
+    def __init__(self, system: Asker, method: str | None, h: float, free: bool):
+        self.system, self.unknowns, self.free = system, system.unknowns, free
         self.it = system.begin(method or EXACT, h=h if method else 0.0, rtol=1e-12)
         self.known: list[numpy.ndarray] = []
         self.orbits: list[Orbit] = []
@@ -206,13 +210,12 @@ class _Search:
 
 @numpy.errstate(all="ignore")
 def orbits(
-    system: System,
-    unknowns: Unknowns,
+    system: Asker,
     *,
     h: float,
     count: int,
     method: str | None = None,
-    state: numpy.ndarray | None = None,
+    state: Sequence[float] | None = None,
     first: int | None = None,
     tries: int = 0,
     free: bool = False,
@@ -224,10 +227,10 @@ def orbits(
     with the duration of these steps."""
     if not h > 0 or count < 1:
         raise UsageError("a step is positive, and there is one at least")
-    numbers = range(first or count, count + 1)
+    numbers, unknowns = range(first or count, count + 1), system.unknowns
     if not system.given["autonomous"] and (free or not unknowns.in_step([k * h for k in numbers])):
         return None
-    search = _Search(system, unknowns, method, h, free)
+    search = _Search(system, method, h, free)
     if search.it.failed:
         return None
     bases, of = primes(len(unknowns.of)), unknowns.of

@@ -7,6 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy
+
 from ...compiler import Compilation
 from ...defaults import UNTIL
 from ...equations import Structure
@@ -56,6 +58,18 @@ class Axis:
             return f"{self.kind} (the start: 1)"
         return label(self.name, self.unit)
 
+    def origin(self, at: Equilibrium | None, motion: Motion, turned: range) -> numpy.ndarray:
+        """Returns the state (q, v) for the factor 0. `at` is the equilibrium from which the start
+        is displaced; `turned` has the indices of quaternion components among the rates."""
+        if self.kind == "amplitude" and at:
+            return numpy.array([*at.q, *at.v])
+        q, v = numpy.zeros(len(motion.q)), numpy.array(motion.v)
+        if self.kind == "coordinates":
+            v[turned] = [float(k % 4 == 0) for k in range(len(turned))]
+        else:
+            q, v = numpy.array(motion.q), numpy.where(numpy.isin(range(len(v)), turned), v, 0.0)
+        return numpy.concatenate([q, v])
+
     def settings(
         self,
         base: Settings,
@@ -64,36 +78,17 @@ class Axis:
         motion: Motion,
         turned: range = range(0),
     ) -> Settings:
-        """Returns the settings of runs in the row with the value x of the varied quantity. `at` is
-        the equilibrium from which the start is displaced; `turned` has the indices of quaternion
-        components among the rates. The start in the settings is not yet projected onto constraints,
+        """Returns the settings of runs in the row with the value x of the varied quantity; for `at`
+        and `turned` see origin(). The start in the settings is not yet projected onto constraints,
         and its quaternions are not yet normalised."""
-        if self.kind == "rates":
-            v = [v if i in turned else x * v for i, v in enumerate(motion.v)]
-            return replace(base, start_v=tuple(enumerate(v)))
-        if self.kind == "coordinates":
-            turn = [self._turned(x, v, i - turned.start) for i, v in enumerate(motion.v)]
-            v = [turn[i] if i in turned else v for i, v in enumerate(motion.v)]
-            return replace(
-                base,
-                start_q=tuple(enumerate(x * q for q in motion.q)),
-                start_v=tuple(enumerate(v)) if turned else base.start_v,
-            )
-        if self.kind == "amplitude":
-            assert at is not None
-            q = [e + x * (s - e) for e, s in zip(at.q, motion.q, strict=True)]
-            v = [e + x * (s - e) for e, s in zip(at.v, motion.v, strict=True)]
-            return replace(base, start_q=tuple(enumerate(q)), start_v=tuple(enumerate(v)))
+        if self.kind in FACTORS:
+            origin = self.origin(at, motion, turned)
+            state = origin + x * (numpy.array([*motion.q, *motion.v]) - origin)
+            q, v = (tuple(enumerate(part.tolist())) for part in numpy.split(state, 2))
+            return replace(base, start_q=q, start_v=v)
         field = {"q": "start_q", "v": "start_v", "parameter": "parameters"}[self.kind]
         kept = tuple(item for item in getattr(base, field) if item[0] != self.index)
         return replace(base, **{field: (*kept, (self.index, x))})
-
-    @staticmethod
-    def _turned(x: float, part: float, k: int) -> float:
-        """Returns component k of a quaternion whose difference from the identity is multiplied by
-        x."""
-        none = 1.0 if k % 4 == 0 else 0.0
-        return none + x * (part - none)
 
     def place(self, state: Sequence[float], at: Equilibrium | None, motion: Motion) -> float:
         """Returns the value of the varied quantity for a state. If the values are factors, this is
@@ -103,13 +98,13 @@ class Axis:
             return motion.parameters[self.index]
         if self.kind in ("q", "v"):
             return state[self.index + (half if self.kind == "v" else 0)]
-        start = (*motion.q, *motion.v)
-        rest = (*at.q, *at.v) if at and self.kind == "amplitude" else (0.0,) * len(start)
-        counted = {"rates": range(half, 2 * half), "coordinates": range(half)}
-        counted |= {"amplitude": range(half) if not motion.by_norm else range(half, 2 * half)}
-        moved = [i for i in counted[self.kind] if start[i] != rest[i]]
-        whole = max((abs(start[i] - rest[i]) for i in moved), default=math.inf)
-        return max((abs(state[i] - rest[i]) for i in moved), default=0.0) / whole
+        origin = self.origin(at, motion, range(0))
+        whole = abs(numpy.array([*motion.q, *motion.v]) - origin)
+        if self.kind == "amplitude":  # of the coordinates or, by_norm, of the rates alone
+            whole[:half] *= not motion.by_norm
+            whole[half:] *= motion.by_norm
+        moved = abs(numpy.array(state) - origin)[whole > 0]
+        return float(moved.max(initial=0.0) / whole.max()) if len(moved) else 0.0
 
 
 def numbers(text: str | None, quick: bool) -> tuple[int, int]:
@@ -163,12 +158,9 @@ def still(
     factor on numbers that are all 0. Raises UsageError if moreover nothing moves."""
     if axis.kind not in FACTORS:
         return False
-    rest = (*at.q, *at.v) if at and axis.kind == "amplitude" else (0.0,) * 2 * len(motion.q)
-    start = (*motion.q, *motion.v)
-    apart = [
-        abs(a - b) for i, (a, b) in enumerate(zip(start, rest, strict=True)) if i not in cyclic
-    ]
-    if max(apart, default=0.0) > AT_REST * max(map(abs, rest), default=0.0):
+    rest = numpy.array([*at.q, *at.v]) if at and axis.kind == "amplitude" else numpy.zeros(1)
+    apart = numpy.delete(abs(numpy.array([*motion.q, *motion.v]) - rest), [*cyclic])
+    if apart.max(initial=0.0) > AT_REST * abs(rest).max(initial=0.0):
         return False
     if at and autonomous:
         raise UsageError(

@@ -43,8 +43,8 @@ import math
 
 import numpy
 
+from ...record import record
 from ...run.integration import CONSTANTS, Integration
-from ...system.exits import UsageError
 from .reference import SHARE, Reference, Summary, Watch
 from .system import MOST_STEPS, System
 
@@ -65,6 +65,35 @@ FAILURES = {
     "PK_SINGULAR_COORDINATES": "singular",
     "PK_STEP_TOO_LONG": "singular",
 }
+
+
+@record
+class Point:
+    """The result of a method's run at step size h: a point of the map. `rise` and
+    `away` (see above) are changes of the energy relative to Motion.scale."""
+
+    method: str
+    h: float
+    kind: str
+    status: str
+    steps: int
+    rise: float | None
+    away: float | None
+    cond: float | None  # condition number of the last step's equations; 0: it has none
+    # `exchange`, `moved` and `follows` are None if the method fails (docs/maps.md).
+    exchange: float | None = None  # largest ratio of a coordinate's amplitude to the reference's
+    moved: float | None = None  # largest relative drift of a constant of motion
+    follows: float | None = None  # fraction of the time that the run stays near the reference
+    constant: str = ""
+
+    @property
+    def shown(self) -> str:
+        """Returns the class that the map shows for this point."""
+        if self.kind == "bounded" and self.follows is not None and self.follows < 1:
+            return "out of phase"
+        if self.kind == "drifting" and self.away is not None and self.away < 0.01:
+            return "drifting by less than 1 %"
+        return self.kind
 
 
 class _Energies:
@@ -132,11 +161,9 @@ class _Energies:
 
 
 @numpy.errstate(all="ignore")
-def classified(reference: Reference, method: str, h: float) -> dict[str, str | float | None]:
-    """Runs a method with step size h; returns the fields of a Point (ask.py)."""
+def classified(reference: Reference, method: str, h: float) -> Point:
+    """Runs a method with step size h."""
     system = reference.system
-    if not reference.followed:
-        raise UsageError("ask for the motion first")
     steps = int(min(max(math.ceil(system.until / h), LEAST_STEPS), MOST_STEPS))
     it = system.begin(method, h=h, watch=0 if system.by_norm else CONSTANTS)
     e = _Energies(reference, it)
@@ -161,16 +188,17 @@ def classified(reference: Reference, method: str, h: float) -> dict[str, str | f
         elif others["moved"] > MOVED and kind == "bounded":
             kind = "constant lost"
     failed = motion is None
-    return others | {
-        "method": method,
-        "h": h,
-        "kind": FAILURES.get(e.status, "failed") if failed else kind,
-        "status": e.status if failed else "PK_DONE",
-        "steps": e.steps,
-        "rise": e.rise / scale,
-        "away": e.away / scale,
-        "cond": 0.0 if failed else report["cond"],
-    }
+    return Point(
+        method,
+        h,
+        FAILURES.get(e.status, "failed") if failed else kind,
+        e.status if failed else "PK_DONE",
+        e.steps,
+        e.rise / scale,
+        e.away / scale,
+        0.0 if failed else report["cond"],
+        **others,
+    )
 
 
 def _others(

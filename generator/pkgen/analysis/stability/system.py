@@ -19,13 +19,19 @@ RTOL = 1e-10  # relative tolerance of the reference motion
 EXACT = "dop853"
 
 
+class TimeUp(Exception):
+    """Raised when the time budget is used up."""
+
+
 class System:
     """States are arrays of q, then v. Unknown i is q_i, or v_i for a first-order variable."""
 
-    def __init__(self, program: Path, settings: Settings, look: Callable[[], None]):
-        """The function `look` is called between calls of the runtime. It may raise an exception to
-        end a computation."""
-        self.settings, self.look = settings, look
+    def __init__(
+        self, program: Path, settings: Settings, left: Callable[[], float] = lambda: math.inf
+    ):
+        """Raises UsageError if the settings are wrong. Computations raise TimeUp if left() returns
+        no more seconds."""
+        self.program, self.settings, self.left = program, settings, left
         self.run = load(program).run(settings, idle=True, bare=1)
         if self.run.code:
             raise UsageError(self.run.messages.strip().splitlines()[-1])
@@ -48,6 +54,11 @@ class System:
         self.by_norm = not self.idle[others:].all()
         self.reach: numpy.ndarray | None = None  # largest distance of each unknown from its start
         self.middle = self.box = numpy.zeros(0)  # set by cover(): arrays like a state
+
+    def look(self) -> None:
+        """Raises TimeUp if the time is used up; called between calls of the runtime."""
+        if self.left() <= 0:
+            raise TimeUp
 
     def q(self, states: numpy.ndarray) -> numpy.ndarray:
         return states[..., : self.n]
