@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
 
 import numpy
 
@@ -17,8 +16,8 @@ from . import distances, modes, near, orbits, points
 from .points import Point
 from .reference import Reference
 from .rest import ZERO, Equilibrium, Mode, Rest
-from .system import MOST_STEPS, System
-from .unknowns import Unknowns
+from .system import MOST_STEPS
+from .unknowns import Placed
 
 SLOW = 0.01  # least rate, in radians or e-foldings per run; a lower rate is round-off
 TRIES = 100  # initial guesses of the search for equilibria
@@ -50,19 +49,13 @@ class Motion:
         return self.status == "PK_DONE" and not self.leaves
 
 
-class Asker(System):
+class Asker(Placed):
     """Makes experiments on one model with the `settings` of a run, in one thread at a time."""
 
     near, leave = near.near, near.leave
     orbits, returns = orbits.orbits, distances.returns
     beside, resolved = distances.beside, distances.resolved
-    place: Equilibrium | None = None  # the equilibrium at which runs start, see at()
     motion_followed: Reference | None = None
-
-    @cached_property
-    def unknowns(self) -> Unknowns:
-        with numpy.errstate(all="ignore"):
-            return Unknowns(self)
 
     def with_settings(self, settings: Settings) -> Asker:
         return Asker(self.program, settings, self.left)
@@ -189,12 +182,6 @@ class Asker(System):
         found = self.with_settings(replace(self.settings, start_q=q, start_v=v))
         found.place = place
         return found
-
-    def modes(self) -> tuple[Mode, ...]:
-        """Returns the modes of the equilibrium of at()."""
-        if self.place is None or self.place.status != "PK_DONE":
-            raise UsageError(f"no modes here: {self.place and self.place.status}")
-        return self.place.modes
 
     def spring(self, method: str, stiffness: float, damping: float, h: float) -> numpy.ndarray:
         """Returns the 2 x 2 matrix by which a step of the method maps (q, v) of the oscillator q''

@@ -5,15 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy
 
 from ...run.integration import Integration
 from ...system.exits import UsageError
-
-if TYPE_CHECKING:
-    from .ask import Asker
+from .unknowns import Placed
 
 SAMPLES, MOST_RETURNS = 8192, 8
 RETURNED = 0.1  # largest distance, in boxes, that counts as a return
@@ -23,7 +20,7 @@ STILL = 0.1  # least box of a variable, relative to the largest box of its kind 
 
 
 @numpy.errstate(all="ignore")
-def returns(system: Asker, period: float) -> tuple[numpy.ndarray, list[float]]:
+def returns(system: Placed, period: float) -> tuple[numpy.ndarray, list[float]]:
     """Returns the state of the motion at the end of its duration, and the times that elapse until
     the motion returns to this state. If `period` is not 0, the duration is rounded up to a multiple
     of it."""
@@ -44,7 +41,7 @@ def returns(system: Asker, period: float) -> tuple[numpy.ndarray, list[float]]:
 
 @numpy.errstate(all="ignore")
 def beside(
-    system: Asker,
+    system: Placed,
     *,
     method: str,
     h: float,
@@ -76,7 +73,7 @@ def beside(
 
 
 @numpy.errstate(all="ignore")
-def resolved(system: Asker, method: str, h: float, count: int) -> tuple[str, float]:
+def resolved(system: Placed, method: str, h: float, count: int) -> tuple[str, float]:
     """Makes `count` steps of a method from each of several states along the motion. Returns the
     status, and the largest distance in boxes between the results and the motion. States are
     compared instead of energies, since a free body's energy may stay constant at any step size."""
@@ -94,7 +91,7 @@ def resolved(system: Asker, method: str, h: float, count: int) -> tuple[str, flo
     return it.status if it.failed else "PK_DONE", most
 
 
-def _off(system: Asker, state: numpy.ndarray, motion: Integration) -> float:
+def _off(system: Placed, state: numpy.ndarray, motion: Integration) -> float:
     most = 0.0
     for k, kind in enumerate(system.kinds()):
         box = system.box[kind.start : kind.stop]

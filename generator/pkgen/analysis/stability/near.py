@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy
 
@@ -21,9 +20,7 @@ from ...record import record
 from ...system.exits import UsageError
 from .rest import Mode
 from .system import EXACT, System
-
-if TYPE_CHECKING:
-    from .ask import Asker
+from .unknowns import Placed
 
 FAR = 1e3  # growth factor at which the steps end
 
@@ -76,7 +73,7 @@ class Close:
 
 @numpy.errstate(all="ignore")
 def near(
-    system: Asker,
+    system: Placed,
     *,
     method: str,
     h: float,
@@ -129,7 +126,7 @@ def near(
 
 
 @numpy.errstate(all="ignore")
-def leave(system: Asker, mode: int, amplitude: float) -> float:
+def leave(system: Placed, mode: int, amplitude: float) -> float:
     """Returns the growth rate of the reference motion that starts at an equilibrium, displaced by
     `amplitude` along a growing mode."""
     modes = system.modes()

@@ -10,17 +10,13 @@ Humphries, IMA J. Numer. Anal. 13 (1993) 263 (spurious solutions).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy
 
 from ...record import record
 from ...system.exits import UsageError
 from .system import EXACT
-from .unknowns import TURN, halton, primes
-
-if TYPE_CHECKING:
-    from .ask import Asker
+from .unknowns import TURN, Placed, halton, primes
 
 MOST_KNOWN, MOST_ORBITS, MOST_TURNS = 128, 32, 60
 STATES = 4  # most states of an orbit that are returned
@@ -82,7 +78,7 @@ class _Search:
     1/|y - known|^2). The correction for the multiplied gap is that for the gap itself, times
     1/(1 - grad(p).correction/p)."""
 
-    def __init__(self, system: Asker, method: str | None, h: float, free: bool):
+    def __init__(self, system: Placed, method: str | None, h: float, free: bool):
         self.system, self.unknowns, self.free = system, system.unknowns, free
         self.it = system.begin(method or EXACT, h=h if method else 0.0, rtol=1e-12)
         self.known: list[numpy.ndarray] = []
@@ -210,7 +206,7 @@ class _Search:
 
 @numpy.errstate(all="ignore")
 def orbits(
-    system: Asker,
+    system: Placed,
     *,
     h: float,
     count: int,

@@ -10,10 +10,13 @@ Reference: J. H. Halton, Numer. Math. 2 (1960) 84 (points that fill a box evenly
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from itertools import count, islice
 
 import numpy
 
+from ...system.exits import UsageError
+from .rest import Equilibrium, Mode
 from .system import System
 
 TURN = 2 * math.pi
@@ -82,3 +85,20 @@ class Unknowns:
         """Returns b - a for the unknowns, in boxes; angles are taken modulo 2 pi."""
         d = (b - a)[..., self.of]
         return (d - self.turns * TURN * numpy.round(d / TURN)) / self.box
+
+
+class Placed(System):
+    """A system whose runs may start at an equilibrium, with its unknowns."""
+
+    place: Equilibrium | None = None
+
+    @cached_property
+    def unknowns(self) -> Unknowns:
+        with numpy.errstate(all="ignore"):
+            return Unknowns(self)
+
+    def modes(self) -> tuple[Mode, ...]:
+        """Returns the modes of the equilibrium at which runs start."""
+        if self.place is None or self.place.status != "PK_DONE":
+            raise UsageError(f"no modes here: {self.place and self.place.status}")
+        return self.place.modes
