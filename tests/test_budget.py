@@ -12,9 +12,10 @@ import pytest
 from conftest import ROOT, gone
 
 BUDGET = {  # area: lines, tokens
-    "generator": (63_000, 500_000),  # plain words of comments: 900 lines
-    "runtime": (32_500, 300_000),  # plain words of comments: 700 lines
-    "addons": (24_000, 210_000),  # pages and peers: 3,000 lines of the generator
+    "generator": (61_900, 489_000),
+    "runtime": (31_900, 291_000),
+    "addons": (24_000, 208_000),
+    "tests": (48_500, 450_000),
 }
 WORDS = 35_000  # what a user reads: README.md and docs, but for docs/dev
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
@@ -32,7 +33,7 @@ def _tokens(path: Path, text: str) -> int:
 def _files(area: str) -> list[Path]:
     said = subprocess.run(["git", "ls-files", area], cwd=ROOT, capture_output=True, text=True)
     paths = [ROOT / name for name in said.stdout.splitlines()]
-    left = {"vendor", "golden", "tests"}
+    left = {"vendor", "golden"} | ({"tests"} if area == "addons" else set())
     return [
         p
         for p in paths
