@@ -69,7 +69,7 @@ def forged(good: bytes, dice: random.Random) -> bytes:
 
 def hunted(seconds: float, seed: int, file: Path) -> None:
     """In a process with the sanitizers, which ends where they find something."""
-    sys.path.insert(0, str(ROOT / "tests"))
+    sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
     import signal
 
     import checkpoint_runs as runs

@@ -186,11 +186,11 @@ def jumps_apart(
     told: dict, report: dict, said: str, heard: str, code: int, error: float, bends: bool
 ) -> str:
     """Of switches: that steps end at the same ones at the same times, and slide on the same one."""
-    times = [
-        sorted(t for x in found.get("switches", []) for t in x.get("times", []))
+    near = max(1e-6, 10 * error)
+    times = [  # but for a start on a switch: either side may be the first
+        sorted(t for x in found.get("switches", []) for t in x.get("times", []) if t > near)
         for found in (told, report)
     ]
-    near = max(1e-6, 10 * error)
     if bends and times[1]:
         times[1] = [min(times[1], key=lambda t, own=own: abs(t - own)) for own in times[0]]
     if not (times[0] and times[1]):
@@ -270,8 +270,9 @@ def scene(dice: random.Random, text: str) -> str:
 
 
 def friction(dice: random.Random, text: str) -> str:
-    """One more statement: a force that jumps, of each member of a family."""
-    name, over = dice.choice(re.findall(r"(\w+)\[([-\d]+\.\.N[-+\d]*)\]", text.split("kinetic")[0]))
+    """One more statement: a force that jumps, of each member of a family that moves."""
+    found = re.findall(r"(\w+)\[([-\d]+\.\.N[-+\d]*)\]", text.split("kinetic")[0])
+    name, over = dice.choice([x for x in found if x[0] != "w" or "tie[" in text])
     felt = dice.choice(("sign({}')", "step({}' - 0.1)", "{}*step({} - 0.3)"))
     return f"force {name}[i = {over}] = -0.2*{felt.replace('{}', name + '[i]')}\n"
 

@@ -171,7 +171,7 @@ def _projects(found: Tied, M: np.ndarray, dice: random.Random) -> None:
     out = (ctypes.c_double * found.c)()
     found.at.of.function("spread")(ctypes.byref(found.at.params), ctypes.c_double(t), *arrays, out)
     exact = np.abs(found.J) @ x
-    if found.size > 3:
+    assert (np.array(out) >= exact * (1 - 1e-12)).all(), found.text
+    # A member beyond a free end or in a short ring is another member: sizes of slopes are added.
+    if found.size > 3 and "free" not in found.text:
         found.same(np.array(out), exact)
-    else:  # slopes by a member and by its neighbour, where these are one, are added by their sizes
-        assert (np.array(out) >= exact * (1 - 1e-12)).all(), found.text

@@ -145,7 +145,8 @@ def compare(host: str, model: Path, folder: Path, words: list, until: float, eve
         pytest.skip("no cargo here")
     if host == "fmu":
         pytest.importorskip("fmpy.fmi3")
-    of = json.loads(run_pkgen("describe", model, "--json").stdout)
+    scene = words[words.index("--scene") :][:2] if "--scene" in words else []  # it has columns
+    of = json.loads(run_pkgen("describe", model, *scene, "--json").stdout)
     made = folder / ("made.c" if host == "single" else "made")
     span = ("--until", repr(until), "--every", repr(every))
     given = (*words, *(span if host == "single" else ()))
@@ -180,6 +181,8 @@ PUSHED = f"""{RIG}observe power = F*x'
 scene pushed
   set m = 3, F = -2
   start x' = -0.5, s = -2
+  until 1
+  expect x = s*(1 [m])*cos(t/(1 [s])) within 1e9 [m]
 end
 """
 GIVEN = ["--set", "l2=0.5", "--start", "theta1=20 [deg]", "--start", "theta2'=0.7"]

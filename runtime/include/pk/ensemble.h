@@ -76,9 +76,10 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
  * pk_ensemble_size() bytes. */
 enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
                                        size_t size);
-/* Calls work(context, 0), ..., work(context, count - 1) in `threads` threads, in any order. */
-void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_t i),
-                 void *context);
+/* Calls work(context, 0), ..., work(context, count - 1) in `threads` threads, in any order. When
+ * no work is left for the first thread, it calls options->stop until the others have ended. */
+void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_t i), void *context,
+                 const struct pk_options *options);
 /* Returns the number of available threads; 1 without OpenMP. */
 size_t pk_ensemble_threads(void);
 /* Returns the number of the current thread; 0 is the thread that started the others. */
