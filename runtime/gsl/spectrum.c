@@ -153,7 +153,7 @@ static enum pk_status fit(struct pk_spectrum *spectrum, const double *x, size_t 
     const double half = dt * (double)(count - 1) / 2;
     const size_t lines = spectrum->count;
     double z[MOST] = {0}, largest = 0;
-    if (count < PK_SPECTRUM_LEAST || !(half > 0))
+    if (!(half > 0))
         return PK_BAD_ARGUMENT;
     if (!pk_all_finite(x, count))
         return PK_NOT_FINITE;
@@ -258,6 +258,8 @@ static int resolved(const struct pk_spectrum *spectrum, double frequency)
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines)
 {
+    if (count < PK_SPECTRUM_LEAST)
+        return PK_BAD_ARGUMENT;
     double *left = (double *)malloc((padded(count) + count) * sizeof *left), first = 0;
     if (!left)
         return PK_NO_MEMORY;

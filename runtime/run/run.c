@@ -139,6 +139,7 @@ enum pk_run_code pk_run_go(struct pk_run *run)
     run->kept = run->kept_low = run->members = NULL;
     run->n_kept = 0;
     run->report = strdup("{}");
+    run->told = run->told ? run->told : strdup("{}"); /* the settings were in this memory */
     run->said = NULL;
     return run->code = PK_RUN_FAILED;
 }

@@ -273,7 +273,7 @@ def friction(dice: random.Random, text: str) -> str:
     """One more statement: a force that jumps, of each member of a family that moves."""
     found = re.findall(r"(\w+)\[([-\d]+\.\.N[-+\d]*)\]", text.split("kinetic")[0])
     name, over = dice.choice([x for x in found if x[0] != "w" or "tie[" in text])
-    felt = dice.choice(("sign({}')", "step({}' - 0.1)", "{}*step({} - 0.3)"))
+    felt = dice.choice(("sign({}' + 0.05)", "step({}' - 0.1)", "{}*step({} - 0.3)"))
     return f"force {name}[i = {over}] = -0.2*{felt.replace('{}', name + '[i]')}\n"
 
 

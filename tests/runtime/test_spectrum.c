@@ -59,6 +59,7 @@ TEST("single lines")
     const struct pk_spectrum s = spectrum_of(COUNT, dt, 2); /* the larger first */
     CU_ASSERT(s.lines[0].amplitude > 0.9 && fabs(s.lines[0].frequency - 4.25) < 1e-12);
     CU_ASSERT(fabs(s.lines[1].frequency - 1.1) < 1e-12);
+    CU_ASSERT(spectrum_of(150, dt, 2).lines[0].error < 1e-9); /* from halves below the least */
 }
 
 TEST("refusals")
