@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -63,3 +64,17 @@ def test_a_run_has_copies_of_its_settings(tmp_path: Path, monkeypatch: pytest.Mo
     given[0].parameters[0].value = 9.0
     assert late._c.pk_run_go(late._run) == 0
     assert (late.rows() == whole.rows()).all()
+
+
+def test_a_run_without_memory_gives_nothing_of_it(what) -> None:
+    """Its settings went with the memory: they are not read again."""
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    try:
+        most = pages * resource.getpagesize() + 2**26
+        resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
+        run = library.load(what.library).run(replace(what.settings, every=1e-7))
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+    assert run.code == 4 and run.messages == "out of memory\n"
+    assert run.given() == {} and len(run.rows()) == 0
