@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, case, written
+from conftest import ROOT, case, ran, written
 from pkgen.back.facts import found_by_symmetry, invariants
 from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
@@ -70,3 +70,12 @@ def test_the_header_of_the_c_lists_them(pkgen, tmp_path: Path) -> None:
     text = (tmp_path / "helix.h").read_text()
     assert "lambda_0*p_phi + p_z: symmetry lambda_0 d/dphi + d/dz" in text.replace("\n * ", " ")
     assert " *   definite: not proved; M may be singular where r vanishes\n" in text
+
+
+def test_a_constant_that_is_zero_is_judged_by_what_it_is_made_of() -> None:
+    """The cart starts at rest: its momentum is 0, a sum of terms that are not."""
+    model = ROOT / "tests/models/written/spherical_pendulum_cart.lag"
+    rest = ["--start", "X'=0", "--start", "phi'=0", "--until", "1", "--json"]
+    drifts = json.loads(ran("run", model, *rest).stdout)["report"]["drifts"]
+    scales = {d["name"]: d["scale"] for d in drifts}
+    assert scales["energy"] > 1 and 0.01 < scales["px"] < 10
