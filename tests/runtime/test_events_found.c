@@ -6,6 +6,8 @@
 
 #include "event_watch.h"
 
+#include <pk/root.h>
+
 enum kind { SINE, TOPS, PAIR, KINK, PRODUCT, OF_RATE, KINDS };
 
 static struct {
@@ -152,4 +154,19 @@ TEST("jumps and touches")
         CU_ASSERT(w.which[0] == 0 && fabs(w.t[0] - law.a) < 1e-14);
         CU_ASSERT(w.events.doubts == 0);
     }
+}
+
+static enum pk_status less_two(void *context, pk_real x, pk_real *y)
+{
+    ++*(int *)context;
+    *y = x * x - 2;
+    return PK_DONE;
+}
+
+TEST("a root between adjacent numbers")
+{
+    pk_real a = 1, b = 2;
+    int count = 0;
+    CU_ASSERT(pk_root(less_two, &count, &a, -1, &b, 2, 0) == PK_DONE);
+    CU_ASSERT(a < sqrt(2) && nextafter(a, 2) == b && count < 60);
 }

@@ -242,8 +242,7 @@ int watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_
         w.group = w.group < w.lanes ? w.lanes : w.group;
         w.block = memory_take(memory, b->threads, w.bytes);
     }
-    pk_parallel(b->threads, (count + w.group - 1) / w.group, make, &w,
-                &run->settings.options);
+    pk_parallel(b->threads, (count + w.group - 1) / w.group, make, &w, &run->settings.options);
     const int kept = !(run->control.stop && run->settings.asked.checkpoint);
     if (!kept && run->loop)
         memset(run->loop->came + first, 0, count * sizeof *run->loop->came);

@@ -13,7 +13,8 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
                        pk_real width)
 {
     const pk_real kappa = PK_C(0.2) / (*b - *a);
-    pk_real reach = width / 2; /* the quantity that the reference calls epsilon 2^(n_max - j) */
+    /* the quantity that the reference calls epsilon 2^(n_max - j); `width` may be 0 */
+    pk_real reach = pk_max(width, PK_EPSILON * (*b - *a)) / 2;
     while (2 * reach < *b - *a)
         reach *= 2;
     reach *= 2;
