@@ -29,11 +29,11 @@ METHOD = '    X(A, ralston3, 3, 3, 0, 0, ralston3, "A. Ralston (1962)") \\\n'
 DIAGNOSTIC = "    X(extent, OF_ROWS, NONE) \\\n"
 FILE = """#include "parts.h"
 
-void diagnose_extent(struct pk_run *run, struct diagnostics *d)
+void diagnose_extent(struct diagnostics *d)
 {
     pk_real most = 0;
     for (size_t k = 0; k < d->n_rows; k++) {
-        const pk_real q = d->rows[k * (1 + 2 * run->settings.n) + 1];
+        const pk_real q = d->rows[k * (1 + 2 * d->run->settings.n) + 1];
         most = q > most ? q : -q > most ? -q : most;
     }
     if (diagnose_told(d, PK_DONE, "done", NULL))
