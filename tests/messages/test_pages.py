@@ -19,7 +19,7 @@ PAGES = sorted(Path(__file__).parent.glob("*.txt"))
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 # Lines about the length of a run, and about rounding.
 LENGTHS = re.compile(
-    r"\d rejected|^energy |\d ms|^run: at t = .* of |random walk|compiles the runtime"
+    r"\d rejected|^energy |\d ms|^run: at t = .* of |random walk|compil\w+ the runtime"
 )
 MARKS = ("=== ", "--- ", "$ ")
 SMALL = 1e-9  # numbers below are rounding

@@ -7,9 +7,9 @@ value starts a clause. Elsewhere a model may use them as names, such as `rod` or
 from __future__ import annotations
 
 from collections.abc import Iterator
-from difflib import get_close_matches
 
 from ..record import record
+from ..system.near import meant
 
 # Kinds of values. Lengths have the dimension of the drawing's positions.
 PLACE, LENGTH, VECTOR, SCALE, COUNT, TIME = "place", "length", "vector", "scale", "count", "time"
@@ -81,5 +81,4 @@ def shapes_of(word: str) -> dict[str, Shape]:
 def unknown_shape(word: str, name: str) -> str:
     """Returns the hint for an unknown shape."""
     shapes = shapes_of(word)
-    near = get_close_matches(name, shapes, 1, 0.6)
-    return f"did you mean '{near[0]}'?" if near else f"{word} takes: {', '.join(shapes)}"
+    return meant(name, shapes) or f"{word} takes: {', '.join(shapes)}"

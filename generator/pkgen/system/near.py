@@ -9,16 +9,22 @@ from collections.abc import Iterable
 _OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option", "package", "host", "command"))
 
 
+def meant(name: str, known: Iterable[str], most: int = 1, alike: float = 0.6) -> str:
+    """Returns a hint with at most `most` known names similar to `name`, or ""."""
+    found = difflib.get_close_matches(name, sorted(known), most, alike)
+    *others, last = (f"'{one}'" for one in found or ("",))
+    return f"did you mean {', '.join(others)}{' or ' if others else ''}{last}?" if found else ""
+
+
 def near(name: str, known: list[str], kind: str) -> str:
     """Returns a hint with known names similar to `name`, or else with all known names."""
     they = "there are" if kind in _OF_PKGEN else "it has"
-    meant = difflib.get_close_matches(name, known, n=3)
-    if meant:
-        *most, last = (f"'{one}'" for one in meant)
-        return f"did you mean {', '.join(most)}{' or ' if most else ''}{last}?"
     if not known:
         return f"{they} none"
-    return f"{they}: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
+    return (
+        meant(name, known, 3)
+        or f"{they}: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
+    )
 
 
 def unknown(option: str, name: str, known: Iterable[str], kind: str) -> str:

@@ -10,11 +10,11 @@ Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapt
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from difflib import get_close_matches
 from fractions import Fraction
 
 from ...indices import indexed, parted
 from ...source import Span
+from ...system.near import meant
 from ...tree import Name, Number
 from .. import statements as st
 from ..joints import CLAUSES, COLUMNS, GROUND, KINDS, SHOWN, TURNING, joint_names
@@ -270,8 +270,7 @@ class Bodies(BodyJoints):
                     continue
                 broken = True
                 told.add(name)
-                near = get_close_matches(name, [*names, GROUND], 1, 0.6)
-                help = f"did you mean '{near[0]}'?" if near else f"declare it: body {name} mass …"
+                help = meant(name, [*names, GROUND]) or f"declare it: body {name} mass …"
                 self.error(f"unknown body '{name}'", span, help)
         for name, body in self.bodies.items():
             if name not in self.joints and not broken:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import fields, replace
-from difflib import get_close_matches
 from fractions import Fraction
 from itertools import pairwise
 
 from ...source import Source, Span
+from ...system.near import meant
 from ...tree import Expr, Name, Negate, Number, Quantity
 from .. import statements as st
 from ..joints import CLAUSES, KINDS, LIMITS, TO, Kind, joint_names
@@ -43,8 +43,7 @@ class BodyJoints(BodyParts):
             )
             self.error(message, statement.to[1], help)
         if kind is None:
-            near = get_close_matches(word, KINDS, 1, 0.6)
-            help = f"did you mean '{near[0]}'?" if near else f"kinds: {', '.join(KINDS)}"
+            help = meant(word, KINDS) or f"kinds: {', '.join(KINDS)}"
             self.error(f"there is no joint '{word}'", span, help)
         elif kind.axis and axis is None:
             help = f"e.g. joint {statement.name[0]}: … {word} [0, 1, 0] at O"

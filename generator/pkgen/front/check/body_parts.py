@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from difflib import get_close_matches
 from fractions import Fraction
 
 from ... import model as m
 from ...indices import parted
 from ...source import Span
+from ...system.near import meant
 from ...tree import AXES, Expr, Number, Quantity, Vector
 from .. import statements as st
 from ..units import INERTIA, LENGTH, MASS, NONE, Dimension, si_text
@@ -42,9 +42,8 @@ class BodyParts(Checks):
         found: dict[str, Expr] = {}
         for word, span, items in statement.clauses:
             if word not in words:
-                near = get_close_matches(word, words, 1, 0.6)
                 have = ", ".join(f"'{w}'" for w in words)
-                help = f"did you mean '{near[0]}'?" if near else f"there are {have}"
+                help = meant(word, words) or f"there are {have}"
                 self.error(f"{what} has no part '{word}'", span, help)
             elif word in found:
                 self.error(f"'{word}' is given twice", span)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from difflib import get_close_matches
 from fractions import Fraction
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ...source import Span
+from ...system.near import meant
 from ...tree import Call, Expr, Name, Sum, Vector
 from .. import units
 from ..units import NONE, Dimension
@@ -66,9 +66,8 @@ class Calls(RotationCalls):
         if entry is not None and entry.kind == "poisoned":
             raise Wrong
         events = [n for n, e in self.names.table.items() if e.kind == "event"]
-        near = get_close_matches(name, events, 1, 0.6)
         help = f"the events are: {', '.join(events)}" if events else "declare it by 'event'"
-        help = f"did you mean '{near[0]}'?" if near else help
+        help = meant(name, events) or help
         raise Wrong("time(…) takes an event: when it first happens", help, argument)
 
     def _not_callable(self, expr: Call) -> Wrong:

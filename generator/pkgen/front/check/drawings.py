@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from difflib import get_close_matches
 from fractions import Fraction
 
 from ... import model as m
 from ...source import Span
+from ...system.near import meant
 from ...tree import AXES, Expr, Multiply, Name, Number, Range, Vector
 from .. import shapes
 from .. import statements as st
@@ -137,9 +137,8 @@ class Drawings(Checks):
         seen: set[str] = set()
         for word, span, _ in statement.parts:
             if word not in shape.parts:
-                near = get_close_matches(word, shape.parts, 1, 0.6)
                 have = ", ".join(f"'{part}'" for part in shape.parts)
-                help = f"did you mean '{near[0]}'?" if near else f"it has {have}" if have else form
+                help = meant(word, shape.parts) or (f"it has {have}" if have else form)
                 self.error(f"'{name}' has no part '{word}'", span, help)
             elif word in seen:
                 self.error(f"'{word}' is given twice", span)

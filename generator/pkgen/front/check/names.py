@@ -6,7 +6,6 @@ import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from fractions import Fraction
 
 from ... import limits
@@ -14,6 +13,7 @@ from ...functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ...indices import indexed
 from ...record import record
 from ...source import Diagnostic, Source, Span
+from ...system.near import meant
 from ...tree import Expr
 from .. import foreign
 from ..units import Dimension
@@ -307,12 +307,12 @@ class Names:
             known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.moving))]
         if not called and name in _UNITS:
             return f"a unit stands in square brackets after a value: 2 [{name}]"
-        near = get_close_matches(name, known, 1, 0.6)
+        near = meant(name, known)
         product = None if called or missing else self._product(name)
         if product and (not near or len(name) <= 3):
             return f"did you mean {product}? a product needs its *"
         if near:
-            return f"did you mean '{near[0]}'?"
+            return near
         if "." in name:
             return f"declare it: body {name.partition('.')[0]} mass …, and its joint"
         if called:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
-
 from ...methods import known
+from ...system.near import meant
 from ...tree import Expr, Name
 from .. import statements as st
 from .. import units
@@ -60,8 +59,7 @@ class Settings(Checks):
         methods = known(self.parts["methods"])
         name, method = clause.name, methods.get(clause.name)
         if method is None:
-            near = get_close_matches(name, methods, 1, 0.6)
-            help = f"did you mean '{near[0]}'?" if near else "'pkgen methods' lists them"
+            help = meant(name, methods) or "'pkgen methods' lists them"
             self.error(f"there is no method '{name}'", clause.name_span, help)
             return
         if method.fixed and clause.step is None:
@@ -77,12 +75,9 @@ class Settings(Checks):
         if isinstance(at, Name) and at.index is None and at.id in events:
             return at.id
         if isinstance(at, Name) and self.names.table.get(at.id) is None:
-            near = get_close_matches(at.id, sorted(events), 1, 0.6)
             help = f"the events are: {', '.join(sorted(events))}" if events else ""
             help = help or f"declare it: event {at.id}: EXPRESSION rising"
-            self.error(
-                f"unknown event '{at.id}'", at, f"did you mean '{near[0]}'?" if near else help
-            )
+            self.error(f"unknown event '{at.id}'", at, meant(at.id, events) or help)
             return ""
         kind = ""
         if isinstance(at, Name):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from difflib import get_close_matches
 from fractions import Fraction
 
 from ...indices import integer
 from ...record import record
 from ...source import Span
+from ...system.near import meant
 from ...tree import AXES, Expr, Name, Number, Quantity, Range, Vector, replaced
 from .. import statements as st
 from .. import units
@@ -255,9 +255,8 @@ def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
 
 def _nearest(name: str, known: list[str], noun: str) -> str:
 
-    near = get_close_matches(name, known, 1, 0.6)
-    if near:
-        return f"did you mean '{near[0]}'?"
+    if near := meant(name, known):
+        return near
     nouns = noun.replace(" or ", "s and ")
     return f"the {nouns}s are: {', '.join(known[:12])}" if known else ""
 
