@@ -110,7 +110,9 @@ site: $(TESTS)
 golden: $(TESTS)
 	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/cli/test_method_names.py tests/generator/test_golden.py tests/generator/test_wrong_models.py tests/messages
 	$(PYTHON) tools/errors_page.py
-	@git --no-pager diff --stat -- tests
+	$(PYTHON) tools/features.py > tests/features.txt
+	$(PYTHON) tools/editors
+	@git --no-pager diff --stat
 
 # These are not among Debian's packages: where pkgen was installed from those, lint needs a registry.
 PYTHON_CODE := generator tests tools bench

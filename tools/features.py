@@ -13,14 +13,16 @@ from pkgen.front.table import STATEMENTS
 from pkgen.functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
 from pkgen.methods import METHODS
 from pkgen.run import diagnostics
+from pkgen.system import addons
 
 
 def features() -> list[str]:
+    """Returns what pkgen and its add-ons offer, without what packages of others bring."""
     return sorted({*_commands(), *_language(), *_python(), *_words()})
 
 
 def _commands() -> Iterator[str]:
-    for name in commands():
+    for name in filter(_own, commands()):
         yield f"command {name}"
         for action in parser_of(name)._actions:
             if action.help == argparse.SUPPRESS:
@@ -28,6 +30,11 @@ def _commands() -> Iterator[str]:
             for flag in action.option_strings:
                 yield f"option {name} {flag}"
                 yield from (f"option {name} {flag} {choice}" for choice in action.choices or ())
+
+
+def _own(name: str) -> bool:
+    found = (addons.points(kind).get(name) for kind in addons.KINDS)
+    return all(point is None or point.dist.name == "pkgen-lag" for point in found)
 
 
 def _language() -> Iterator[str]:
@@ -39,7 +46,7 @@ def _language() -> Iterator[str]:
 
 def _words() -> Iterator[str]:
     yield from (f"method {name}" for name in METHODS)
-    yield from (f"export {name}" for name in hosts())
+    yield from (f"export {name}" for name in filter(_own, hosts()))
     yield from (f"diagnostic {name}" for name in (*diagnostics.NAMES, *diagnostics.OF_MEMBERS))
 
 

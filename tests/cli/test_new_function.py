@@ -25,9 +25,7 @@ from pkgen.functions.interval import UNIT
 
 def slope(g, n, x):
     """2/sqrt(pi) exp(-x^2)"""
-    from pkgen.graph.graph import Kind, Symbol
-
-    root = g.call("sqrt", g.symbol(Symbol(Kind.PI)))
+    root = g.call("sqrt", g.pi())
     bell = g.call("exp", g.negate(g.power(x, 2)))
     return (g.multiply(g.divide(g.number(2), root), bell),)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -88,10 +89,10 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"files": [str(path) for path in files]}))
         return DONE
-    size = sum(map(len, files.values())) / 1000
+    size = math.ceil(sum(map(len, files.values())) / 1000)
     shown = next(iter(files)) if host.suffix else f"{_folder(host, model.name, options.path)}/"
     count = "" if host.suffix else f"{len(files)} files, "
-    print(f"{shown}: {count}{size:.0f} kB")
+    print(f"{shown}: {count}{size} kB")
     return DONE
 
 

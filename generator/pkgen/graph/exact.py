@@ -16,7 +16,7 @@ from fractions import Fraction
 from math import lcm
 
 from ..functions import FUNCTIONS
-from .graph import Graph, Kind, Node, Op, Symbol
+from .graph import Graph, Node, Op
 from .normal import POWERS, Monomial, Normal, Polynomial, TooMuch
 from .ranges import Ranges
 
@@ -46,7 +46,7 @@ class Exact(Normal):
         self.parts: dict[Monomial, int] = {}
         # The pair (n, x) of each atom x^(1/n) with n > 2.
         self.roots: dict[Node, tuple[int, Node]] = {}
-        self.pi = g.symbol(Symbol(Kind.PI))
+        self.pi = g.pi()
 
     def __call__(self, output: Node) -> Polynomial | None:
         while True:

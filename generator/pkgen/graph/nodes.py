@@ -147,6 +147,9 @@ class Nodes:
             self._symbols[symbol] = node
         return node
 
+    def pi(self) -> Node:
+        return self.symbol(Symbol(Kind.PI))
+
     def value(self, node: Node) -> Fraction | None:
         """Returns the value of a number node, or None for any other node."""
         return self.data[node] if self.op[node] is Op.NUMBER else None
