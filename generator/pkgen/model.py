@@ -262,7 +262,7 @@ class Expect:
     at: Expr | None  # a time
     event: str  # name of an event, or ""
     span: Span
-    component: str = ""  # ".x", if vectors are compared
+    component: str = ""  # ".x", ".y" or ".z" if this component of two vectors is compared
 
 
 @record(kw_only=True)

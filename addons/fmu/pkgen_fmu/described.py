@@ -166,7 +166,7 @@ def fmi2(
         files = _add(_add(root, tag, **both), "SourceFiles")
         for path in sources:
             _add(files, "File", name=path)
-    # In FMI 2 input derivatives, event indicators and time are not variables.
+    # FMI 2 has no variables for derivatives of inputs, event indicators and time.
     variables = [v for v in variables if v.reference and v.kind not in ("slope", "indicator")]
     _units(root, variables, {})
     simple = _add(_add(root, "TypeDefinitions"), "SimpleType", name=METHODS)

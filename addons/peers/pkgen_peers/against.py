@@ -126,8 +126,8 @@ def _quiet() -> Iterator[None]:
 def attach_peers(
     peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
 ) -> dict[str, str]:
-    """Adds the packages' methods to the programs. Returns the reason for each package that cannot
-    integrate this model."""
+    """Adds the methods of other packages to each program of the chart. Returns the reasons of those
+    packages that cannot integrate this model."""
     refused: dict[str, str] = {}
     e = compilation.equations
     jolts = [] if compilation.looped else [x.quantity.name for x in e.impulsive]

@@ -64,7 +64,8 @@ class Motion:
         return self._rates(t, y)
 
     def expressions(self, name: str, domain: Any, t: Any, y: Sequence[Any]) -> list[Any]:
-        """Returns f in the package's own expressions, with numeric parameters. Raises Refused."""
+        """Returns f as expressions of the package `name`, with numeric parameters. Raises
+        Refused."""
         e = self.compilation.equations
         if self.compilation.looped or e.acceleration is None:
             raise Refused(f"the accelerations are too large to be written out for {name}")

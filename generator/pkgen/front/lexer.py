@@ -166,7 +166,7 @@ class _Lexer:
         word, *more = self.now.tokens
         shapes = shapes_of(str(word))
         if not more and self.now.errors:
-            return 0  # An unknown shape was reported just before.
+            return 0  # The word after `draw` or `view` was no shape: this was reported.
         if not more:
             if name in shapes:
                 return self._add("SHAPE", name, at, end)

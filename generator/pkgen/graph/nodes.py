@@ -179,11 +179,12 @@ class Nodes:
         return self._scale[node], self._rest[node]
 
     def key(self, rest: Node) -> Factors:
-        """Returns the monomial of a node whose scale is 1."""
+        """Returns the monomial of a node with the scale (constant factor) 1."""
         return self._factors[rest]
 
     def terms(self, rest: Node) -> Terms | None:
-        """Returns the terms of a node whose scale is 1; None if they are more than TERMS."""
+        """Returns the terms of a node with the scale (constant factor) 1; None if they are more
+        than TERMS."""
         return self._terms_of(rest, self._domain[rest])
 
     # -- terms of a node ------------------------------------------------------------------------

@@ -168,7 +168,8 @@ def _outermost(order: list[Node], arguments: Mapping[Node, set[Node]]) -> dict[N
 
 
 def _sweep(form: _Form, node: Node, bars: dict[Node, Node]) -> None:
-    """Visits one node: replaces it in the matrix and in the adjoints `bars` by its arguments."""
+    """Visits one node. The chain rule passes its row and column in the matrix of the form, and its
+    adjoint in `bars`, on to its arguments."""
     g = form.graph
     slopes: dict[Node, Node] = {}
     for a, p in zip(g.args[node], partials(g, node), strict=True):

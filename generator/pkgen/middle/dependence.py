@@ -22,8 +22,8 @@ MOST = 24  # the largest number of coordinates: each takes a sweep over all expr
 
 
 def without_coordinates(g: Graph, nodes: Sequence[Node], count: int) -> list[Node]:
-    """Returns the expressions. Each of the first `count` coordinates is removed from the
-    expressions whose values do not depend on it."""
+    """Returns the expressions. In expressions whose values do not depend on it, each of the first
+    `count` coordinates is replaced by 0."""
     found, here = list(nodes), Residues(g)
     for i in range(count if count <= MOST else 0):
         symbol = g.symbol(Symbol(Kind.COORDINATE, i))

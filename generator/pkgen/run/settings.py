@@ -36,7 +36,7 @@ class Compared:
     b: Shown
     within: Shown | None  # the tolerance of the relation
     at: float | None  # the time at which the relation is checked
-    event: int | None  # the event at which it is checked. If `at` is None too: in all rows
+    event: int | None  # the event at which it is checked; in all rows if `at` and `event` are None
 
 
 @record

@@ -322,8 +322,8 @@ def of_scene(
 
 
 def _divided(model: Model, scene: Scene, columns: Iterable[str]) -> bool:
-    """Whether blocks of coordinates may be integrated separately. They may not if the scene sets an
-    accuracy, and columns or expectations may combine several blocks."""
+    """Whether blocks of coordinates may be integrated separately. With an accuracy, which is one of
+    columns, they may not if a column or an expectation could combine several blocks."""
     coordinates = {item.name for item in model.coordinates}
     plain = all(column.rstrip("'").split("[")[0] in coordinates for column in columns)
     return scene.accuracy is None or (plain and not scene.expects)

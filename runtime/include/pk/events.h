@@ -116,11 +116,11 @@ struct pk_events {
     int again;      /* flag: a guessed side was wrong, and the step is repeated */
     int brief;      /* number of successive switchings after very short steps */
     int at_switch;  /* flag: the step begins at the root of a switch */
-    int begun;      /* flag: the first step was made, or ended at once at a limit */
+    int begun;      /* flag: the first step was made; also if the start is a limit, where it ends */
     int kept;       /* flag: the next step begins at the time `left`, where the last one ended */
     pk_real left;   /* end time of the last step */
-    /* for each event the rounding error of g, with a sign; if |g| at the start of the step is
-     * smaller, g gets this sign */
+    /* for each event a number whose size is the rounding error of g: if |g| at the start of the step
+     * is smaller than it, its sign is taken for that of g */
     pk_real *held;
     /* for each limit (`stop` = 2), its value of g at the start if that is zero up to rounding;
      * it is subtracted from g */

@@ -33,7 +33,7 @@ struct pk_singular_crossing_parts pk_singular_crossing_parts(const struct pk_int
 
 static inline struct pk_singular_crossing *pk_singular_crossing_of(const struct pk_integrator *it)
 {
-    /* this struct begins the memory */
+    /* the struct is the head of the block; its arrays follow */
     return (struct pk_singular_crossing *)(void *)it->own->crossing;
 }
 

@@ -238,9 +238,10 @@ static void scale_columns(struct pk_projection *w)
     }
 }
 
-/* Returns how much row i has shrunk since it was largest, as the larger of two squared ratios. One
- * is the ratio of lengths of the row, which does not depend on its direction. The other is the
- * largest ratio of a significant entry to the size it had, which does not depend on units. */
+/* Returns the square of the size of row i now, divided by that when it was largest: small if the row
+ * vanishes. Two ratios are formed, and the larger is returned: the ratio of the row's lengths, which
+ * does not depend on its direction, and the largest ratio of an entry to its former size, which does
+ * not depend on units. Entries that were small are left out. */
 static pk_real shrunk(struct pk_projection *w, size_t i)
 {
     const pk_real *sizes = w->sizes + i * w->n;

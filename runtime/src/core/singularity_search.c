@@ -1,13 +1,14 @@
-/* Searches for the root of a singularity by short steps of the classical Runge-Kutta method, in
- * each of which no singularity falls below 0.7 of its value: step sizes decrease geometrically
- * towards a root, and increase after it. singularity.c calls it.
+/* A singularity is a function of the state, such as a distance, at whose root the equations fail.
+ * The search for such a root makes short steps of the classical Runge-Kutta method. In each step no
+ * singularity may fall below 0.7 of its value, so step sizes decrease geometrically towards a root,
+ * and increase after it. singularity.c calls it.
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.4 and I.6. */
 
 #include "singularity.h"
 
-#define FALL PK_C(0.7)    /* least ratio of values of a singularity after and before a short step */
+#define FALL PK_C(0.7)    /* least ratio of a singularity's value to the one a short step before */
 #define SEARCH_STEPS 2000 /* largest number of steps of a search */
 
 enum { Y, TRIAL, SUM, STAGE, K }; /* indices of parts of the work memory */

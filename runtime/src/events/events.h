@@ -11,7 +11,8 @@
  * numbers: time from the start of the step, function, direction. */
 enum { PK_MOST_SAMPLES = 16, PK_MOST_NODES = 4 * PK_MOST_SAMPLES, PK_EVENT_ENTRY = 3 };
 
-/* Limit of crossings of one switch in the list, which ends at the first switch. */
+/* The list of crossings ends at the first switch, where the step will end; it has at most this many
+ * crossings of this switch. */
 enum { PK_MOST_TOGETHER = 4 };
 
 /* An interpolant may be less accurate than the method's own. On such an interpolant, an event

@@ -64,7 +64,8 @@ static struct parts parts_of(struct pk_integrator *it)
     return d;
 }
 
-/* Returns node l of the piece relative to the step. */
+/* Returns where node l of the current piece of the dense output lies in the step: 0 at the step's
+ * start, 1 at its end. */
 static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * d->node[l]; }
 
 void pk_gauss_dense_init(struct pk_integrator *it)

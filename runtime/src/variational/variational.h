@@ -32,7 +32,7 @@ struct pk_variational_work {
     size_t rotation, states;
     size_t turned;     /* number of rotations */
     pk_real t, end, h; /* start time, end time and length of this part of the step */
-    /* a state, laid out like it->own->next: first the start of the part, later its end */
+    /* a state, laid out like it->own->next: at the start of the part of the step, later at its end */
     pk_real *to;
     pk_real jump, worst; /* size of the first correction; largest ratio of corrections above FAR */
     /* `at` holds M at the start, factored; after pk_variational_rates() it holds M at the end. Its

@@ -211,7 +211,8 @@ const Runs = (() => {
     return Math.sqrt(sum / run.q.length) / Math.max(1, Math.sqrt(size / run.q.length));
   }
 
-  /* All runs: list, reference, error, t. A method that refuses to start has only a message. */
+  /* The runs of all methods, their reference run, the largest distance from it, and the time. A
+     method that refuses to start has a message in place of a run. */
   class Runs_ {
     constructor(lab) {
       this.lab = lab;

@@ -1,9 +1,9 @@
 """The table of the methods that are tried on a scene, with reasons. All methods were run on a set
 of test scenes (docs/accuracy.md); each method of the table is among the cheapest on one of them.
 
-The runtime knows which systems a method can integrate. The table adds the facts of a system with
-which a trial of the method is worth its time. If two methods cost the same, the first in the table
-is chosen, so simpler methods come first.
+The runtime knows which systems a method can integrate. The table adds conditions on the system: a
+method is tried only if they hold, since elsewhere a trial would not be worth its time. If two
+methods cost the same, the first in the table is chosen, so simpler methods come first.
 """
 
 from __future__ import annotations

@@ -74,8 +74,8 @@ def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
 
 
 def _farthest(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
-    """Returns the trial that keeps the accuracy for the longest time, among all trials so far and
-    another run of the reference's method."""
+    """Runs the reference's method once more, as a trial. Returns the trial that keeps the accuracy
+    for the longest time, among this one and all others."""
     exact, own = check.exact, alone(check.method)
     how = {"accuracy": asked.accuracy, "every": check.every, "max_step": exact.max_step}
     again = asked.trials.attempt(exact.method, exact.setting, exact.rows, check.span, **how)

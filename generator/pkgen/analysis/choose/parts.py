@@ -68,8 +68,8 @@ def _all(compilation: Compilation) -> list[Shown]:
 
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:
-    """Returns the choice for a block of coordinates. The block is run alone in trials, which
-    compare its recorded columns. Steps of blocks must end at the times of rows."""
+    """Returns the choice for a block of coordinates. Trials run the block alone, and are judged by
+    those recorded columns that belong to it. Their steps must end at the times of rows."""
     prepared = Prepared.of(compilation.files, part.name, part.structure, land=True)
     found = prepared.choose(alone(part, settings), settings.accuracy)
     return replace(found, of=tuple(q.name for q in part.equations.coordinates))

@@ -170,8 +170,8 @@ class _Finder:
 
     def in_more_digits(self, check: Check) -> Check:
         """Returns a check whose exact rows are those of a run in a scalar type wider than double.
-        With them the error of a trial can be measured even if it is round-off, which is smaller in
-        some methods. The difference of two runs in the wider type is the error of the check.
+        Methods differ in their round-off too, and with these rows it can be measured. The error of
+        the check is the difference of two runs in the wider type.
         Returns `check` itself if there is no wider type, or if the error would not be smaller."""
         name, asked = "gauss" if check.method == EXACT else check.method, self.asked
         how = {"cap": SLOWEST, "every": self.interval}

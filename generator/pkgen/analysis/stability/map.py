@@ -137,8 +137,8 @@ def make(
         # are not used.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # The range of step sizes covers all predictions, except "local" ones if the equilibrium is
-    # stable.
+    # The range of step sizes covers all predictions. If the equilibrium is stable, rough ones from
+    # the fastest rate along the motion ("local") do not count.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
     steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}

@@ -224,7 +224,7 @@ def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
     If `bound` is set, it is the error of the state after LEAP steps, relative to the width of the
     region of the motion."""
     assert p.h is not None
-    asker = asker.with_settings(asker.settings)  # other threads use the first asker
+    asker = asker.with_settings(asker.settings)  # a copy, since other threads use the original
     if not bound and not asker.motion().judges:
         return Measured(p, None, "the motion itself ends or leaves")
     kind = ""

@@ -178,8 +178,9 @@ def unsought(made: StabilityMap) -> str:
 
 
 def misses(made: StabilityMap) -> list[Miss]:
-    """Returns all disagreements of a map: first those of predictions and their measurements, then
-    resonances without a response, then points that contradict a limit."""
+    """Returns all disagreements of predictions and measurements in a stability map: limits measured
+    elsewhere, resonances where nothing grows, points that are stable beyond a limit or unstable
+    below it."""
     found = [miss for m in made.measured if (miss := of_prediction(m))]
     found += [miss for g in made.growths if (miss := of_growth(g))]
     for method in made.steps:

@@ -88,7 +88,8 @@ class Unknowns:
 
 
 class Placed(System):
-    """A system whose runs may start at an equilibrium, with its unknowns."""
+    """A system with the unknowns of its equilibria and closed orbits. Runs start at the equilibrium
+    `place` if it is set, else at the model's start."""
 
     place: Equilibrium | None = None
 

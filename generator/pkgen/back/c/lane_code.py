@@ -36,7 +36,7 @@ class LaneCode:
         self.n_inputs = len(program.equations.inputs)
         self.angles, self.algebra, self.pairs = lane_parts(code.kernel)
         checks = (s for s in self.algebra.statements if s.kind == CHECK)
-        self.uniform = [s.text for s in checks if _read([s]) <= {"p"}]  # checks of parameters alone
+        self.uniform = [s.text for s in checks if _read([s]) <= {"p"}]  # they read only parameters
         # Whether the kernel is one function without loops, which a loop over lanes can inline.
         self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
         self.sc = ", sc" if self.pairs else ""

@@ -130,8 +130,8 @@ class Places:
         return at.text(self.size_texts)
 
     def let(self, name: str, at: Affine) -> Affine:
-        """Returns the array index of a member of a recurrent `let`. One array stores the values of
-        all recurrent `let`s."""
+        """Returns the place of member `at` of a recurrent `let`, which its previous member defines,
+        in the array that stores the values of all recurrent `let`s."""
         first, lo = self.lets[name]
         return first + at - lo
 

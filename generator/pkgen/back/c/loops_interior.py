@@ -68,8 +68,9 @@ class Interior:
     def interior(
         self, rows: Sequence[Row], group: Group | None
     ) -> tuple[list[Node], list[Affine], list[Affine]]:
-        """Returns for each row its expression in the interior, which is the sum of the parts that
-        apply there, and the lower and the upper bounds of the interior."""
+        """Returns three lists: for each row its expression in the interior (the sum of its parts
+        that apply there), then the lower and the upper bounds of the interior. The interior is the
+        range of the index without special cases at the ends."""
         lows: list[Affine] = [] if group is None else [group.lo]
         highs: list[Affine] = [] if group is None else [group.hi]
         nodes = []

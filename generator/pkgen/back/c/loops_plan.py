@@ -359,8 +359,8 @@ def _reach(slopes: Slopes) -> int:
 
 def apart(a: tuple[Group, int], b: tuple[Group, int], shift: int, slots: int) -> int:
     """Returns the largest distance, in rows of the matrix, between the unknowns of member m of the
-    family `a` and of member m + shift of the family `b`. Each family is given with its number among
-    the `slots` unknowns that an index has."""
+    family `a` and of member m + shift of the family `b`. Each index has `slots` unknowns, one of
+    each family; the number that stands beside a family is its position among them."""
     (own, i), (other, j) = a, b
     distance = abs(shift * slots + j - i)
     # A ghost cell has the unknown of its neighbour, one index away. If both families have the same

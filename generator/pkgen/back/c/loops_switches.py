@@ -31,9 +31,9 @@ def terms(e: LoopEquations) -> Iterator[Total]:
 
 
 def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, tuple[Symbol, int]]:
-    """Returns for each function call whose branch is fixed during a step: the symbol with the sign
-    of the switch that selects the branch, and 1 if the argument of the call has the same sign, -1
-    if it has the opposite sign. May add nodes."""
+    """Returns a pair for each function call whose branch is fixed during a step. A switch selects
+    the branch. The first of the pair is the symbol whose value is the sign of the switch; the
+    second is 1 if the argument of the call has this sign, -1 if it has the other. May add nodes."""
     found: dict[Node, tuple[Symbol, int]] = {}
     if not e.switches:
         return found

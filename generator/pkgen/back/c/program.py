@@ -21,7 +21,7 @@ LANES = ("lanes", "members")  # Many states with common or own parameters.
 
 _FORMS = {
     **dict.fromkeys((LOCAL, LOAD), "const pk_real {target} = {text};"),
-    TRIG: "{target} = sincos {text};",  # in C a call: kernel_code.py
+    TRIG: "{target} = sincos {text};",  # kernel_code.py writes a call in C
     STORE: "{target} = {text};",
     ADD: "{target} += {text};",
     FILL: "for (size_t k = 0; k < {text}; k++)\n    {target}[k] = 0;",

@@ -123,7 +123,8 @@ def _columns(
         return (p[u.i], pdot[u.i]) if letter == "p" else (h, h_rate)
 
     def column(u: Unknown) -> Polynomial:
-        """Returns the time derivative of the unknown's term, by the product rule."""
+        """Returns the time derivative of the term of the invariant that the unknown u multiplies,
+        by the product rule."""
         letters, total = TERMS[u.kind], {}
         for k, letter in enumerate(letters):
             others = (factor(other, u)[0] for other in letters[:k] + letters[k + 1 :])

@@ -236,8 +236,9 @@ class LoopExpander(Indices):
         return self.over(item.range, item.index)[2]
 
     def plain(self, expr: Expr, loop: Loop | None = None) -> Node:
-        """Returns the node of an expression in an initial value, a parameter or a fixed end. Raises
-        Unrolled if it contains a recurrence (`Carried`), or a sum that varies with time."""
+        """Returns the node of an expression in an initial value, a parameter or the end of a family
+        (`fixed q[0] = …`). Raises Unrolled if it contains a recurrence (`Carried`), or a sum that
+        varies with time."""
         node = self.scalar(expr, loop)
         for slot in self.slots.below(node):
             if slot.name in self.coordinates and self.coordinates[slot.name].is_carried:

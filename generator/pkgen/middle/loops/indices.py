@@ -25,7 +25,8 @@ class Indices:
         self.slots = slots
         self.graph = slots.graph
         self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
-        # The members used so far: (lo, hi, index), where lo..hi is the range of the family.
+        # For each member of a family that was used so far: (lo, hi, index), lo..hi being the range
+        # of the family. These indices are checked later.
         self.members: list[tuple[Affine, Affine, Affine]] = []
 
     def _group(self, item: Coordinate | State | Parameter) -> Group:

@@ -67,8 +67,8 @@ class Chain(Motion):
     # -- rows ---------------------------------------------------------------------------------
 
     def gone_over(self, kind: str, rates: bool = False) -> Stated:
-        """Returns the product of C^T and the unknowns of a kind, "hung_p" or "hung_f". With
-        `rates`, returns the product of C'^T and these unknowns."""
+        """Returns C^T x, or C'^T x with `rates`, for the matrix C of the recurrences. `kind` says
+        which unknowns x are: the momenta P ("hung_p") or the forces F ("hung_f")."""
         rows: dict[str, list[Part]] = {g.name: [] for g in self.e.rows}
         totals: dict[str, list[Total]] = {g.name: [] for g in self.e.scalars}
         for item in self.e.carried:

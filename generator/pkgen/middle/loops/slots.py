@@ -11,8 +11,9 @@ from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from .indexed_ir import Slot
 
-# Maps the kind of a Slot to the kind of its symbol in the graph. A symbol of kind PARAMETER can be
-# computed before all loops.
+# A Slot is a number that the body of a loop reads, such as q[i]. Maps its kind to the kind of its
+# symbol in the graph. Code that depends on symbols of kind PARAMETER alone is moved before all
+# loops.
 _KINDS = {
     "q": Kind.COORDINATE,
     "s": Kind.STATE,

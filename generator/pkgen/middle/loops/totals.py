@@ -111,8 +111,8 @@ class Totals:
         return self.x.slots.node("sum", str(self._numbers[total]))
 
     def throughout(self, body: Node) -> Node:
-        """Returns the summand of a sum after replacing each member with a fixed index, such as
-        `q[1]`, by the symbol of a total that consists of this member."""
+        """Returns the summand of a sum. A member with a fixed index, such as `q[1]`, is read before
+        the loop: it is replaced by the symbol of a sum with this one term."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind not in REACHED or slot.at is None or any(map(slot.at.factor, LOOPS)):

@@ -121,8 +121,8 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
 
 
 def about(g: Graph, singularity: Node) -> Node:
-    """Returns the expression whose text names a singularity: the angle for the cosine of half an
-    angle, the base for a power."""
+    """Returns the expression that messages show for a singularity: an angle in place of the cosine
+    of its half, the base in place of a power."""
     if is_call(g, singularity, "cos"):  # the cosine of half an angle atan2(y, x)
         _, angle = g.split(g.args[singularity][0])
         singularity = angle if is_call(g, angle, "atan2") else singularity

@@ -69,8 +69,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
         const int close = asked_for > 0 ? y->change2 <= asked_for * asked_for * y->size2
                                         : rate < 1 && left2 <= (1 - rate) * (1 - rate);
         const int done = close || y->change2 <= round || stalled;
-        /* d6 and d7 are the squares of the last two Legendre coefficients above which the step is
-         * rejected. The coefficients are compared with them as soon as the iterates resolve the
+        /* d6 and d7: the step is rejected if the square of one of the last two Legendre coefficients
+         * is larger. They are compared as soon as the iterates are more exact than the
          * coefficients. */
         const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
         if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {

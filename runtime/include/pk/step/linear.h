@@ -26,7 +26,7 @@ void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n);
  * if A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
-/* Returns the determinant of a factored matrix, and its sign. */
+/* Returns the determinant of a factored matrix, and its sign in *sign, also if it underflows. */
 pk_real pk_lu_determinant(const pk_real *A, const pk_real *pivot, size_t m, int *sign);
 /* Factors A = L D L^T in place, A symmetric. Returns 0, or 1 + i if pivot i is not positive or,
  * relative to A_ii, so small that it may be rounding (PK_PIVOT_MIN, as in generated
