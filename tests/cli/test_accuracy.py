@@ -125,9 +125,9 @@ def test_where_round_off_of_tight_runs_grows_too_far_another_method_keeps_it(tmp
     said, rows, messages = run(tmp_path, KEPLER, "eras")
     assert said["accuracy"]["horizon"] is None and "warning" not in messages
     assert said["accuracy"]["reference"]["from"] == "gauss in more digits"
-    assert len(rows) == 201 and 1e-9 < off_orbit(rows) <= 1e-6
+    assert len(rows) == 201 and 1e-9 < off_orbit(rows) <= 3e-7
     _, tight, _ = run(tmp_path, KEPLER, "eras", "--method", "gauss", "--rtol", "1e-15")
-    assert off_orbit(tight) > 1e-6
+    assert off_orbit(tight) > 3e-7
 
 
 def test_of_a_swarm_a_few_members_are_tried(tmp_path) -> None:
