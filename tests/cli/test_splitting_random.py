@@ -75,7 +75,7 @@ def test_orders(tmp_path: Path, seed: int, kind: str) -> None:
         steps = (75, 150) if kind == "fast" else STEPS[order]
         coarse, fine = (abs(end(model, method, step=UNTIL / k) - true).max() for k in steps)
         slope = np.log(coarse / fine) / np.log(steps[1] / steps[0])
-        assert fine > 1e-12 and abs(slope - order) < 0.7, (method, coarse, fine)
+        assert fine > 1e-13 and abs(slope - order) < 0.7, (method, coarse, fine)
     if kind == "varies":
         with pytest.raises((api.UsageError, api.RunError), match=r"linear (drag|in them)"):
             end(model, "verlet", step=0.1)
