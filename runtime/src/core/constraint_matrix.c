@@ -238,10 +238,9 @@ static void scale_columns(struct pk_projection *w)
     }
 }
 
-/* Returns the square of the size of row i now, divided by that when it was largest: small if the row
- * vanishes. Two ratios are formed, and the larger is returned: the ratio of the row's lengths, which
- * does not depend on its direction, and the largest ratio of an entry to its former size, which does
- * not depend on units. Entries that were small are left out. */
+/* Returns the squared size of row i, divided by its largest so far: small if the row vanishes. It is
+ * the larger of two ratios: that of the row's lengths, which does not depend on its direction, and
+ * the largest of an entry that was not small, which does not depend on units. */
 static pk_real shrunk(struct pk_projection *w, size_t i)
 {
     const pk_real *sizes = w->sizes + i * w->n;

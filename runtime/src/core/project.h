@@ -91,8 +91,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
                        const pk_real *J, size_t rows, pk_real *out);
 /* a row with a smaller squared sine counts as dependent; adaptive step sizes underflow before */
 #define PK_DEPENDENT PK_C(1e-12)
-/* the sine of a row is that of its angle to the span of the other rows; smaller sines are watched
- * during the motion (with fixed steps, sines below 2 PK_NEAR) */
+/* smaller sines (of a row to the span of the others) are watched; with fixed steps 2 PK_NEAR */
 #define PK_NEAR PK_C(0.2)
 /* if all sines are larger, a fixed step cannot meet a singular position */
 #define PK_FAR PK_C(0.9)

@@ -11,8 +11,7 @@
  * numbers: time from the start of the step, function, direction. */
 enum { PK_MOST_SAMPLES = 16, PK_MOST_NODES = 4 * PK_MOST_SAMPLES, PK_EVENT_ENTRY = 3 };
 
-/* The list of crossings ends at the first switch, where the step will end; it has at most this many
- * crossings of this switch. */
+/* The list of crossings ends at the first switch: at most so many crossings of it are listed. */
 enum { PK_MOST_TOGETHER = 4 };
 
 /* An interpolant may be less accurate than the method's own. On such an interpolant, an event

@@ -136,8 +136,7 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    /* if far, only the constant term is not 0, so that no root is sought */
-    shape->c[0] = far ? 1 : 0;
+    shape->c[0] = far ? 1 : 0; /* if far, the only term, so that no root is sought */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {

@@ -64,8 +64,7 @@ static struct parts parts_of(struct pk_integrator *it)
     return d;
 }
 
-/* Returns where node l of the current piece of the dense output lies in the step: 0 at the step's
- * start, 1 at its end. */
+/* Returns where node l of the current piece of dense output lies in the step, from 0 to 1. */
 static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * d->node[l]; }
 
 void pk_gauss_dense_init(struct pk_integrator *it)
