@@ -9,9 +9,9 @@ from collections.abc import Iterable
 _OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option", "package", "host", "command"))
 
 
-def meant(name: str, known: Iterable[str], most: int = 1, alike: float = 0.6) -> str:
+def meant(name: str, known: Iterable[str], most: int = 1) -> str:
     """Returns a hint with at most `most` known names similar to `name`, or ""."""
-    found = difflib.get_close_matches(name, sorted(known), most, alike)
+    found = difflib.get_close_matches(name, sorted(known), most, 0.6)
     *others, last = (f"'{one}'" for one in found or ("",))
     return f"did you mean {', '.join(others)}{' or ' if others else ''}{last}?" if found else ""
 

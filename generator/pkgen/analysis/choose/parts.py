@@ -69,7 +69,7 @@ def _all(compilation: Compilation) -> list[Shown]:
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:
     """Returns the choice for a block of coordinates. Trials run the block alone, and are judged by
-    those recorded columns that belong to it. Their steps must end at the times of rows."""
+    those recorded columns that belong to it. Steps of trials must end at the times of rows."""
     prepared = Prepared.of(compilation.files, part.name, part.structure, land=True)
     found = prepared.choose(alone(part, settings), settings.accuracy)
     return replace(found, of=tuple(q.name for q in part.equations.coordinates))

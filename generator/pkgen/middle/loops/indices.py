@@ -26,7 +26,7 @@ class Indices:
         self.graph = slots.graph
         self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
         # For each member of a family that was used so far: (lo, hi, index), lo..hi being the range
-        # of the family. These indices are checked later.
+        # of the family.
         self.members: list[tuple[Affine, Affine, Affine]] = []
 
     def _group(self, item: Coordinate | State | Parameter) -> Group:
