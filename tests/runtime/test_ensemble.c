@@ -1,7 +1,11 @@
 /* Ensembles: every member as it comes out alone, to the bit, by every route, in any company and in
  * any number of threads; and members that fail, alone.
  */
+#define _POSIX_C_SOURCE 200809L
+
+#include <stdatomic.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include "fixture.h"
 
@@ -339,6 +343,37 @@ TEST("singularities know why a member failed")
         CU_ASSERT(c.status[53] == PK_SINGULAR_COORDINATES && strangers(&c) == 0);
         CU_ASSERT(is_told(&c, 53, "limit - q"));
     }
+}
+
+static atomic_int asked;
+
+static int ask(void *context)
+{
+    (void)context;
+    ++asked;
+    return 0;
+}
+
+/* Lasts until the first thread has asked for a stop, 5 s at most; in the first thread 5 ms. */
+static void wait_for_asking(void *late, size_t i)
+{
+    (void)i;
+    for (int ms = 0; ms < (pk_thread() ? 5000 : 5); ms++) {
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+        if (asked)
+            return;
+    }
+    if (pk_thread())
+        *(int *)late = 1;
+}
+
+/* The first thread alone can see SIGTERM, so it must not sleep while the others work. */
+TEST("the first thread asks while others work")
+{
+    int late = 0;
+    const struct pk_options options = {.stop = ask};
+    pk_parallel(2, 2, wait_for_asking, &late, &options);
+    CU_ASSERT(!late && (asked || pk_ensemble_threads() == 1));
 }
 
 static int after_a_while(void *context)

@@ -230,7 +230,7 @@ def _secular(mine: dict[str, float | None], its: dict[str, float | None]) -> flo
     if None in numbers:
         return 0.0
     most, slope, mean_t, unsteady, scale = numbers
-    if not scale > 0 or not unsteady < STEADY * scale:
+    if not unsteady < STEADY * scale:  # Holds for a scale of 0 too.
         return 0.0
     far, steady = most / scale, abs(slope * 2 * mean_t / scale)
     return far if steady > SECULAR * far else 0.0
