@@ -101,4 +101,6 @@ class Measure:
         rates = self.exact.x[late, n : 2 * n]
         parts = rates / self.scales[:n] ** 2
         moved = (parts * rates).sum()
-        return abs(float((parts * off[late, :n]).sum() / moved)) / t[-1] if moved else math.inf
+        if not moved:
+            return math.inf
+        return float(abs((parts * off[late, :n]).sum() / moved) / t[-1])
