@@ -29,7 +29,7 @@ from pkgen.source import Source
 from pkgen.system import toolchain
 from pkgen.system.exits import BuildError
 
-LONGEST = 120  # s of the processor, which a loaded machine does not use up; then it is killed
+LONGEST = 300  # s of the processor, which a loaded machine does not use up; then it is killed
 
 
 # What a first model of a process costs more: units, parser tables, templates, ways to derive.
