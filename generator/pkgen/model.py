@@ -181,6 +181,14 @@ class Force(Given):
 
 
 @record
+class Load(Given):
+    """`force` at a point, or `torque` on a body, of the power dot(value, velocity). The generalized
+    forces are the derivatives of `velocity` by the rates, times `value`; both are vectors."""
+
+    velocity: Expr
+
+
+@record
 class Start:
     """An initial value of a coordinate (`order` 0) or its rate (1). The last one is valid."""
 
@@ -319,4 +327,5 @@ class Model:
     drawings: tuple[Drawing, ...] = ()
     views: tuple[Drawing, ...] = ()
     fast: tuple[Expr, ...] = ()  # terms of the potential that the model names fast
+    loads: tuple[Load, ...] = ()
     methods: tuple[Own, ...] = ()  # methods that the model defines

@@ -170,7 +170,7 @@ class _Reader:
             return None
         self.nodes, wrong = measure(statement, self.nodes)
         left = getattr(statement, "left", None)
-        if left is not None and "." in left.name:
+        if left is not None and "." in left.name and not isinstance(statement, st.Force):
             help = "what a body has is made by its joint"
             wrong = Diagnostic(f"'{left.name}' is no name of your own", left.span, help)
         if wrong is not None:

@@ -168,6 +168,11 @@ class Build(Transformer):
     def define(self, word, left, _, value):
         return st.Define(str(word), left, value, self.comment, _over(word, value))
 
+    def force(self, word, target, *rest):
+        *at, _, value = rest
+        left, place = (target, *at) if at else (None, target)
+        return st.Force(str(word), left, place, value, _over(word, value))
+
     def declare(self, word, *items):
         return st.Declare(str(word), items, self.comment, _over(word, items[-1]))
 

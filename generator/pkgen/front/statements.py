@@ -64,12 +64,24 @@ class Param:
 
 @record
 class Define:
-    """`size`, `const`, `let`, `observe`, `conserve`, `rate` or `force` NAME = EXPR."""
+    """`size`, `const`, `let`, `observe`, `conserve` or `rate` NAME = EXPR."""
 
     keyword: str
     left: Left
     value: Expr
     description: str
+    span: Span
+
+
+@record
+class Force:
+    """`force` or `torque` NAME = EXPR, NAME at PLACE = EXPR, or `force B.point([..]) = EXPR`, where
+    `left` is None."""
+
+    keyword: str
+    left: Left | None
+    place: Expr | None
+    value: Expr
     span: Span
 
 

@@ -20,6 +20,7 @@ SYNTAX = {
     "names": "left (_COMMA left)*",
     "holds": "(pair | left) (_COMMA (pair | left))*",
     "single": "item",
+    "force": "(left [at] | point) EQUAL item",
     "equation": "left COLON item EQUAL item",
     "event": "NAME COLON item [direction] [STOP]",
     "draw": "SHAPE [drawn] part* [_COMMA also]",
@@ -56,7 +57,8 @@ potential   single   dynamics.energy     potential   -     energy m*g*x
 lagrangian  single   dynamics.energy     lagrangian  -     energy m/2*x'^2 - m*g*x
 dissipation single   dynamics.energy     dissipation -     power  b/2*x'^2
 fast        single   dynamics.energy     fast        -     energy k/2*x^2
-force       define   dynamics.force      forces      -     -      COORDINATE = EXPRESSION
+force       force    forces.force        forces      first -      COORDINATE = EXPRESSION
+torque      force    forces.torque       loads       first -      BODY = [X, Y, Z]
 constraint  equation constraints.equation constraints -    energy NAME: A = B
 rolling     equation constraints.equation constraints -    power  NAME: A = B
 event       event    dynamics.event      events      first -      NAME: EXPRESSION rising
@@ -70,7 +72,7 @@ start       start_at dynamics.start      starts      -     -      a = VALUE, a' 
 scene       head     scenes.head         scenes      first -      NAME
 """
 # These words are keywords only at the start of a statement; elsewhere they are names.
-_SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity"))
+_SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque"))
 # Columns: keyword, key of SYNTAX, method that checks, how many a scene may have, form.
 _SCENE = """
 start    start_at     given.start    many a = VALUE, a' = VALUE

@@ -102,11 +102,14 @@ class Written:
         return [s for s in self.statements if isinstance(s, st.Param)]
 
     def forces(self) -> list[Line]:
-        made = [s for s in self.statements if isinstance(s, st.Define) and s.keyword == "force"]
-        return [
-            (_equation(mathml.sub(mathml.name("Q"), self.left(s.left)), self._terms(s.value)), "")
-            for s in made
-        ]
+        made = [s for s in self.statements if isinstance(s, st.Force)]
+        return [(self._force(s), "") for s in made]
+
+    def _force(self, s: st.Force) -> list[str]:
+        """Returns a force along a coordinate as an equation, any other as it is written."""
+        if s.keyword == "torque" or s.place is not None or s.left.name in self.lets:
+            return [mathml.words(self._as_written(s.span))]
+        return _equation(mathml.sub(mathml.name("Q"), self.left(s.left)), self._terms(s.value))
 
     def constraints(self) -> list[Line]:
         found = []

@@ -8,7 +8,7 @@ from fractions import Fraction
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ...source import Span
 from ...system.near import meant
-from ...tree import Call, Expr, Name, Sum, Vector
+from ...tree import Call, Expr, Name, Range, Sum, Vector, of_member
 from .. import units
 from ..units import NONE, Dimension
 from . import values
@@ -19,10 +19,15 @@ from .scope import PLACES, Scope
 
 
 class Calls(RotationCalls):
+    def __init__(self, *given, **more) -> None:
+        super().__init__(*given, **more)
+        self.powers: dict[str, tuple[Expr, Range | None]] = {}  # by name of a force
     def call(self, expr: Call, scope: Scope) -> Checked:
         function = expr.function
         if function in ("drift", "time") and scope.place is PLACES["expect"]:
             return self._of_run(expr)
+        if function == "power" and len(expr.arguments) == 1:
+            return self._power(expr, scope)
         if function in ROTATIONS:  # The arguments may be rotations.
             return self.rotation_call(expr, [self.factor(x, scope) for x in expr.arguments])
         if len(expr.arguments) == WRITTEN_OUT.get(function):
@@ -69,6 +74,25 @@ class Calls(RotationCalls):
         help = f"the events are: {', '.join(events)}" if events else "declare it by 'event'"
         help = meant(name, events) or help
         raise Wrong("time(…) takes an event: when it first happens", help, argument)
+
+    def _power(self, expr: Call, scope: Scope) -> Checked:
+        """Checks power(NAME), the power of a named force, which becomes dot(force, velocity)."""
+        (argument,) = expr.arguments
+        name = argument.id if isinstance(argument, Name) else ""
+        entry = self.names.table.get(name)
+        if entry is not None and entry.kind == "poisoned":
+            raise Wrong
+        if entry is None or entry.kind != "force":
+            help = meant(name, self.powers) or "name one: force drag at P = [Fx, Fy, Fz]"
+            raise Wrong("power(…) takes the name of a force or a torque", help, argument)
+        if "coordinate" not in scope.place.kinds:
+            raise Wrong(f"{scope.place.what} cannot use a power")
+        if not self.indices.member(argument, entry, scope):
+            raise Wrong
+        value, range_ = self.powers[name]
+        if range_ is not None:
+            value = of_member(value, range_.variable, argument.index)
+        return value, entry.facts
 
     def _not_callable(self, expr: Call) -> Wrong:
         if expr.function in SPECIAL - {"sum"}:

@@ -30,6 +30,7 @@ from .definitions import Definitions
 from .drawings import Drawings
 from .dynamics import Dynamics
 from .expr import Expressions
+from .forces import Forces
 from .methods import Methods
 from .names import UNKNOWN, Entry, Names, Report
 from .params import check_bounds
@@ -131,6 +132,7 @@ class _Checker(Checks):
             "states": self.states,
             "coordinates": Coordinates(self.shared, self.states, self.dynamics.rotations),
             "dynamics": self.dynamics,
+            "forces": Forces(self.shared, self.dynamics.rotations),
             "constraints": Constraints(self.shared),
             "bodies": self.bodies,
             "drawings": Drawings(self.shared),
@@ -230,8 +232,10 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
     its declaration if that is `coord`, `state` or `rotation`, for a joint's coordinates too."""
     for statement in statements:
         match statement:
-            case st.Define(keyword="rate" | "force"):
-                pass  # `rate` and `force` declare no name.
+            case st.Define(keyword="rate"):
+                pass  # `rate` declares no name.
+            case st.Force(left=left, place=place) if place is not None and left is not None:
+                yield left.name, left.span, ""
             case st.Param(left=left) | st.Define(left=left) | st.Body(left=left):
                 yield left.name, left.span, ""
             case st.Declare(keyword=keyword, items=items):

@@ -66,31 +66,6 @@ class Dynamics(Checks):
                 found.append(part.span)
         return min(found, key=lambda span: (span.end - span.start, span.start))
 
-    def force(self, statement: st.Define) -> None:
-        left = statement.left
-        kinds = ("coordinate", "rotation") if self.names.rotations else ("coordinate",)
-        entry = self.names.table.get(left.name)
-        if entry is not None and entry.kind == "rotation":
-            entry.used = True
-            self.parts["forces"] += self.rotations.force(statement)
-            return
-        found = self.wanted_of(left, statement.value, "a force", kinds, "force")
-        if found is None:
-            return
-        entry, scope = found
-        dimension = units.over(self.energy_dimension, entry.facts.dimension)
-        needs = {
-            units.ENERGY: "a torque [N*m]",
-            units.FORCE: "a force [N]",
-            NONE: "a number",
-        }.get(dimension, f"[{si_text(dimension)}]")
-        target = Target(dimension, f"the force along {left.name} needs {needs}")
-        value, facts = self.wanted(statement.value, scope, target)
-        self.use_inputs(facts)
-        self.parts["forces"].append(
-            m.Force(left.name, left.index, left.range, value, statement.span)
-        )
-
     def start(self, statement: st.StartAt) -> None:
         for item in statement.items:
             self.parts["starts"] += self.start_item(item) or ()

@@ -24,7 +24,7 @@ NO_INPUTS: dict[str, int] = {}
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
 ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
-SPECIAL = ROTATIONS | {"sum", "drift", "time"}
+SPECIAL = ROTATIONS | {"sum", "drift", "time", "power"}
 
 
 def callable_names() -> frozenset[str]:
@@ -167,6 +167,7 @@ KIND_TEXT = {
     "output": "an output",
     "scene": "a scene",
     "event": "an event",
+    "force": "a force",
     "body": "a body",
     "joint": "a joint",
     "loop variable": "a loop variable",

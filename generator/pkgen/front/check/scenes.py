@@ -144,9 +144,9 @@ class _Scene(Given):
             inner, order = inner.of, order + 1
         if isinstance(inner, Component):
             inner, axis = inner.of, inner.axis
-        if isinstance(inner, Call) and inner.function == "omega" and facts.known:
+        if isinstance(inner, Call) and inner.function in ("omega", "power") and facts.known:
             (of,) = inner.arguments
-            inner = replace(of, id=f"omega({of.id})")
+            inner = replace(of, id=f"{inner.function}({of.id})")
         if not isinstance(inner, Name):
             message = "a record takes names, not expressions"
             self.error(message, item, "give it a name: observe NAME = …")

@@ -24,6 +24,13 @@ from .switches import switches_of
 from .terms import Term, terms
 
 
+# Fields of Model that are compiled with all families written out, with the reason in words.
+_UNROLLED = {
+    "fast": "a part of the potential is named fast",
+    "loads": "a force acts at a point, or a torque in space",
+}
+
+
 def derive_loops(model: Model) -> LoopEquations:
     """Returns the equations of motion with loops over the members of all families. Raises
     Unrolled."""
@@ -38,8 +45,9 @@ def _derive(x: LoopExpander) -> LoopEquations:
         for group in x.coordinates.values()
     ):
         raise Unrolled("no family of coordinates has a length that depends on a size")
-    if model.fast:
-        raise Unrolled("a part of the potential is named fast")
+    for field, why in _UNROLLED.items():
+        if getattr(model, field):
+            raise Unrolled(why)
     found: dict[str, list[tuple[Term, int]]] = {}
     for kind, sign in (("kinetic", 1), ("potential", -1), ("lagrangian", 1)):
         found[kind] = []

@@ -1,0 +1,124 @@
+"""Checks `force` and `torque`: along a coordinate, on a rotation, at a point, on a body.
+
+A force F at a point P gives the generalized forces Q = (dP'/dv)^T F, where v are the rates. For a
+torque in space the angular velocity stands in place of P'. Reference: D. Greenwood, Advanced
+Dynamics, Cambridge 2003, section 2.1.
+"""
+
+from __future__ import annotations
+
+from ... import model as m
+from ...tree import Call, Expr, Multiply, Name, Prime
+from .. import statements as st
+from .. import units
+from ..units import NONE, si_text
+from .expr import Target
+from .names import Entry, Facts, Members, joined
+from .rotation_statements import Rotations
+from .scope import PLACES, Scope
+from .shared import Checks, Shared, name_span
+
+# Kinds of names at which a force acts as at a point; bodies, to name their points in the error.
+_POINTS = ("definition", "body")
+
+
+class Forces(Checks):
+    def __init__(self, shared: Shared, rotations: Rotations) -> None:
+        super().__init__(shared)
+        self.rotations = rotations
+        self.powers = self.expressions.powers
+
+    def force(self, statement: st.Force) -> None:
+        left, place = statement.left, statement.place
+        entry = None if left is None else self.names.table.get(left.name)
+        kind = "" if entry is None else entry.kind
+        if place is None and kind in _POINTS:
+            place = _named(left)
+        if place is not None:
+            self._load(statement, place, Prime(place, place.span))
+        elif kind == "rotation":
+            entry.used = True
+            self.parts["forces"] += self.rotations.force(statement)
+        else:
+            self._along(statement)
+
+    def torque(self, statement: st.Force) -> None:
+        """Checks a torque on a body or a rotation, a vector in space."""
+        on = statement.place or _named(statement.left)
+        entry = self.names.table.get(on.id) if isinstance(on, Name) else None
+        body = entry is not None and entry.kind == "body"
+        if not body and (entry is None or entry.kind not in ("rotation", "poisoned")):
+            message = f"a torque turns a body or a rotation; {self.text(on)} is neither"
+            self.error(message, on, "at a point acts a force: force P = [Fx, Fy, Fz]")
+            return
+        turn, rates = on, Call("omega", (on,), on.span)
+        if body:
+            turn, rates = (Name(f"{on.id}.{x}", on.index, on.span) for x in ("R", "omega"))
+        self._load(statement, on, Multiply((turn, rates), (1, 1), on.span))
+
+    def _along(self, statement: st.Force) -> None:
+        """Checks a generalized force along a coordinate."""
+        left = statement.left
+        kinds = ("coordinate", "rotation") if self.names.rotations else ("coordinate",)
+        found = self.wanted_of(left, statement.value, "a force", kinds, "force")
+        if found is None:
+            return
+        entry, scope = found
+        dimension = units.over(self.energy_dimension, entry.facts.dimension)
+        target = self._needed(dimension, f"the force along {left.name} needs")
+        value, facts = self.wanted(statement.value, scope, target)
+        self.use_inputs(facts)
+        self.parts["forces"].append(
+            m.Force(left.name, left.index, left.range, value, statement.span)
+        )
+
+    def _needed(self, dimension: units.Dimension | None, message: str) -> Target:
+        needs = {
+            units.ENERGY: "a torque [N*m]",
+            units.FORCE: "a force [N]",
+            NONE: "a number",
+        }.get(dimension, f"[{si_text(dimension or NONE)}]")
+        return Target(dimension, f"{message} {needs}")
+
+    def _load(self, statement: st.Force, place: Expr, velocity: Expr) -> None:
+        """Checks a force or torque, which does work at the rate dot(force, velocity)."""
+        left, keyword = statement.left, statement.keyword
+        scope, members = Scope(PLACES["force"]), None
+        if left is not None:
+            scope, members = self.left_scope(left, "force")
+        before = self.report.count
+        velocity, moved = self.checked(velocity, scope)
+        if moved.known and not moved.vector:
+            message = f"a force acts at a point, a vector; {self.text(place)} is a number"
+            self.error(message, place, "write [x, y, z], or a force along a coordinate")
+        elif moved.known and not moved.rates:
+            does = "turn" if keyword == "torque" else "move"
+            self.warn(f"{self.text(place)} does not {does}: this {keyword} does nothing", place)
+        over = None if moved.dimension is None else units.over(self.power_dimension, moved.dimension)
+        target = self._needed(over, f"the {keyword} at {self.text(place)} is a vector, each component")
+        value, facts = self.wanted_vector(statement.value, scope, target)
+        self.use_inputs(joined(None, True, [facts, moved]))
+        if statement.place is not None and left is not None:
+            self._name(left, Call("dot", (value, velocity), statement.span), [facts, moved], members)
+        if self.report.count == before:
+            name, index, range_ = ("", None, None) if left is None else (left.name, left.index, left.range)
+            load = m.Load(name, index, range_, value, statement.span, velocity)
+            self.parts["loads"].append(load)
+
+    def _name(self, left: st.Left, power: Expr, parts: list[Facts], members: Members | None) -> None:
+        """Declares the name of a force, of which power(NAME) is the power."""
+        if left.index is not None or "." in left.name:
+            message = "a force is named by NAME or NAME[i = lo..hi]"
+            self.error(message, left, f"force drag at {self.text(left)} = …")
+        facts = joined(self.power_dimension, False, parts)
+        new = Entry(left.name, "force", facts, name_span(left), members, used=True)
+        if self.names.declare(new):
+            self.powers[left.name] = power, left.range
+
+
+def _named(left: st.Left) -> Name:
+    """Returns the name on a statement's left side, for a family one member of it."""
+    index = left.index
+    if left.range is not None:
+        index = Name(left.range.variable, None, left.range.span)
+    return Name(left.name, index, left.span)
