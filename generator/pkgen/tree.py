@@ -96,6 +96,16 @@ class Call:
 
 
 @record
+class Condition:
+    """A comparison `a < b` (also <=, >, >=, ==), or `and`, `or`, `not` of conditions. Before
+    checking, it stands in an `if`, an event or behind `while`; checking makes numbers of it."""
+
+    operator: str
+    parts: tuple[Expr, ...]
+    span: Span
+
+
+@record
 class Range:
     """`i = lo..hi`, both ends included; the ends are integer expressions."""
 
@@ -142,6 +152,7 @@ Expr = (
     | Multiply
     | Power
     | Call
+    | Condition
     | Sum
     | Vector
     | Quantity
@@ -155,7 +166,7 @@ def children(expr: Expr) -> tuple[Expr, ...]:
             return ()
         case Name(index=index):
             return (index,)
-        case Add(terms=parts) | Multiply(factors=parts) | Call(arguments=parts):
+        case Add(terms=parts) | Multiply(factors=parts) | Call(arguments=parts) | Condition(parts=parts):
             return parts
         case Vector(items=parts):
             return parts

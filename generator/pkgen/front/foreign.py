@@ -7,7 +7,7 @@ import re
 _RATE = "a rate is written x', and x'' where outputs may have accelerations"
 _MOTION = "pkgen derives the motion: write 'kinetic …', 'potential …' and 'force x = …'"
 _FIRST_ORDER = f"{_RATE}; for x' = f(x) write 'state x' and 'rate x = …'"
-STEP = "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"
+STEP = "if(x > 0, a, b) is a where x > 0, else b; max(0, x), min, abs and clamp bend"
 _LATEX = r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta"
 
 # Pattern of the first words of a statement, and its hint.
@@ -49,7 +49,7 @@ FUNCTIONS = {
     **dict.fromkeys(("diff", "der", "ddt", "D", "Derivative", "deriv"), _RATE),
     **dict.fromkeys(("ddot", "dder"), _RATE),
     "pow": "x to the power of y is x^y",
-    **dict.fromkeys(("if", "piecewise", "Piecewise"), STEP),
+    **dict.fromkeys(("piecewise", "Piecewise"), STEP),
 }
 NAMES = {"e": "e^x is exp(x)", "Pi": "write pi", "PI": "write pi", "M_PI": "write pi"}
 CHARACTERS = {

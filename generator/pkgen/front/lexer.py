@@ -32,7 +32,7 @@ _PATTERN = re.compile(
   | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
   | (?P<component>\.[A-Za-z_]\w*)
   | (?P<string>"[^"\n]*")
-  | (?P<operator>\*\*|\.\.|[-+*/^()\[\],:='<>])
+  | (?P<operator>\*\*|\.\.|[<>=]=|[-+*/^()\[\],:='<>])
   | (?P<other>.)
     """,
     re.VERBOSE | re.DOTALL,
@@ -42,7 +42,7 @@ _UNIT = re.compile(r"\[([^\[\]\n#]*)\]")
 _OPERATORS = {
     "+": "PLUS", "-": "MINUS", "*": "TIMES", "/": "OVER", "^": "POWER", "**": "POWER",
     ",": "_COMMA", ":": "COLON", "=": "EQUAL", "'": "PRIME", "<": "LESS", ">": "GREATER",
-    "..": "DOTS",
+    "<=": "AT_MOST", ">=": "AT_LEAST", "==": "SAME", "..": "DOTS",
 }  # fmt: skip
 _VALUE_ENDS = frozenset(
     ["NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT"]

@@ -112,6 +112,15 @@ class Build(Transformer):
     def group(self, opens, of, closes):
         return replace(of, span=_over(opens, closes))
 
+    def compared(self, a, sign, b):
+        return tree.Condition(str(sign), (a, b), _over(a, b))
+
+    def logical(self, *parts):
+        return tree.Condition(str(parts[1]), parts[::2], _over(parts[0], parts[-1]))
+
+    def denied(self, sign, of):
+        return tree.Condition(str(sign), (of,), _over(sign, of))
+
     def vector(self, opens, *items):
         return tree.Vector(items[:-1], _over(opens, items[-1]))
 
@@ -172,6 +181,14 @@ class Build(Transformer):
         *at, _, value = rest
         left, place = (target, *at) if at else (None, target)
         return st.Force(str(word), left, place, value, _over(word, value))
+
+    def observe(self, word, left, *rest):
+        _, value, condition = rest if len(rest) > 1 else (None, None, *rest)
+        whole = isinstance(value, tree.Call) and value.function == "integral"
+        if condition is None and not whole:
+            return self.define(word, left, None, value)
+        given = left, value, condition, self.comment
+        return st.Accumulate(*given, _over(word, condition or value))
 
     def declare(self, word, *items):
         return st.Declare(str(word), items, self.comment, _over(word, items[-1]))

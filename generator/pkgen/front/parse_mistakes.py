@@ -227,7 +227,7 @@ def _prime_misplaced(spot: Spot):
 
 def _comparison(spot: Spot):
     if spot.token.type in ("LESS", "GREATER"):
-        return f"'{spot.token}' is not an operator here", "step(x) is 0 below 0 and 1 from 0 on"
+        return f"'{spot.token}' compares, and nothing here takes a condition", STEP
 
 
 def _clause_order(spot: Spot):

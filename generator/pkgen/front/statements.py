@@ -74,6 +74,18 @@ class Define:
 
 
 @record
+class Accumulate:
+    """`observe NAME = integral(EXPR) while CONDITION`; without EXPR the time that it holds."""
+
+    keyword: ClassVar[str] = "observe"
+    left: Left
+    value: Expr | None
+    condition: Expr | None
+    description: str
+    span: Span
+
+
+@record
 class Force:
     """`force` or `torque` NAME = EXPR, NAME at PLACE = EXPR, or `force B.point([..]) = EXPR`, where
     `left` is None."""

@@ -22,7 +22,8 @@ SYNTAX = {
     "single": "item",
     "force": "(left [at] | point) EQUAL item",
     "equation": "left COLON item EQUAL item",
-    "event": "NAME COLON item [direction] [STOP]",
+    "observe": "left (EQUAL item [while] | while)",
+    "event": "NAME COLON test [direction] [STOP]",
     "draw": "SHAPE [drawn] part* [_COMMA also]",
     "body": "several clause*",
     "joint": "several COLON end WORD end WORD [item] clause*",
@@ -42,7 +43,7 @@ param       param    definitions.param   parameters  first -      NAME = VALUE [
 size        define   definitions.size    sizes       first -      NAME = INTEGER
 const       define   definitions.define  definitions first -      NAME = VALUE [unit]
 let         define   definitions.define  definitions first -      NAME = EXPRESSION
-observe     define   definitions.define  observed    first -      NAME = EXPRESSION
+observe     observe  definitions.define  observed    first -      NAME = EXPRESSION
 conserve    define   definitions.define  conserved   first -      NAME = EXPRESSION
 rate        define   states.rate         rates       -     -      NAME = EXPRESSION
 coord       declare  coordinates.declare coordinates all   -      a, b [m], q[1..N] [rad]

@@ -7,7 +7,7 @@ import unicodedata
 
 from .table import STATEMENTS
 
-_CLAUSES = "in rising falling either stop every at within step rtol"
+_CLAUSES = "in rising falling either stop every at within step rtol while and or not"
 # C11 and C++20 keywords, and the macros of the headers that generated C includes.
 _C = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t

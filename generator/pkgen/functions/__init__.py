@@ -19,9 +19,9 @@ FUNCTIONS: dict[str, Function] = {
 
 # The prefix of C functions with an argument `side` (back/c/helpers.py).
 SIDE = "side_"
-# Numbers of arguments of ln(x), which becomes log(x), and of clamp(x, a, b), which becomes
-# min(max(x, a), b).
-WRITTEN_OUT = {"ln": 1, "clamp": 3}
+# Numbers of arguments of functions that front/check/calls.py writes with others: ln(x) becomes
+# log(x).
+WRITTEN_OUT = {"ln": 1, "clamp": 3, "ceil": 1, "round": 1, "mod": 2}
 # Maps names that other languages give to functions to the names in this language. Error messages
 # suggest the name in this language.
 MEANT = {

@@ -7,6 +7,7 @@ keeps each function on one branch (see middle/derive/switches.py).
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 from .interval import NOT_NEGATIVE, POSITIVE, UNIT, Range
@@ -89,6 +90,18 @@ KINKED: dict[str, Function] = {
         opened=lambda p, a: p.halved(p.added({(): 1}, p.sign(a))),
         jump="step jumps",
         sympy=lambda sp, x: sp.Heaviside(x, 1),
+    ),
+    "floor": Function(  # Between its jumps, at zeros of sin(pi x), it is even or odd.
+        kinked=Kinked(
+            "2 * PK_F(floor)((2 * x - 1) / 4) + 1",
+            "2 * PK_F(floor)((2 * x + 1) / 4)",
+            lambda g, a: g.call("sin", g.multiply(g.pi(), a)),
+        ),
+        real=lambda x: float(math.floor(x)),
+        exact=lambda x: Fraction(math.floor(x)),
+        derivative=lambda g, n, a: (g.number(0),),
+        interval=lambda x: Range(x.lo - 1, x.hi),
+        jump="floor jumps",
     ),
     "sign": Function(  # the derivative of abs, with values -1, 0 and 1
         units="any",

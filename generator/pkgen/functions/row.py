@@ -31,6 +31,9 @@ class Kinked:
 
     below: str
     above: str
+    # A callable (g, a) -> the node at whose zeros the function changes branch, if that is not the
+    # argument a.
+    surface: Callable | None = None
 
 
 @record(kw_only=True)

@@ -237,4 +237,23 @@ SMOOTH: dict[str, Function] = {
         singular=lambda g, a: (a, DIVISOR),
         sympy=lambda sp, x: 1 / x,
     ),
+    "select": Function(  # if(c, a, b): a where c is 1, b where c is 0
+        arguments=("c", "a", "b"),
+        internal=True,
+        body="c > 0 ? a : c <= 0 ? b : c",
+        real=lambda c, a, b: a if c > 0 else b if c <= 0 else c,
+        array=lambda np, c, a, b: np.where(c > 0, a, b),
+        exact=lambda c, a, b: a if c else b,
+        derivative=lambda g, n, c, a, b: (
+            g.number(0),
+            g.call("select", c, g.number(1), g.number(0)),
+            g.call("select", c, g.number(0), g.number(1)),
+        ),
+        interval=lambda c, a, b: Range(min(a.lo, b.lo), max(a.hi, b.hi)),
+        ball=lambda e, c, a, b: a if c == (1, 0) else b if c == (0, 0) else None,
+        opened=lambda p, c, a, b: p.added(b, p.multiplied(c, p.added(a, p.negated(b)))),
+        enclosed=lambda e, c, a, b: c * a + (1 - c) * b,
+        branched=True,
+        sympy=lambda sp, c, a, b: sp.Piecewise((a, c > 0), (b, True)),
+    ),
 }

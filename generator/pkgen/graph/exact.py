@@ -261,5 +261,8 @@ class Exact(Normal):
         size = {m: sign * c for m, c in self.multiplied(apart, self.sign(apart)).items()}
         return self.halved(self.added(self.added(a, b), size))
 
+    def negated(self, a: Polynomial) -> Polynomial:
+        return {m: -c for m, c in a.items()}
+
     def halved(self, a: Polynomial) -> Polynomial:
         return {m: c * Fraction(1, 2) for m, c in a.items()}

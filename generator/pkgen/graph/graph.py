@@ -94,6 +94,9 @@ class Graph(Nodes):
         rest = self._rest[a]
         if rest == self._rest[b] and self.op[rest] is not Op.ADD:
             return self._scaled(self.add(self._scale[a], self._scale[b]), rest)
+        if self.data[a] == self.data[b] == "select" and self.args[a][0] == self.args[b][0]:
+            (condition, *chosen), (_, *other) = self.args[a], self.args[b]
+            return self.call("select", condition, *map(self.add, chosen, other))
         left, right = self._terms_of(a, domain), self._terms_of(b, domain)
         if left is not None and right is not None:
             terms = merge(self, left, right)
@@ -199,6 +202,9 @@ class Graph(Nodes):
         known = self._products.get(args)
         if known is not None:
             return known
+        chosen = self._select_of(a, b) or self._select_of(b, a)
+        if chosen is not None:
+            return chosen
         left, right = self._factors[a], self._factors[b]
         factors = merged(left, right)
         if self._reciprocals:
@@ -206,6 +212,16 @@ class Graph(Nodes):
         if len(factors) == len(left) + len(right):
             return self._product_node(args, factors)
         return self._product_of(factors)
+
+    def _select_of(self, a: Node, b: Node) -> Node | None:
+        """Returns the product of a = select(c, x, 0) and b as select(c, x b, 0), None for another a.
+        So where b is not finite and a is 0, the product is 0."""
+        if self.op[a] is not Op.CALL or self.data[a] != "select":
+            return None
+        condition, *branches = self.args[a]
+        if ZERO not in branches:
+            return None
+        return self.call("select", condition, *(self.multiply(x, b) for x in branches))
 
     def _product_of(self, factors: Factors) -> Node:
         return self.product(self._power_of(base, exponent) for base, exponent in factors)
@@ -270,6 +286,8 @@ class Graph(Nodes):
                 return self.number(exact)
         if function == "sqrt":
             return self._sqrt(*arguments)
+        if function == "select" and (values[0] is not None or arguments[1] == arguments[2]):
+            return arguments[2 if values[0] == 0 else 1]
         parity = FUNCTIONS[function].parity
         if parity and self._negative(arguments[0]):
             node = self._call_node(function, (self._opposite(arguments[0]),))

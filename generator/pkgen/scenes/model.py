@@ -107,8 +107,7 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
 
 def _unit(model: Model, side: LeftSide) -> str | None:
     """Returns the unit of a quantity that can be recorded but is no output, else None."""
-    energies = ("L",) if model.lagrangian else ("L", "T", "V")
-    if side.name in energies and side.index is None and not side.order:
+    if side.name in ("L", "T", "V") and side.index is None and not side.order:
         return "" if model.dimensionless else "J"
     own = side.name, side.order
     for item in (*model.coordinates, *model.states, *model.conserved, *model.constraints):

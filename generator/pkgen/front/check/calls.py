@@ -4,15 +4,30 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ...source import Span
 from ...system.near import meant
-from ...tree import Call, Expr, Name, Range, Sum, Vector, of_member
+from ...tree import (
+    Add,
+    Call,
+    Condition,
+    Expr,
+    Multiply,
+    Name,
+    Negate,
+    Number,
+    Range,
+    Sum,
+    Vector,
+    of_member,
+)
 from .. import units
 from ..units import NONE, Dimension
-from . import values
+from . import values as values_of
 from .checking import Checked
+from .conditions import truth
 from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Wrong, callable_names, joined
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
@@ -30,8 +45,10 @@ class Calls(RotationCalls):
             return self._power(expr, scope)
         if function in ROTATIONS:  # The arguments may be rotations.
             return self.rotation_call(expr, [self.factor(x, scope) for x in expr.arguments])
-        if len(expr.arguments) == WRITTEN_OUT.get(function):
-            return self.call(_written_out(expr), scope)
+        if function == "if":
+            return self._if(expr, scope)
+        if _is_written_out(expr):
+            return self.check(_written_out(expr), scope)
         parts = [self.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
         if function not in callable_names():
@@ -94,6 +111,25 @@ class Calls(RotationCalls):
             value = of_member(value, range_.variable, argument.index)
         return value, entry.facts
 
+    def _if(self, expr: Call, scope: Scope) -> Checked:
+        if len(expr.arguments) != 3:
+            raise Wrong("if takes a condition and two values", "e.g. if(x > 0, k*x, 0)")
+        condition, *values = expr.arguments
+        parts = [self.check(x, scope) for x in (truth(condition), *values)]
+        facts = [f for _, f in parts]
+        for value, part in zip(values, facts[1:], strict=True):
+            if part.vector:
+                raise Wrong("the values of an if are numbers; this is a vector", at=value)
+        result = joined(self.common(tuple(values), facts[1:], "if"), False, facts)
+        if facts[0].moves and not result.rough:
+            result.rough = "if"
+        result.value = self.constant(expr, facts, lambda x: values_of.called("select", x))
+        return Call("select", tuple(e for e, _ in parts), expr.span), result
+
+    def condition(self, expr: Condition, scope: Scope) -> Checked:
+        help = "it stands in if(CONDITION, a, b), in an event, or behind 'while'"
+        raise Wrong(f"{self.text(expr)} is a condition, and no number", help)
+
     def _not_callable(self, expr: Call) -> Wrong:
         if expr.function in SPECIAL - {"sum"}:
             return Wrong(f"{expr.function}(…) has no meaning here")
@@ -138,7 +174,7 @@ class Calls(RotationCalls):
         result = joined(dimension, False, facts)
         if not function.smooth and result.moves and not result.rough:
             result.rough = expr.function
-        result.value = self.constant(expr, facts, lambda x: values.called(expr.function, x))
+        result.value = self.constant(expr, facts, lambda x: values_of.called(expr.function, x))
         return result
 
     def sum(self, expr: Sum, scope: Scope) -> Checked:
@@ -161,8 +197,28 @@ class Calls(RotationCalls):
         return Vector(tuple(e for e, _ in parts), expr.span), joined(dimension, True, facts)
 
 
-def _written_out(expr: Call) -> Call:
-    x, *ends = expr.arguments
-    if not ends:
-        return replace(expr, function="log")
-    return Call("min", (Call("max", (x, ends[0]), expr.span), ends[1]), expr.span)
+def _is_written_out(expr: Call) -> bool:
+    count = len(expr.arguments)
+    return count == WRITTEN_OUT.get(expr.function) or (expr.function in _OF_MANY and count > 2)
+
+
+_OF_MANY = ("min", "max")
+
+
+def _written_out(expr: Call) -> Expr:
+    """Returns a call of a function that the graph does not have as calls of others."""
+    function, (x, *others), at = expr.function, expr.arguments, expr.span
+    if function in _OF_MANY:
+        return reduce(lambda a, b: Call(function, (a, b), at), others, x)
+    if function == "clamp":
+        return Call("min", (Call("max", (x, others[0]), at), others[1]), at)
+    if function == "round":
+        half = Number(Fraction(1, 2), at)
+        return Call("floor", (Add((x, half), (1, 1), at),), at)
+    if function == "ceil":
+        return Negate(Call("floor", (Negate(x, at),), at), at)
+    if function == "mod":
+        (y,) = others
+        turns = Call("floor", (Multiply((x, y), (1, -1), at),), at)
+        return Add((x, Multiply((y, turns), (1, 1), at)), (1, -1), at)
+    return replace(expr, function="log")

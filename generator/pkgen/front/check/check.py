@@ -118,9 +118,8 @@ class _Checker(Checks):
             known.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
         bodies = [s.name for s in file.statements if isinstance(s, st.Body)]
         known.loose = loose(bodies, [s for s in file.statements if isinstance(s, st.Joint)])
-        lagrangian = any(s.keyword == "lagrangian" for s in file.statements)
         expressions = Expressions(
-            file.source, report, known, {}, dimensionless=self.dimensionless, lagrangian=lagrangian
+            file.source, report, known, {}, dimensionless=self.dimensionless
         )
         super().__init__(Shared(expressions, dict(given)))
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
@@ -192,6 +191,9 @@ class _Checker(Checks):
         return found
 
     def _check(self, statement: st.Statement) -> None:
+        if isinstance(statement, st.Accumulate):
+            self.states.accumulate(statement)
+            return
         group, _, method = STATEMENTS[statement.keyword].check.partition(".")
         getattr(self.checks[group], method)(statement)
 
@@ -245,6 +247,8 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
                 for coordinate, what in joint_names(statement):
                     yield coordinate, left.span, "rotation" if what == "rotation" else "coord"
                 yield from ((f"{child.id}.{member}", left.span, "") for member in SHOWN)
+            case st.Accumulate(left=left):
+                yield left.name, left.span, "state"
             case st.Event(name=name, name_span=span):
                 yield name, span, ""
             case st.Equation(left=left):

@@ -20,9 +20,8 @@ Checked = tuple[Expr, Facts]
 class Checking(Mismatch):
     """Base class of Operators, Calls and Quantities, which `Expressions` combines."""
 
-    def __init__(self, *given, dimensionless: bool, lagrangian: bool = False) -> None:
+    def __init__(self, *given, dimensionless: bool) -> None:
         super().__init__(*given)
-        self.lagrangian = lagrangian
         self.time_dimension = NONE if dimensionless else units.TIME
         self.energy_dimension = NONE if dimensionless else units.ENERGY
         self.power_dimension = NONE if dimensionless else units.POWER

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ... import model as m
 from ...source import Span
-from ...tree import Call, Expr, Multiply, Name, Negate, Prime, names, within
+from ...tree import Call, Condition, Expr, Multiply, Name, Negate, Prime, names, within
 from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
@@ -103,8 +103,15 @@ class Dynamics(Checks):
         return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
 
     def event(self, statement: st.Event) -> None:
-        value, facts = self.checked(statement.value, Scope(PLACES["event"]))
-        at = statement.value.span
+        at, scope, direction = statement.value.span, Scope(PLACES["event"]), statement.direction
+        if isinstance(statement.value, Condition):
+            if direction != "either":
+                help = f"leave out '{direction}'"
+                self.error("the event of a condition is where it begins to hold", at, help)
+            value, facts = self.expressions.positive(statement.value, scope)
+            direction = "rising"
+        else:
+            value, facts = self.checked(statement.value, scope)
         if facts.vector:
             message = f"the event '{statement.name}' is a vector; it must be a number"
             self.error(message, at, "take a component (.x, .y, .z), dot(a, b) or norm(a)")
@@ -122,7 +129,7 @@ class Dynamics(Checks):
             )
         self.use_inputs(facts)
         self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
-        how = _DIRECTIONS[statement.direction], statement.stop
+        how = _DIRECTIONS[direction], statement.stop
         unit = self.shown_unit(statement.value, facts)
         shown = unit, statement.description, statement.span
         self.parts["events"].append(m.Event(statement.name, value, *how, *shown, statement.limit))

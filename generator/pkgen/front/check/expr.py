@@ -13,11 +13,12 @@ from dataclasses import replace
 from ...indices import NotAnInteger, integer
 from ...record import record
 from ...source import Span
-from ...tree import AXES, Add, Expr, Name, Negate, Number, Vector
+from ...tree import AXES, Add, Condition, Expr, Name, Negate, Number, Vector
 from .. import units
 from ..units import NONE, Dimension
 from .calls import Calls
 from .checking import Checked
+from .conditions import positive
 from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Turn, Wrong, joined
 from .operators import Operators
 from .quantities import Quantities
@@ -57,6 +58,14 @@ class Expressions(Operators, Calls, Quantities):
         except Wrong as wrong:
             if wrong.message:
                 self.error(wrong.message, wrong.at or expr, wrong.help)
+            return expr, UNKNOWN
+
+    def positive(self, expr: Condition, scope: Scope) -> Checked:
+        """Checks a condition; returns a function that is positive where it holds."""
+        try:
+            return positive(expr, lambda part: self.check(part, scope))
+        except Wrong as wrong:
+            self.error(wrong.message, wrong.at or expr, wrong.help)
             return expr, UNKNOWN
 
     def wanted_vector(self, expr: Expr, scope: Scope, target: Target) -> Checked:
@@ -177,10 +186,6 @@ class Expressions(Operators, Calls, Quantities):
                 expr.span,
                 f"define it: let {name} = …" if name != "energy" else "observe H = … names one",
             )
-            return None
-        if name in ("T", "V") and self.lagrangian:
-            help = "L and energy are; or write 'kinetic' and 'potential'"
-            self._once(name, f"'{name}' is not known in a model with 'lagrangian'", expr.span, help)
             return None
         everything = self.names.moving
         facts = Facts(self.energy_dimension, united=True, coordinates=everything, rates=everything)

@@ -24,7 +24,7 @@ NO_INPUTS: dict[str, int] = {}
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
 ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
-SPECIAL = ROTATIONS | {"sum", "drift", "time", "power"}
+SPECIAL = ROTATIONS | {"sum", "drift", "time", "power", "if", "integral"}
 
 
 def callable_names() -> frozenset[str]:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from ... import model as m
+from ...tree import Call, Number
 from .. import statements as st
 from .. import units
 from ..units import NONE, si_text
 from .expr import Target
-from .names import Members
-from .shared import Checks, Shared
+from .names import Entry, Facts, Members
+from .scope import PLACES, Scope
+from .shared import Checks, Shared, name_span
 
 
 class States(Checks):
@@ -42,6 +46,32 @@ class States(Checks):
         value, facts = self.wanted(statement.value, scope, target)
         self.use_inputs(facts)
         self.parts["rates"].append(m.Rate(left.name, left.index, left.range, value, statement.span))
+
+    def accumulate(self, statement: st.Accumulate) -> None:
+        """Checks `observe NAME = integral(EXPR) while CONDITION`, a state with that rate."""
+        left, value, condition = statement.left, statement.value, statement.condition
+        at = statement.span
+        if left.index is not None or left.range is not None:
+            self.error("what adds up has a name of its own, without an index", left)
+        if value is None:
+            value = Number(Fraction(1), at)
+        elif isinstance(value, Call) and value.function == "integral" and len(value.arguments) == 1:
+            (value,) = value.arguments
+        else:
+            help = f"observe {left.name} = integral({self.text(value)}) while …"
+            self.error("with 'while' stands an integral, or no expression", value, help)
+        if condition is not None:
+            value = Call("if", (condition, value, Number(Fraction(0), at)), at)
+        value, facts = self.checked(value, Scope(PLACES["rate"]))
+        self.use_inputs(facts)
+        dimension = units.times(facts.dimension or NONE, self.time_dimension)
+        own = Facts(dimension, united=True, states=frozenset((left.name,)))
+        if not self.names.declare(Entry(left.name, "state", own, name_span(left))):
+            return
+        shown = si_text(dimension), si_text(facts.dimension or NONE)
+        self.parts["states"].append(m.State(left.name, None, *shown, statement.description, at))
+        self.parts["rates"].append(m.Rate(left.name, None, None, value, at))
+        self.given[left.name] = Members((0, 0))
 
     def _once(self, statement: st.Define) -> None:
         left = statement.left

@@ -3,10 +3,13 @@ and momenta, and time derivatives of other states."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from graphlib import CycleError
 
 from ...graph.differentiate import gradient
 from ...graph.graph import ZERO, Kind, Node, Symbol
+from ...graph.normal import Normal
+from ...graph.substitute import substituted
 from ...source import Span
 from ..expand.expand import Expander
 from ..motion import STATE, Energies
@@ -50,16 +53,36 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
     return dict(sorted(found.items(), key=lambda pair: g.data[pair[0]].index))
 
 
+def _energies_of(x: Expander, lagrangian: Node, momenta: tuple[Node, ...]) -> tuple[Node, ...]:
+    """Returns T = v.p/2 and V = T - L for L = T - V with T of second degree in the rates v. For any
+    other L, V depends on v: then returns ()."""
+    g = x.graph
+    v = symbols(g, Kind.RATE, x.count)
+    half = g.number(Fraction(1, 2))
+    kinetic = g.multiply(half, g.sum(map(g.multiply, v, momenta)))
+    potential = g.subtract(kinetic, lagrangian)
+    (at_rest,) = substituted(g, [potential], dict.fromkeys(v, ZERO))
+    difference = g.subtract(potential, at_rest)
+    return () if Normal(g.copy())(difference) else (kinetic, at_rest)
+
+
 def define_built_in(
     x: Expander, energies: Energies, energy: Node, momenta: tuple[Node, ...]
 ) -> None:
     """Defines the names T, V, L, energy and those of the momenta. A name that the model defines
     itself keeps its meaning."""
     own = {item.name for item in x.model.definitions}
-    built_in = {"T": energies.kinetic, "V": energies.potential}
-    built_in |= {"L": energies.lagrangian, "energy": energy}
+    built_in = {"L": energies.lagrangian, "energy": energy}
+    known = energies.kinetic, energies.potential
+    if energies.kinetic is None:
+        known = _energies_of(x, energies.lagrangian, momenta)
+    built_in |= zip("TV", known, strict=False)
+    if not known:
+        message = "'{}' is not known: L is not of second degree in the rates beside a part without"
+        for name in "TV":
+            x.refuse(name, None, message.format(name), "L and energy are known")
     for name, node in built_in.items():
-        if node is not None and name not in own:
+        if name not in own:
             x.define(name, None, node)
     for (item, index), momentum in zip(x.members, momenta, strict=True):
         x.define(item.momentum or "p_" + item.name, index, momentum)

@@ -124,6 +124,8 @@ class Across:
                 new[n] = ONE if own > 0 else ZERO
             elif own and g.data[n] == "sign":
                 new[n] = g.number(own)
+            elif own and g.data[n] == "floor":
+                new[n] = g.add(n, ONE) if own > 0 else n
             elif own:  # abs(0) is 0; min and max of two equal arguments are either of them
                 new[n] = args[1] if len(args) > 1 else ZERO
             else:

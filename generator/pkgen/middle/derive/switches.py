@@ -23,7 +23,7 @@ from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node, Op, Symbol
 from ...graph.normal import Normal
-from ...graph.substitute import substituted
+from ...graph.substitute import rebuilt, substituted
 from ...graph.wording import wording
 
 
@@ -91,6 +91,28 @@ def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
     return found
 
 
+def protected(g: Graph, branch: Node, condition: Node) -> Node:
+    """Returns a branch of an `if` in which roots have max(0, u) in place of an argument u that the
+    condition bounds: if(u > 0, sqrt(u), 0). A step may go a little beyond the boundary u = 0 with
+    the branch that it began with, and sqrt(u) is undefined there."""
+    new: dict[Node, Node] = {}
+    for n in reachable(g, [branch], VARIABLE):
+        if not _is_root(g, n):
+            continue
+        (u, *others) = g.args[n]
+        surfaces = Surfaces(g.copy())
+        bounds = {surfaces.of_call(c)[0] for c in reachable(g, [condition], VARIABLE)}
+        if surfaces(u)[0] in bounds:
+            new[n] = rebuilt(g, n, [g.call("max", ZERO, u), *others])
+    return substituted(g, [branch], new)[0] if new else branch
+
+
+def _is_root(g: Graph, node: Node) -> bool:
+    if g.op[node] is Op.POWER:
+        return g.data[node].denominator != 1 and g.data[node] > 0
+    return g.op[node] is Op.CALL and g.data[node] == "sqrt"
+
+
 def _ends(g: Graph, node: Node) -> tuple[int, ...]:
     """Returns the end points of the domain of a power or a function call; () if there are none."""
     if g.op[node] is Op.POWER:
@@ -154,4 +176,5 @@ def _deciding(g: Graph, node: Node) -> Node:
     if g.op[node] is not Op.CALL or FUNCTIONS[g.data[node]].smooth:
         return ZERO
     a, *b = g.args[node]
-    return g.subtract(a, *b) if b else a
+    surface = FUNCTIONS[g.data[node]].kinked.surface
+    return surface(g, a) if surface else g.subtract(a, *b) if b else a

@@ -25,6 +25,7 @@ from ...tree import (
     Vector,
 )
 from ..attitudes import rotated
+from ..derive.switches import protected
 from ..quantities import error
 from .names import Loop, Names, Value, Vector3
 
@@ -150,6 +151,9 @@ def _call(x: Names, expr: Call, loop: Loop) -> Value:
         wrong = FUNCTIONS[expr.function].undefined(*numbers)
         if wrong:
             raise error(x.model, wrong, expr.span)
+    if expr.function == "select":
+        condition, *branches = values
+        values = [condition, *(protected(x.graph, b, condition) for b in branches)]
     return x.graph.call(expr.function, *values)
 
 

@@ -21,7 +21,7 @@ from ...functions.row import COORDINATES, CUT, DIVISOR, ROOT
 from ...functions.smooth import where_positive
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import Evaluator, evaluate
-from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Op, Symbol
+from ...graph.graph import BIT, ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
 from ...graph.ranges import Ranges
 from ...graph.solve import Pivots
 from ...graph.wording import wording
@@ -104,20 +104,53 @@ def squared(g: Graph, node: Node) -> tuple[Node, ...]:
 
 def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tuple[Node, str]]:
     """Yields the nodes at whose zeros the outputs may be infinite or not smooth, each with the
-    reason as in `Singularity.use`."""
-    for node in reachable(g, outputs, VARIABLE):
-        first = g.args[node][0] if g.args[node] else node
-        if g.op[node] is Op.POWER:
-            if g.data[node] < 0 or (
-                g.data[node].denominator > 1 and not ranges(first).not_negative
-            ):
-                yield first, DIVISOR if g.data[node] < 0 else ROOT
-        elif g.op[node] is Op.CALL and (singular := FUNCTIONS[g.data[node]].singular):
-            vanishing, use = singular(g, *g.args[node])
-            # The root of a nonnegative argument, such as a sum of squares, is real everywhere, and
-            # has at most a kink where it vanishes.
-            if use != ROOT or not ranges(vanishing).not_negative:
-                yield vanishing, use
+    reason as in `Singularity.use`. A node in a branch of an `if` counts where that is chosen."""
+    for node, chosen in _with_conditions(g, outputs):
+        for vanishing, use in _dangerous(g, ranges, node):
+            if chosen != ONE:
+                size = g.call("abs", vanishing) if use == DIVISOR else vanishing
+                vanishing = g.call("select", chosen, size, ONE)
+            yield vanishing, use
+
+
+def _with_conditions(g: Graph, outputs: Iterable[Node]) -> Iterator[tuple[Node, Node]]:
+    """Yields the nodes below the outputs, each with a condition for its use: ONE, or a node that is
+    1 where the branches of `if` in which the node stands are chosen, and 0 elsewhere."""
+    waiting = [(ONE, tuple(outputs))]
+    seen: set[Node] = set()
+    for chosen, roots in waiting:
+        shown = _outside_branches(g, roots)
+        yield from ((n, chosen) for n in shown if n not in seen)
+        seen.update(shown)
+        for n in (n for n in shown if is_call(g, n, "select")):
+            condition, a, b = g.args[n]
+            waiting.append((g.multiply(chosen, condition), (a,)))
+            waiting.append((g.multiply(chosen, g.subtract(ONE, condition)), (b,)))
+
+
+def _outside_branches(g: Graph, roots: Iterable[Node]) -> list[Node]:
+    """Returns the nodes below the roots that can be reached without a branch of an `if`."""
+    found: set[Node] = set()
+    waiting = [*roots]
+    while waiting:
+        node = waiting.pop()
+        if node not in found and g.depends[node] & VARIABLE:
+            found.add(node)
+            waiting += g.args[node][:1] if is_call(g, node, "select") else g.args[node]
+    return sorted(found)
+
+
+def _dangerous(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, str]]:
+    first = g.args[node][0] if g.args[node] else node
+    if g.op[node] is Op.POWER:
+        if g.data[node] < 0 or (g.data[node].denominator > 1 and not ranges(first).not_negative):
+            yield first, DIVISOR if g.data[node] < 0 else ROOT
+    elif g.op[node] is Op.CALL and (singular := FUNCTIONS[g.data[node]].singular):
+        vanishing, use = singular(g, *g.args[node])
+        # The root of a nonnegative argument, such as a sum of squares, is real everywhere, and has
+        # at most a kink where it vanishes.
+        if use != ROOT or not ranges(vanishing).not_negative:
+            yield vanishing, use
 
 
 def about(g: Graph, singularity: Node) -> Node:
@@ -126,6 +159,8 @@ def about(g: Graph, singularity: Node) -> Node:
     if is_call(g, singularity, "cos"):  # the cosine of half an angle atan2(y, x)
         _, angle = g.split(g.args[singularity][0])
         singularity = angle if is_call(g, angle, "atan2") else singularity
+    if is_call(g, singularity, "select"):
+        singularity = g.args[singularity][1]
     return g.args[g.args[singularity][0]][0] if is_call(g, singularity, "pow") else singularity
 
 

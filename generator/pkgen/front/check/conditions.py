@@ -1,0 +1,70 @@
+"""Rewrites conditions as numbers: 1 where a condition holds, 0 elsewhere; and as functions of a sign.
+
+`truth` consists of calls of step, so that integrators locate each boundary (see
+middle/derive/switches.py). `positive` is continuous, and positive where the condition holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import reduce
+
+from ...tree import Add, Call, Condition, Expr, Multiply, Negate, Number
+from ..units import NONE
+from .checking import Checked
+from .names import Wrong, joined
+
+_SWAPPED = ("<", "<=")
+
+
+def truth(expr: Expr) -> Expr:
+    """Returns a number that is 1 where the condition holds, and 0 elsewhere."""
+    _check(expr)
+    at, operator = expr.span, expr.operator
+    if operator in ("and", "or", "not"):
+        parts = [truth(part) for part in expr.parts]
+        if operator == "not":
+            return _opposite(*parts)
+        if operator == "or":  # not (not a and not b)
+            parts = [_opposite(part) for part in parts]
+        product = Multiply(tuple(parts), (1,) * len(parts), at)
+        return _opposite(product) if operator == "or" else product
+    a, b = expr.parts
+    if operator == "==":  # of two integers
+        half = Number(Fraction(1, 2), at)
+        ends = (Call("step", (Add((a, b, half), (1, -1, s), at),), at) for s in (1, -1))
+        return Add(tuple(ends), (1, -1), at)
+    if operator in _SWAPPED:
+        a, b = b, a
+    strict = operator in ("<", ">")
+    difference = Add((b, a) if strict else (a, b), (1, -1), at)
+    found = Call("step", (difference,), at)
+    return _opposite(found) if strict else found
+
+
+def positive(expr: Expr, check: Callable[[Expr], Checked]) -> Checked:
+    """Returns a continuous function that is positive where the condition holds, checked by `check`.
+    Units are compared within each comparison alone."""
+    _check(expr)
+    at, operator = expr.span, expr.operator
+    if operator == "==":
+        raise Wrong("what moves passes a value and does not stay there", "use < or >", at)
+    if operator in ("and", "or", "not"):
+        parts = [positive(part, check) for part in expr.parts]
+        facts = joined(NONE, False, [f for _, f in parts])
+        function = "min" if operator == "and" else "max"
+        found = reduce(lambda a, b: Call(function, (a, b), at), (e for e, _ in parts))
+        return Negate(found, at) if operator == "not" else found, facts
+    a, b = reversed(expr.parts) if operator in _SWAPPED else expr.parts
+    return check(Add((a, b), (1, -1), at))
+
+
+def _check(expr: Expr) -> None:
+    if not isinstance(expr, Condition):
+        raise Wrong("a condition compares: x > 0, or a < b and not c > d", at=expr)
+
+
+def _opposite(number: Expr) -> Expr:
+    one = Number(Fraction(1), number.span)
+    return Add((one, number), (1, -1), number.span)
