@@ -18,6 +18,7 @@ from ..model import (
     Constraint,
     Coordinate,
     Definition,
+    Load,
     Model,
     Record,
     Scene,
@@ -25,7 +26,7 @@ from ..model import (
     State,
     multipliers,
 )
-from ..tree import AXES, Expr, Name, Number, Prime, names, of_member, replaced
+from ..tree import AXES, Call, Expr, Name, Number, Prime, names, of_member, replaced
 from . import expects
 
 
@@ -96,7 +97,7 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
         if unit is None or (name.startswith("p_") and name[2:] in held):
             continue
         index = None if side.index is None else Number(Fraction(side.index), scene.span)
-        value: Expr = Name(side.name, index, scene.span)
+        value = _power(model, side) or Name(side.name, index, scene.span)
         for _ in range(side.order):
             value = Prime(value, scene.span)
         name += "'" * side.order
@@ -105,12 +106,29 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
     return replace(scene, record=replace(record, columns=tuple(found)))
 
 
+def _power(model: Model, side: LeftSide) -> Expr | None:
+    """Returns the power of a force if it is meant by `power(NAME)`, else None."""
+    for item in model.loads:
+        if side.name == f"power({item.name})":
+            value = Call("dot", (item.value, item.velocity), item.span)
+            if item.range is None:
+                return value
+            return of_member(value, item.range.variable, Number(Fraction(side.index), item.span))
+    return None
+
+
 def _unit(model: Model, side: LeftSide) -> str | None:
     """Returns the unit of a quantity that can be recorded but is no output, else None."""
     if side.name in ("L", "T", "V") and side.index is None and not side.order:
         return "" if model.dimensionless else "J"
     own = side.name, side.order
-    for item in (*model.coordinates, *model.states, *model.conserved, *model.constraints):
+    for item in (
+        *model.coordinates,
+        *model.states,
+        *model.conserved,
+        *model.constraints,
+        *model.loads,
+    ):
         match item:
             case Coordinate(rate=rate) if rate:
                 units = {(rate, 0): item.rate_unit, (item.momentum, 0): item.momentum_unit}
@@ -122,13 +140,15 @@ def _unit(model: Model, side: LeftSide) -> str | None:
                 units = {(found, 0): item.unit for found in multipliers(name)}
             case Definition(name=name):
                 units = {(name, 0): item.unit}
+            case Load(name=name):
+                units = {(f"power({name})", 0): "" if model.dimensionless else "W"}
         if own in units and _has(model, item, side.index):
             return units[own]
     return None
 
 
 def _has(
-    model: Model, item: Coordinate | State | Definition | Constraint, index: int | None
+    model: Model, item: Coordinate | State | Definition | Constraint | Load, index: int | None
 ) -> bool:
     if item.range is not None:
         lo, hi = ends(model, item.range)

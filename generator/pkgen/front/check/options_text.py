@@ -106,8 +106,9 @@ def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
     ]
     start = _parsed(source, [Token("START", "start", start_pos=0, end_pos=0)], tail)
     item = start.items[0]
-    if item.function == "omega" and len(start.items) == 1:
-        item = replace(item, function="", left=replace(item.left, name=f"omega({item.left.name})"))
+    if item.function in ("omega", "power") and len(start.items) == 1:
+        name = f"{item.function}({item.left.name})"
+        item = replace(item, function="", left=replace(item.left, name=name))
     if len(start.items) > 1 or item.function or item.left.range is not None:
         message = "one coordinate or rate is needed here, e.g. theta, theta', q[1]'"
         raise OptionError(source, Diagnostic(message, item.span))
