@@ -62,6 +62,7 @@ class Switch:
     impulse: int = 0  # flags OF_ENERGY, OF_ROLLING of impulses.py
     slope: Row = ()  # derivatives by the coordinates; for rotations by angles about body axes
     slope_t: Node = 0  # derivative by t, also through inputs, at constant coordinates
+    counted: bool = False  # whether it counts pieces (functions/row.py, Kinked.place)
     held: bool = True  # whether a step keeps its branch, even beyond the zero
 
 
@@ -268,6 +269,12 @@ class Equations:
     def impulsive(self) -> tuple[Switch, ...]:
         """The switches at which rates may jump."""
         return tuple(x for x in self.switches if x.impulse)
+
+    @property
+    def counted(self) -> tuple[int, ...]:
+        """For each switch 1 if it counts pieces, else 0; () if none does."""
+        flags = tuple(int(x.counted) for x in self.switches)
+        return flags if any(flags) else ()
 
     @property
     def turning(self) -> frozenset[int]:

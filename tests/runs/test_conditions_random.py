@@ -74,9 +74,11 @@ class Boundary:
     def __init__(self, draw: random.Random):
         a, b = draw.choice(("x", "y", "t/3", "x + y/2")), round(draw.uniform(-0.6, 1.1), 3)
         self.floor = draw.random() < 0.3
-        self.text = f"floor(({a})*2 + {b})" if self.floor else f"{a} > {b}"
+        # 15: a step could leap over several pieces.
+        self.scale = scale = draw.choice((2, 15))
+        self.text = f"floor(({a})*{scale} + {b})" if self.floor else f"{a} > {b}"
         function = eval(f"lambda t, x, y: {a}")
-        self.value = lambda t, s: function(t, *s[:2]) * 2 + b if self.floor else function(t, *s[:2]) - b
+        self.value = lambda t, s: function(t, *s[:2]) * scale + b if self.floor else function(t, *s[:2]) - b
 
     def now(self, t, s):
         return math.floor(self.value(t, s)) if self.floor else float(self.value(t, s) > 0)
@@ -121,7 +123,7 @@ def test_motions_are_those_of_scipy_stopped_at_each_boundary(seed: int, tmp_path
 
     def term(b: Boundary, weight: float) -> str:
         if b.floor:
-            return f"{weight}*{b.text}"
+            return f"{weight}/{b.scale}*{b.text}"
         return f"if({b.text}, {weight}*(1 + x^2*{int(curved)}), 0)"
 
     forces = [
@@ -134,7 +136,7 @@ def test_motions_are_those_of_scipy_stopped_at_each_boundary(seed: int, tmp_path
 
     def force(t, s, held):
         x, y = s[:2]
-        bent = [h * (1 if b.floor else 1 + x * x * curved) for b, h in zip(boundaries, held, strict=True)]
+        bent = [h * (1 / b.scale if b.floor else 1 + x * x * curved) for b, h in zip(boundaries, held, strict=True)]
         return -2 * x - 0.3 * y + np.dot(weights[0], bent), -2 * y - 0.2 * x + np.dot(weights[1], bent)
 
     (tmp_path / "m.lag").write_text(text)

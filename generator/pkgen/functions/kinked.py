@@ -91,12 +91,8 @@ KINKED: dict[str, Function] = {
         jump="step jumps",
         sympy=lambda sp, x: sp.Heaviside(x, 1),
     ),
-    "floor": Function(  # Between its jumps, at zeros of sin(pi x), it is even or odd.
-        kinked=Kinked(
-            "2 * PK_F(floor)((2 * x - 1) / 4) + 1",
-            "2 * PK_F(floor)((2 * x + 1) / 4)",
-            lambda g, a: g.call("sin", g.multiply(g.pi(), a)),
-        ),
+    "floor": Function(
+        kinked=Kinked("", "", place="place", held="(side - 1) / 2"),
         real=lambda x: float(math.floor(x)),
         exact=lambda x: Fraction(math.floor(x)),
         derivative=lambda g, n, a: (g.number(0),),

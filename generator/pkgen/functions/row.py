@@ -31,9 +31,10 @@ class Kinked:
 
     below: str
     above: str
-    # A callable (g, a) -> the node at whose zeros the function changes branch, if that is not the
-    # argument a.
-    surface: Callable | None = None
+    # A function of pieces n <= u <= n + 1 has instead the name of the function u of its argument,
+    # and a C expression `held` in its argument and `side`, which is 2 n + 1 in a step.
+    place: str = ""
+    held: str = ""
 
 
 @record(kw_only=True)
@@ -104,6 +105,8 @@ class Function:
     # The branches of atan2(y, x) beside its branch cut, where y vanishes.
     cut: Kinked | None = None
 
+    # Whether the function is the place u of an argument among pieces (Kinked.place).
+    counted: bool = False
     # The name in SymPy, if it differs, or a callable (sympy module, arguments) -> expression.
     sympy: Callable | str = ""
 

@@ -237,6 +237,13 @@ SMOOTH: dict[str, Function] = {
         singular=lambda g, a: (a, DIVISOR),
         sympy=lambda sp, x: 1 / x,
     ),
+    "place": Function(  # The place of x among the pieces n <= x <= n + 1 of floor(x).
+        internal=True,
+        body="x",
+        real=lambda x: x,
+        derivative=lambda g, n, a: (g.number(1),),
+        counted=True,
+    ),
     "select": Function(  # if(c, a, b): a where c is 1, b where c is 0
         arguments=("c", "a", "b"),
         internal=True,

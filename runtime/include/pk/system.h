@@ -215,6 +215,9 @@ struct pk_system {
     struct pk_part_constraints constraints;
     struct pk_part_families families;
     struct pk_part_particles particles;
+    /* A flag for each switch, or NULL: the switch counts pieces. Its function is the place u among
+     * pieces, such as u = x of floor(x). Its side is 2 n + 1 within the piece n <= u <= n + 1. */
+    const unsigned char *counted;
     /* Add new members here, at the end. */
 };
 

@@ -126,8 +126,8 @@ static pk_real while_it_falls(const struct pk_integrator *it)
 
 /* Initialises tolerances. The scale of a coordinate that is zero is the distance that it moves in
  * the shortest first step. The scale of a rate that is zero is the speed that its acceleration
- * gives it over the scale of its coordinate. A first-order variable is treated as the rate of a
- * coordinate. */
+ * gives it over the scale of its coordinate. A first-order variable that is zero has no scale yet,
+ * and does not shorten the first step. */
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n_q = it->n_q, n = it->n;
@@ -152,7 +152,7 @@ void pk_scale_start(struct pk_integrator *it)
         own[i] = pk_max(own[i], it->options.rtol * ahead * pk_abs(it->v[i]));
     pk_scale_attempt(it, first);
     for (size_t i = 0; i < n && it->count.steps == 0; i++) {
-        const pk_real through = i < n_q ? it->own->atol[i] : LEAST_SCALE;
+        const pk_real through = i < n_q ? it->own->atol[i] : 0;
         const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * through);
         const size_t shared = pk_index(of[i] - (pk_real)n_q, n);
         if (pk_finite(x))

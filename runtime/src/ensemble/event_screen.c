@@ -157,6 +157,8 @@ void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
         /* pk_events_functions() shifts limits by rounding, s->values does not */
         if (system->events.table[k].stop > 1)
             s->values = NULL;
+    if (PK_SYSTEM_HAS(system, counted) && system->counted)
+        s->values = NULL;
     const struct pk_slot slots[] = {{&s->a0, n * W},
                                     {&s->a1, n * W},
                                     {&s->a_between, n * W},

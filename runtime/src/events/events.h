@@ -66,6 +66,13 @@ static inline int pk_switches_impulse(const struct pk_integrator *it, size_t k)
     return system->switches.impulses && system->switches.impulses[k];
 }
 
+/* Returns whether switch k counts pieces; see struct pk_system. */
+static inline int pk_switches_counted(const struct pk_integrator *it, size_t k)
+{
+    const struct pk_system *system = it->problem.system;
+    return PK_SYSTEM_HAS(system, counted) && system->counted && system->counted[k];
+}
+
 /* Returns the accuracy of a root at x: about two units in the last place of its time, on either
  * side. */
 static inline pk_real pk_events_width(const struct pk_events *e, const struct pk_integrator *it,

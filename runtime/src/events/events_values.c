@@ -40,9 +40,14 @@ static void switches(const struct pk_events *e, const struct pk_integrator *it, 
         return;
     pk_switches_values(e, it, t, q, v, g);
     const int begins = e->kept && !(t < e->from) && !(t > e->from);
-    for (size_t k = 0; k < e->n_switches; k++)
-        if (pk_abs(g[k]) <= 0 || (begins && pk_switches_impulse(it, k) && g[k] * e->sides[k] < 0))
-            g[k] = PK_TINY * e->sides[k];
+    for (size_t k = 0; k < e->n_switches; k++) {
+        const int counted = pk_switches_counted(it, k);
+        const pk_real side = counted ? 1 : e->sides[k], off = g[k] - e->sides[k] / 2;
+        if (counted) /* (u - n) (n + 1 - u), positive in the piece */
+            g[k] = PK_C(0.25) - off * off;
+        if (pk_abs(g[k]) <= 0 || (begins && pk_switches_impulse(it, k) && g[k] * side < 0))
+            g[k] = PK_TINY * side;
+    }
 }
 
 void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,

@@ -70,8 +70,9 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
             e->fresh[k] = 0;
             if (e->kept && pk_switches_impulse(it, k))
                 continue;
-            e->sides[k] = x[k] < 0 ? -1 : 1;
-            e->fresh[k] = x[k] > 0 || x[k] < 0 ? 0 : 1;
+            const pk_real zero = pk_switches_counted(it, k) ? PK_F(floor)(x[k]) : 0;
+            e->sides[k] = pk_switches_counted(it, k) ? 2 * zero + 1 : x[k] < 0 ? -1 : 1;
+            e->fresh[k] = x[k] > zero || x[k] < zero ? 0 : 1;
             changed |= e->sides[k] > was || e->sides[k] < was;
         }
         reset |= changed;
@@ -87,7 +88,10 @@ int pk_switches_turn(struct pk_events *e, struct pk_integrator *it)
         if (which < e->n_events || !(e->fresh[which - e->n_events] > 0))
             continue;
         e->fresh[which - e->n_events] = 0;
-        e->sides[which - e->n_events] *= -1;
+        if (pk_switches_counted(it, which - e->n_events))
+            e->sides[which - e->n_events] -= 2;
+        else
+            e->sides[which - e->n_events] *= -1;
         e->again = 1;
     }
     if (!e->again || pk_integrator_reset(it, e->from, e->q0, e->v0) < 0)
@@ -109,8 +113,8 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
         const pk_real side = entry[2] * (pk_real)it->own->direction;
         if (pk_switches_impulse(it, which) && hits < MOST_AT_ONCE)
             hit[hits] = which, to[hits++] = side;
-        else if (!pk_switches_impulse(it, which))
-            e->sides[which] = side;
+        else if (!pk_switches_impulse(it, which) && !pk_switches_counted(it, which))
+            e->sides[which] = side; /* pk_switches_settle() finds the next piece */
     }
     const int brief = took <= SHORT * attempted ||
                       took <= 64 * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));

@@ -276,6 +276,7 @@ def _context(program: Program) -> dict[str, Any]:
         "events": tables.events(program),
         "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],
+        "counted": equations.counted,
         "impulses": [x.impulse for x in equations.switches] if equations.impulsive else [],
         "constants": program.constants,
         "factored": program.factored,

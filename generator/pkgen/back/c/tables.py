@@ -105,6 +105,8 @@ def system_entries(program: Program) -> dict[str, object]:
         entries["switches.sides"] = f"offsetof(struct {e.model.name}_params, side_)"
     if e.impulsive:
         entries["switches.impulses"] = f"{own}_impulses"
+    if e.counted:
+        entries["counted"] = f"{own}_counted"
     for rows, end, names in (
         (e.constraints, "", "constraints"),
         (e.constraints and e.constraints.redundant, "_redundant", "redundant_rows"),

@@ -121,7 +121,7 @@ class Calls(RotationCalls):
             if part.vector:
                 raise Wrong("the values of an if are numbers; this is a vector", at=value)
         result = joined(self.common(tuple(values), facts[1:], "if"), False, facts)
-        if facts[0].moves and not result.rough:
+        if facts[0].moves:
             result.rough = "if"
         result.value = self.constant(expr, facts, lambda x: values_of.called("select", x))
         return Call("select", tuple(e for e, _ in parts), expr.span), result

@@ -68,7 +68,10 @@ def switches_of(
         if not sign:
             continue
         x = argument_of(g, node)
-        known = found.setdefault(surface, Switch(Quantity(wording(g, x, name), "", ""), x))
+        counted = g.op[x] is Op.CALL and FUNCTIONS[g.data[x]].counted
+        words = wording(g, node if counted else x, name)
+        new = Switch(Quantity(words, "", ""), x, counted=counted, held=node not in loose)
+        known = found.setdefault(surface, new)
         if node in loose:
             found[surface] = replace(known, held=False)
     for y in cuts:
@@ -176,5 +179,5 @@ def _deciding(g: Graph, node: Node) -> Node:
     if g.op[node] is not Op.CALL or FUNCTIONS[g.data[node]].smooth:
         return ZERO
     a, *b = g.args[node]
-    surface = FUNCTIONS[g.data[node]].kinked.surface
-    return surface(g, a) if surface else g.subtract(a, *b) if b else a
+    place = FUNCTIONS[g.data[node]].kinked.place
+    return g.call(place, a) if place else g.subtract(a, *b) if b else a
