@@ -36,6 +36,13 @@ max(a, b)         the greater; it bends where they are equal
 step(x)           0 below 0, 1 from 0 on; it jumps there
 sign(x)           -1, 0 or 1; it jumps at 0
 clamp(x, a, b)    x within a and b: min(max(x, a), b)
+floor(x)          the largest whole number up to x; it jumps, and steps end there
+ceil(x)           the smallest whole number from x on
+round(x)          the nearest whole number; halves go up
+mod(a, b)         a - b*floor(a/b)
+if(CONDITION, a, b)  a where the condition holds, else b: if(x > 0 and not t > 2, a, b)
+integral(EXPR)    in observe: what adds up from 0 on, with 'while CONDITION' while it holds
+power(NAME)       the power of a force or torque with a name
 dot(u, v)         the scalar product of two vectors
 cross(u, v)       the vector product
 norm(v)           the length of a vector

@@ -204,8 +204,6 @@ def _no_name_wanted(spot: Spot):
     """Recognizes a name where none is allowed: `kinetic T = …`."""
     if spot.token.type != "EQUAL" or "EQUAL" in spot.expected:
         return None
-    if spot.before.type == "EQUAL":
-        return "'==' is not an operator", "one '=' defines a name"
     if spot.word in ("kinetic", "potential", "lagrangian", "dissipation"):
         help = f"e.g. {spot.form}; a name is defined with 'let'"
         return f"'{spot.word}' takes an expression, not a definition", help
@@ -226,7 +224,9 @@ def _prime_misplaced(spot: Spot):
 
 
 def _comparison(spot: Spot):
-    if spot.token.type in ("LESS", "GREATER"):
+    if spot.token.type == "SAME" and "EQUAL" in spot.expected:
+        return "'==' compares", "one '=' defines a name"
+    if spot.token.type in ("LESS", "GREATER", "AT_MOST", "AT_LEAST", "SAME"):
         return f"'{spot.token}' compares, and nothing here takes a condition", STEP
 
 

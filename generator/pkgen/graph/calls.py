@@ -17,3 +17,8 @@ def jumps(g: Graph, node: Node) -> bool:
     """Whether a node is a call that jumps at the zero of its argument."""
     row = FUNCTIONS[g.data[node]] if g.op[node] is Op.CALL else None
     return row is not None and bool(row.kinked and row.jump)
+
+
+def counts(g: Graph, node: Node) -> bool:
+    """Whether a node is the place of an argument among pieces, such as those of floor(x)."""
+    return g.op[node] is Op.CALL and FUNCTIONS[g.data[node]].counted

@@ -20,6 +20,7 @@ from fractions import Fraction
 
 from ...equations import Quantity, Switch
 from ...functions import FUNCTIONS
+from ...graph.calls import counts
 from ...graph.differentiate import reachable
 from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node, Op, Symbol
 from ...graph.normal import Normal
@@ -68,7 +69,7 @@ def switches_of(
         if not sign:
             continue
         x = argument_of(g, node)
-        counted = g.op[x] is Op.CALL and FUNCTIONS[g.data[x]].counted
+        counted = counts(g, x)
         words = wording(g, node if counted else x, name)
         new = Switch(Quantity(words, "", ""), x, counted=counted, held=node not in loose)
         known = found.setdefault(surface, new)

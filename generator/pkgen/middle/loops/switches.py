@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...graph.affine import LOOPS, OTHER, ROW, Affine, extremes
+from ...graph.calls import counts
 from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Graph, Node
 from ..derive.impulses import Across, arguments_of
@@ -139,6 +140,8 @@ class _Switches:
         jumping = self._jumping(within(*vector_nodes(e.force)))
         if not jumping:
             return
+        if any(counts(g, argument) for argument in jumping):
+            raise Unrolled("a force or a rate has floor, ceil, round or mod in it")
         surfaces = Surfaces(g)
         keys: dict[object, Node] = {}
         for argument in jumping:
