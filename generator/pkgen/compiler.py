@@ -32,6 +32,7 @@ from .methods import Own
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
+from .middle.derive.first_degree import as_states
 from .middle.loops.indexed_ir import Unrolled
 from .middle.loops.loops import LoopEquations
 from .middle.quantities import families, too_deep
@@ -130,7 +131,7 @@ def stages(
     methods = {method.name: method for method in (*declared.methods, *own)}
     declared = replace(declared, methods=tuple(methods.values()))
     use = use or Use()
-    declared = use.declared(declared)
+    declared = use.declared(as_states(declared))
     model, lines = use.model(declared)
     yield declared, model, warnings
     needs = use.needs(model)

@@ -82,11 +82,10 @@ class Required(Checks):
                 self.error(message, self._first_line(), help)
 
     def inertia(self) -> None:
-        """Reports coordinates whose rate occurs in no energy. The mass matrix itself is checked
-        later, in middle/derive."""
+        """Reports coordinates whose rate occurs in no energy, in a model with `kinetic`. The mass
+        matrix itself is checked later, in middle/derive: an L alone may be of first degree."""
         energies = self.energies
-        has_kinetic = self.parts["kinetic"] or self.parts["lagrangian"]
-        if not has_kinetic or not all(f.known for f in energies):
+        if not self.parts["kinetic"] or not all(f.known for f in energies):
             return
         with_rate = frozenset().union(*(f.rates for f in energies))
         for rotation in self.parts["rotations"]:

@@ -68,12 +68,15 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         affine_rates=of_v in (CONSTANT, VARYING),
         fast=separable and equations.fast is not None,
         autonomous=autonomous,
-        conservative=n > 0
-        and unforced
-        and steady
-        and untouched
-        and not jumping
-        and (bound is None or bound.workless),
+        conservative=(_of_first_degree(equations) and autonomous and not jumping)
+        or (
+            n > 0
+            and unforced
+            and steady
+            and untouched
+            and not jumping
+            and (bound is None or bound.workless)
+        ),
         variational=n > 0 and unforced and untouched and not equations.attitudes and bound is None,
         smooth=smooth,
         switched=not smooth
@@ -91,6 +94,13 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
         symmetries=found,
     )
+
+
+def _of_first_degree(equations: Equations) -> bool:
+    """Whether all states come from an L of first degree in the rates (derive/first_degree.py). The
+    energy is then H."""
+    model = equations.model
+    return bool(model.lagrangian) and not model.coordinates and not model.rates
 
 
 class _Seen:

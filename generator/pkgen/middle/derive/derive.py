@@ -35,6 +35,7 @@ from ..quantities import (
 from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
+from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
@@ -53,7 +54,10 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     x = Expander(model, orders)
     energies = _energies(x)
     wanted = Wanted(kernels)
-    rates = rates_of_states(x, energies)
+    of_first_degree: dict[int, Node] = {}
+    if model.lagrangian and not model.coordinates:
+        of_first_degree, energies = rates_of_first_degree(x, energies.lagrangian)
+    rates = rates_of_states(x, energies, of_first_degree)
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = tuple(slot for item in model.parameters for slot in _slots(x, item))
     start_q, start_v, state_start = starts = _starts(x)

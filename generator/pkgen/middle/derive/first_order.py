@@ -3,6 +3,7 @@ and momenta, and time derivatives of other states."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from graphlib import CycleError
 
@@ -17,9 +18,11 @@ from ..quantities import error, indexed, symbols
 from .states import resolved
 
 
-def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
+def rates_of_states(
+    x: Expander, energies: Energies, solved: Mapping[int, Node]
+) -> dict[Node, Node]:
     """Returns the time derivative of each state, in the order of the states, as a map from its
-    symbol to its expression."""
+    symbol to its expression. `solved` has the rates that do not stand in the model."""
     if not x.states:
         return {}
     g = x.graph
@@ -28,7 +31,7 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
     momenta = tuple(by.get(rate, ZERO) for rate in v)
     energy = g.subtract(g.sum(map(g.multiply, v, momenta)), energies.lagrangian)
     define_built_in(x, energies, energy, momenta)
-    rates: list[Node] = [ZERO] * x.state_count
+    rates = [solved.get(k, ZERO) for k in range(x.state_count)]
     places: list[Span] = [x.model.span] * x.state_count
     for attitude in x.attitudes:
         for k in attitude.numbers:
