@@ -182,8 +182,10 @@ class Force(Given):
 
 @record
 class Load(Given):
-    """`force` at a point, or `torque` on a body, of the power dot(value, velocity). The generalized
-    forces are the derivatives of `velocity` by the rates, times `value`; both are vectors."""
+    """`force` at a point, or `torque` on a body or a rotation. Its power is dot(value, velocity),
+    its generalized forces are the derivatives of `velocity` by the rates, times `value`. Both are
+    vectors; for a torque, `velocity` is the angular velocity in space. Without `at`, `name` is
+    ""."""
 
     velocity: Expr
 

@@ -98,7 +98,8 @@ class Call:
 @record
 class Condition:
     """A comparison `a < b` (also <=, >, >=, ==), or `and`, `or`, `not` of conditions. Before
-    checking, it stands in an `if`, an event or behind `while`; checking makes numbers of it."""
+    checking, it stands in an `if`, an event or behind `while`. The checker replaces it by
+    numbers."""
 
     operator: str
     parts: tuple[Expr, ...]
@@ -166,7 +167,12 @@ def children(expr: Expr) -> tuple[Expr, ...]:
             return ()
         case Name(index=index):
             return (index,)
-        case Add(terms=parts) | Multiply(factors=parts) | Call(arguments=parts) | Condition(parts=parts):
+        case (
+            Add(terms=parts)
+            | Multiply(factors=parts)
+            | Call(arguments=parts)
+            | Condition(parts=parts)
+        ):
             return parts
         case Vector(items=parts):
             return parts

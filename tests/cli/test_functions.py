@@ -49,7 +49,7 @@ FORMS = {
 }
 BENDS = [0.125, 0.2428, 0.25, 0.4928, 0.5, 0.7428, 0.75, 0.9928]  # in t
 END = 1.0
-COUNTED = {"floor", "ceil", "round", "mod"}  # no loops are written for their pieces
+COUNTED = {"floor", "ceil", "round", "mod"}  # families with these are written out
 JUMPING = {"step", "sign", "atan2", *COUNTED}
 
 

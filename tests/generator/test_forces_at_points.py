@@ -14,7 +14,7 @@ from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 from pkgen.middle.derive.derive import derive
-from pkgen.source import ModelError, Source
+from pkgen.source import Source
 
 
 def equations(text: str):
@@ -98,7 +98,9 @@ GIVEN = {Symbol(Kind.PARAMETER, 0): 0.7} | {Symbol(Kind.INPUT, k): 0.3 + k for k
 def _term(draw: random.Random, names) -> str:
     a, b = draw.choice(names), draw.choice(names)
     c = round(draw.uniform(0.2, 2), 2)
-    return draw.choice((f"{c}*sin({a})", f"{a}*cos({b})", f"{c}*{a}*{b}", f"exp(-{c}*{a}^2)", f"u*{a}"))
+    return draw.choice(
+        (f"{c}*sin({a})", f"{a}*cos({b})", f"{c}*{a}*{b}", f"exp(-{c}*{a}^2)", f"u*{a}")
+    )
 
 
 @pytest.mark.parametrize("seed", seeds(range(100, 103), 57))
@@ -107,9 +109,10 @@ def test_a_force_at_a_point_is_that_along_the_coordinates(seed: int) -> None:
     names = ["a", "b", "c"][: draw.randint(1, 3)]
     place = [" + ".join(_term(draw, [*names, "t"]) for _ in range(2)) for _ in range(3)]
     pull = [f"{draw.uniform(-1, 1):.3f}*P.{x}' - k*{draw.choice(names)}" for x in "xyz"]
+    squares = " + ".join(f"{name}'^2" for name in names)
     head = (
         f"model m\nparam k = 0.7\ninput u\ncoord {', '.join(names)}\n"
-        f"kinetic {' + '.join(f'{x}^2' for x in [y + chr(39) for y in names])} + a'*sin(a)*{names[-1]}'/3\n"
+        f"kinetic {squares} + a'*sin(a)*{names[-1]}'/3\n"
         f"let P = [{', '.join(place)}]\n"
     )
     tied = draw.choice(("", f"rolling r: a'*cos({names[-1]}) + {names[-1]}' = u\n", ""))

@@ -1,5 +1,6 @@
-"""Random conditions, floors and their kin: values against Python, motions against SciPy, which is
-stopped at each boundary and begins again beyond it with the branch that holds there."""
+"""Random conditions, floor, ceil, round, mod: values against Python, motions against SciPy.
+SciPy is stopped at each boundary and begins again beyond it with the branch that holds
+there."""
 
 import math
 import random
@@ -23,7 +24,11 @@ def number(draw: random.Random, depth: int) -> tuple[str, str]:
     """An expression in the language and in Python."""
     if depth == 0 or draw.random() < 0.2:
         name = draw.choice(NAMES)
-        return (name, name.replace("'", "_")) if draw.random() < 0.7 else (str(draw.randint(1, 9)),) * 2
+        return (
+            (name, name.replace("'", "_"))
+            if draw.random() < 0.7
+            else (str(draw.randint(1, 9)),) * 2
+        )
     kind = draw.choice(("if", "if", "max", "min", "floor", "round", "ceil", "mod", "+", "*", "sin"))
     parts = [number(draw, depth - 1) for _ in range(draw.choice((2, 3)))]
     (a, pa), (b, pb) = parts[:2]
@@ -63,7 +68,9 @@ def test_values_are_those_of_python(seed: int) -> None:
         values = [draw.uniform(-3, 3) for _ in NAMES]
         at = dict(zip((n.replace("'", "_") for n in NAMES), values, strict=True))
         symbols = [Symbol(k, i) for k in (Kind.COORDINATE, Kind.RATE) for i in range(2)]
-        found = evaluate(e.graph, e.observed, dict(zip([*symbols, Symbol(Kind.TIME)], values, strict=True)))
+        found = evaluate(
+            e.graph, e.observed, dict(zip([*symbols, Symbol(Kind.TIME)], values, strict=True))
+        )
         wanted = [eval(p, {"math": math, **at}) for _, p in pairs]
         assert found == pytest.approx(wanted, rel=1e-9, abs=1e-9), text
 
@@ -74,11 +81,13 @@ class Boundary:
     def __init__(self, draw: random.Random):
         a, b = draw.choice(("x", "y", "t/3", "x + y/2")), round(draw.uniform(-0.6, 1.1), 3)
         self.floor = draw.random() < 0.3
-        # 15: a step could leap over several pieces.
+        # With 15 a step may cross several pieces.
         self.scale = scale = draw.choice((2, 15))
         self.text = f"floor(({a})*{scale} + {b})" if self.floor else f"{a} > {b}"
         function = eval(f"lambda t, x, y: {a}")
-        self.value = lambda t, s: function(t, *s[:2]) * scale + b if self.floor else function(t, *s[:2]) - b
+        self.value = lambda t, s: (
+            function(t, *s[:2]) * scale + b if self.floor else function(t, *s[:2]) - b
+        )
 
     def now(self, t, s):
         return math.floor(self.value(t, s)) if self.floor else float(self.value(t, s) > 0)
@@ -136,8 +145,13 @@ def test_motions_are_those_of_scipy_stopped_at_each_boundary(seed: int, tmp_path
 
     def force(t, s, held):
         x, y = s[:2]
-        bent = [h * (1 / b.scale if b.floor else 1 + x * x * curved) for b, h in zip(boundaries, held, strict=True)]
-        return -2 * x - 0.3 * y + np.dot(weights[0], bent), -2 * y - 0.2 * x + np.dot(weights[1], bent)
+        bent = [
+            h * (1 / b.scale if b.floor else 1 + x * x * curved)
+            for b, h in zip(boundaries, held, strict=True)
+        ]
+        return -2 * x - 0.3 * y + np.dot(weights[0], bent), -2 * y - 0.2 * x + np.dot(
+            weights[1], bent
+        )
 
     (tmp_path / "m.lag").write_text(text)
     method = draw.choice(("gauss", "dop853"))

@@ -49,7 +49,7 @@ def _scalar(name: str, says: str) -> KernelSpec:
     model with only first-order states has none."""
 
     def values(e: Equations) -> Mapping[str, Row]:
-        exists = getattr(e, name) is not None and (e.own > 0 or e.attitudes)
+        exists = getattr(e, name) is not None and (e.own > 0 or e.attitudes or e.model.lagrangian)
         return {name: (getattr(e, name),)} if exists else {}
 
     return KernelSpec(name, says, values, "pk_real")

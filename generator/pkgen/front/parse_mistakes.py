@@ -224,10 +224,13 @@ def _prime_misplaced(spot: Spot):
 
 
 def _comparison(spot: Spot):
+    if spot.token.type not in ("LESS", "GREATER", "AT_MOST", "AT_LEAST", "SAME"):
+        return None
+    if spot.word == "expect":
+        return f"'{spot.token}' has no place in an expectation", f"the form is: {spot.form}"
     if spot.token.type == "SAME" and "EQUAL" in spot.expected:
         return "'==' compares", "one '=' defines a name"
-    if spot.token.type in ("LESS", "GREATER", "AT_MOST", "AT_LEAST", "SAME"):
-        return f"'{spot.token}' compares, and nothing here takes a condition", STEP
+    return f"'{spot.token}' compares: a condition cannot stand here", STEP
 
 
 def _clause_order(spot: Spot):

@@ -75,7 +75,8 @@ class Define:
 
 @record
 class Accumulate:
-    """`observe NAME = integral(EXPR) while CONDITION`; without EXPR the time that it holds."""
+    """`observe NAME = integral(EXPR) while CONDITION`. Without a value, NAME is the time for which
+    the condition holds."""
 
     keyword: ClassVar[str] = "observe"
     left: Left
@@ -87,8 +88,8 @@ class Accumulate:
 
 @record
 class Force:
-    """`force` or `torque` NAME = EXPR, NAME at PLACE = EXPR, or `force B.point([..]) = EXPR`, where
-    `left` is None."""
+    """`force NAME = EXPR`, `force NAME at PLACE = EXPR`, or `force B.point([..]) = EXPR`, where
+    `left` is None; the same of `torque`."""
 
     keyword: str
     left: Left | None

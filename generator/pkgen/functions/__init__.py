@@ -19,8 +19,8 @@ FUNCTIONS: dict[str, Function] = {
 
 # The prefix of C functions with an argument `side` (back/c/helpers.py).
 SIDE = "side_"
-# Numbers of arguments of functions that front/check/calls.py writes with others: ln(x) becomes
-# log(x).
+# Numbers of arguments of functions that front/check/calls.py rewrites: ln(x) becomes log(x). It
+# rewrites min and max of more than two arguments too.
 WRITTEN_OUT = {"ln": 1, "clamp": 3, "ceil": 1, "round": 1, "mod": 2}
 # Maps names that other languages give to functions to the names in this language. Error messages
 # suggest the name in this language.

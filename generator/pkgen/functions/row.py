@@ -31,8 +31,9 @@ class Kinked:
 
     below: str
     above: str
-    # A function of pieces n <= u <= n + 1 has instead the name of the function u of its argument,
-    # and a C expression `held` in its argument and `side`, which is 2 n + 1 in a step.
+    # For a function that jumps at every integer of a function u, in place of `below` and `above`:
+    # `place` is the name of u in the table, `held` the C expression on the piece n <= u <= n + 1.
+    # There `side` is 2 n + 1.
     place: str = ""
     held: str = ""
 
@@ -105,7 +106,7 @@ class Function:
     # The branches of atan2(y, x) beside its branch cut, where y vanishes.
     cut: Kinked | None = None
 
-    # Whether the function is the place u of an argument among pieces (Kinked.place).
+    # Whether the function is such a u (Kinked.place), at whose integers another one jumps.
     counted: bool = False
     # The name in SymPy, if it differs, or a callable (sympy module, arguments) -> expression.
     sympy: Callable | str = ""

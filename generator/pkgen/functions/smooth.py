@@ -237,7 +237,7 @@ SMOOTH: dict[str, Function] = {
         singular=lambda g, a: (a, DIVISOR),
         sympy=lambda sp, x: 1 / x,
     ),
-    "place": Function(  # The place of x among the pieces n <= x <= n + 1 of floor(x).
+    "place": Function(  # The function u of floor(x); see Kinked.place.
         internal=True,
         body="x",
         real=lambda x: x,
@@ -249,7 +249,7 @@ SMOOTH: dict[str, Function] = {
         internal=True,
         body="c > 0 ? a : c <= 0 ? b : c",
         real=lambda c, a, b: a if c > 0 else b if c <= 0 else c,
-        array=lambda np, c, a, b: np.where(c > 0, a, b),
+        array=lambda np, c, a, b: np.where(c > 0, a, np.where(c <= 0, b, c)),
         exact=lambda c, a, b: a if c else b,
         derivative=lambda g, n, c, a, b: (
             g.number(0),

@@ -20,5 +20,5 @@ def jumps(g: Graph, node: Node) -> bool:
 
 
 def counts(g: Graph, node: Node) -> bool:
-    """Whether a node is the place of an argument among pieces, such as those of floor(x)."""
+    """Whether a node is a function u at whose integers another function jumps (Kinked.place)."""
     return g.op[node] is Op.CALL and FUNCTIONS[g.data[node]].counted

@@ -214,8 +214,8 @@ class Graph(Nodes):
         return self._product_of(factors)
 
     def _select_of(self, a: Node, b: Node) -> Node | None:
-        """Returns the product of a = select(c, x, 0) and b as select(c, x b, 0), None for another a.
-        So where b is not finite and a is 0, the product is 0."""
+        """Returns the product of a = select(c, x, 0) and b as select(c, x b, 0); None for another
+        a. The product is 0 where a is 0, even if b is not finite there."""
         if self.op[a] is not Op.CALL or self.data[a] != "select":
             return None
         condition, *branches = self.args[a]

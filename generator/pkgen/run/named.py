@@ -139,9 +139,10 @@ def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
 
 
 def has_energy(compilation: Compilation) -> bool:
-    """Whether the model has an energy; a model with states only has none."""
+    """Whether the model has an energy. A model with states only has none, unless they come from an
+    L of first degree in the rates."""
     of = compilation.model if compilation.looped else compilation.equations
-    return bool(of.coordinates)
+    return bool(of.coordinates or compilation.model.lagrangian)
 
 
 def _moving(model: Model, rates: bool, states: bool = False) -> Named:

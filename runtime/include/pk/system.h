@@ -215,8 +215,8 @@ struct pk_system {
     struct pk_part_constraints constraints;
     struct pk_part_families families;
     struct pk_part_particles particles;
-    /* A flag for each switch, or NULL: the switch counts pieces. Its function is the place u among
-     * pieces, such as u = x of floor(x). Its side is 2 n + 1 within the piece n <= u <= n + 1. */
+    /* A flag for each switch, or NULL. 1: the equations jump at every integer of the switch's value
+     * u, as floor(u) does. Its side is then 2 n + 1 while n <= u <= n + 1. */
     const unsigned char *counted;
     /* Add new members here, at the end. */
 };

@@ -126,8 +126,8 @@ static pk_real while_it_falls(const struct pk_integrator *it)
 
 /* Initialises tolerances. The scale of a coordinate that is zero is the distance that it moves in
  * the shortest first step. The scale of a rate that is zero is the speed that its acceleration
- * gives it over the scale of its coordinate. A first-order variable that is zero has no scale yet,
- * and does not shorten the first step. */
+ * gives it over the scale of its coordinate. A first-order variable that is zero gets no scale
+ * from its own rate, and does not shorten the first step. */
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n_q = it->n_q, n = it->n;

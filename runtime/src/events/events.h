@@ -66,7 +66,7 @@ static inline int pk_switches_impulse(const struct pk_integrator *it, size_t k)
     return system->switches.impulses && system->switches.impulses[k];
 }
 
-/* Returns whether switch k counts pieces; see struct pk_system. */
+/* Returns whether switch k is counted; see struct pk_system. */
 static inline int pk_switches_counted(const struct pk_integrator *it, size_t k)
 {
     const struct pk_system *system = it->problem.system;

@@ -32,7 +32,8 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
     p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
-/* Evaluates the switches alone; a value of 0 gets the sign of the side where the switch is held. */
+/* Evaluates the switches alone; a value of 0 gets the sign of the side where the switch is held. The
+ * value of a counted switch becomes positive in its piece and negative elsewhere. */
 static void switches(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                      const pk_real *q, const pk_real *v, pk_real *g)
 {

@@ -33,7 +33,9 @@ def _sided(name: str) -> dict[str, str]:
     free = row.body or f"PK_F({row.c or name})({', '.join(row.arguments)})"
     if row.kinked and row.kinked.held:
         body = f"side > 0 || side < 0 ? {row.kinked.held} : {free}"
-        return _helper(SIDE + name, ("side", *row.arguments), body, "`side`: 2 n + 1 in piece n.")
+        return _helper(
+            SIDE + name, ("side", *row.arguments), body, "`side`: 2 n + 1 between n and n + 1."
+        )
     body = f"side > 0 ? {sides.above} : side < 0 ? {sides.below} : {free}"
     note = f"`side`: that of {' - '.join(row.arguments)}." if row.arity > 1 else ""
     return _helper(SIDE + name, ("side", *row.arguments), body, note)

@@ -21,7 +21,9 @@ from ...tree import (
     Range,
     Sum,
     Vector,
+    names,
     of_member,
+    within,
 )
 from .. import units
 from ..units import NONE, Dimension
@@ -37,6 +39,7 @@ class Calls(RotationCalls):
     def __init__(self, *given, **more) -> None:
         super().__init__(*given, **more)
         self.powers: dict[str, tuple[Expr, Range | None]] = {}  # by name of a force
+
     def call(self, expr: Call, scope: Scope) -> Checked:
         function = expr.function
         if function in ("drift", "time") and scope.place is PLACES["expect"]:
@@ -48,6 +51,7 @@ class Calls(RotationCalls):
         if function == "if":
             return self._if(expr, scope)
         if _is_written_out(expr):
+            self._pure(expr, scope)
             return self.check(_written_out(expr), scope)
         parts = [self.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
@@ -63,6 +67,18 @@ class Calls(RotationCalls):
                 raise self._other_rank(function, argument, vectors)
         found = self._vector_call if vectors else self._scalar_call
         return Call(function, tuple(e for e, _ in parts), expr.span), found(expr, facts)
+
+    def _pure(self, expr: Call, scope: Scope) -> None:
+        """Checks the argument of ceil and round, whose rewritten forms give other messages."""
+        if expr.function not in ("ceil", "round"):
+            return
+        (argument,) = expr.arguments
+        before = self.report.count
+        _, facts = self.check(argument, scope)
+        if self.report.count == before and facts.dimension not in (None, NONE):
+            self.not_pure(expr.function, argument, facts)
+        if self.report.count > before:
+            raise Wrong
 
     def _of_run(self, expr: Call) -> Checked:
         """Checks drift(X) and time(EVENT), functions of a whole run that only `expect` may call."""
@@ -100,6 +116,9 @@ class Calls(RotationCalls):
         if entry is not None and entry.kind == "poisoned":
             raise Wrong
         if entry is None or entry.kind != "force":
+            if name in self.names.later and entry is None:
+                self.names.unknown(name, argument.span)
+                raise Wrong
             help = meant(name, self.powers) or "name one: force drag at P = [Fx, Fy, Fz]"
             raise Wrong("power(…) takes the name of a force or a torque", help, argument)
         if "coordinate" not in scope.place.kinds:
@@ -115,20 +134,30 @@ class Calls(RotationCalls):
         if len(expr.arguments) != 3:
             raise Wrong("if takes a condition and two values", "e.g. if(x > 0, k*x, 0)")
         condition, *values = expr.arguments
+        self._whole(condition, scope)
         parts = [self.check(x, scope) for x in (truth(condition), *values)]
         facts = [f for _, f in parts]
         for value, part in zip(values, facts[1:], strict=True):
             if part.vector:
-                raise Wrong("the values of an if are numbers; this is a vector", at=value)
+                raise Wrong("if chooses between numbers; this is a vector", at=value)
         result = joined(self.common(tuple(values), facts[1:], "if"), False, facts)
         if facts[0].moves:
             result.rough = "if"
         result.value = self.constant(expr, facts, lambda x: values_of.called("select", x))
         return Call("select", tuple(e for e, _ in parts), expr.span), result
 
+    def _whole(self, condition: Expr, scope: Scope) -> None:
+        """Checks that == stands between indices and sizes: these are whole numbers."""
+        for part in within(condition):
+            if isinstance(part, Condition) and part.operator == "==":
+                known = {name for name, e in self.names.table.items() if e.kind == "size"}
+                if names(part) - known - scope.variables:
+                    help = "a quantity equals a value for an instant only: use < or >"
+                    raise Wrong("'==' compares indices and sizes", help, part)
+
     def condition(self, expr: Condition, scope: Scope) -> Checked:
-        help = "it stands in if(CONDITION, a, b), in an event, or behind 'while'"
-        raise Wrong(f"{self.text(expr)} is a condition, and no number", help)
+        help = "a condition stands in if(CONDITION, a, b), in an event, or behind 'while'"
+        raise Wrong(f"{self.text(expr)} is a condition, not a number", help)
 
     def _not_callable(self, expr: Call) -> Wrong:
         if expr.function in SPECIAL - {"sum"}:
@@ -206,7 +235,7 @@ _OF_MANY = ("min", "max")
 
 
 def _written_out(expr: Call) -> Expr:
-    """Returns a call of a function that the graph does not have as calls of others."""
+    """Rewrites a call of a function that the graph does not have with functions that it has."""
     function, (x, *others), at = expr.function, expr.arguments, expr.span
     if function in _OF_MANY:
         return reduce(lambda a, b: Call(function, (a, b), at), others, x)

@@ -118,9 +118,7 @@ class _Checker(Checks):
             known.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
         bodies = [s.name for s in file.statements if isinstance(s, st.Body)]
         known.loose = loose(bodies, [s for s in file.statements if isinstance(s, st.Joint)])
-        expressions = Expressions(
-            file.source, report, known, {}, dimensionless=self.dimensionless
-        )
+        expressions = Expressions(file.source, report, known, {}, dimensionless=self.dimensionless)
         super().__init__(Shared(expressions, dict(given)))
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
         self.bodies = Bodies(self.shared, self._check, file)

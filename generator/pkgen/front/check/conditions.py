@@ -1,7 +1,8 @@
-"""Rewrites conditions as numbers: 1 where a condition holds, 0 elsewhere; and as functions of a sign.
+"""Rewrites conditions as numbers.
 
-`truth` consists of calls of step, so that integrators locate each boundary (see
-middle/derive/switches.py). `positive` is continuous, and positive where the condition holds.
+`truth` is 1 where a condition holds, else 0. It consists of calls of step, so that integrators
+locate each boundary (see middle/derive/switches.py). `positive` is continuous, and is positive
+where the condition holds.
 """
 
 from __future__ import annotations
@@ -44,12 +45,12 @@ def truth(expr: Expr) -> Expr:
 
 
 def positive(expr: Expr, check: Callable[[Expr], Checked]) -> Checked:
-    """Returns a continuous function that is positive where the condition holds, checked by `check`.
-    Units are compared within each comparison alone."""
+    """Returns a continuous function that is positive where the condition holds, and its facts.
+    `check` checks each comparison by itself, so that comparisons may differ in unit."""
     _check(expr)
     at, operator = expr.span, expr.operator
     if operator == "==":
-        raise Wrong("what moves passes a value and does not stay there", "use < or >", at)
+        raise Wrong("an event needs < or >: a quantity equals a value for an instant only", "", at)
     if operator in ("and", "or", "not"):
         parts = [positive(part, check) for part in expr.parts]
         facts = joined(NONE, False, [f for _, f in parts])
@@ -62,7 +63,7 @@ def positive(expr: Expr, check: Callable[[Expr], Checked]) -> Checked:
 
 def _check(expr: Expr) -> None:
     if not isinstance(expr, Condition):
-        raise Wrong("a condition compares: x > 0, or a < b and not c > d", at=expr)
+        raise Wrong("this is no condition", "e.g. x > 0, or a < b and not c > d", expr)
 
 
 def _opposite(number: Expr) -> Expr:

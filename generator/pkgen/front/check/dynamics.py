@@ -8,7 +8,7 @@ from ...tree import Call, Condition, Expr, Multiply, Name, Negate, Prime, names,
 from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
-from ..units import NONE, si_text
+from ..units import NONE
 from .expr import Target
 from .names import UNKNOWN, Entry
 from .rotation_statements import Rotations
@@ -107,7 +107,10 @@ class Dynamics(Checks):
         if isinstance(statement.value, Condition):
             if direction != "either":
                 help = f"leave out '{direction}'"
-                self.error("the event of a condition is where it begins to hold", at, help)
+                message = (
+                    "an event of a condition has no direction: it is where that begins to hold"
+                )
+                self.error(message, at, help)
             value, facts = self.expressions.positive(statement.value, scope)
             direction = "rising"
         else:

@@ -18,8 +18,9 @@ from .rotation_statements import Rotations
 from .scope import PLACES, Scope
 from .shared import Checks, Shared, name_span
 
-# Kinds of names at which a force acts as at a point; bodies, to name their points in the error.
+# `force NAME` acts at a point for these kinds. A body is an error, which lists its points.
 _POINTS = ("definition", "body")
+_NEEDED = {units.ENERGY: "torques [N*m]", units.FORCE: "forces [N]", NONE: "numbers"}
 
 
 class Forces(Checks):
@@ -48,8 +49,8 @@ class Forces(Checks):
         entry = self.names.table.get(on.id) if isinstance(on, Name) else None
         body = entry is not None and entry.kind == "body"
         if not body and (entry is None or entry.kind not in ("rotation", "poisoned")):
-            message = f"a torque turns a body or a rotation; {self.text(on)} is neither"
-            self.error(message, on, "at a point acts a force: force P = [Fx, Fy, Fz]")
+            message = f"a torque acts on a body or a rotation; {self.text(on)} is neither"
+            self.error(message, on, "a force acts at a point: force P = [Fx, Fy, Fz]")
             return
         turn, rates = on, Call("omega", (on,), on.span)
         if body:
@@ -65,20 +66,14 @@ class Forces(Checks):
             return
         entry, scope = found
         dimension = units.over(self.energy_dimension, entry.facts.dimension)
-        target = self._needed(dimension, f"the force along {left.name} needs")
+        needs = {units.ENERGY: "a torque [N*m]", units.FORCE: "a force [N]", NONE: "a number"}
+        text = needs.get(dimension, f"[{si_text(dimension)}]")
+        target = Target(dimension, f"the force along {left.name} needs {text}")
         value, facts = self.wanted(statement.value, scope, target)
         self.use_inputs(facts)
         self.parts["forces"].append(
             m.Force(left.name, left.index, left.range, value, statement.span)
         )
-
-    def _needed(self, dimension: units.Dimension | None, message: str) -> Target:
-        needs = {
-            units.ENERGY: "a torque [N*m]",
-            units.FORCE: "a force [N]",
-            NONE: "a number",
-        }.get(dimension, f"[{si_text(dimension or NONE)}]")
-        return Target(dimension, f"{message} {needs}")
 
     def _load(self, statement: st.Force, place: Expr, velocity: Expr) -> None:
         """Checks a force or torque, which does work at the rate dot(force, velocity)."""
@@ -94,22 +89,31 @@ class Forces(Checks):
         elif moved.known and not moved.rates:
             does = "turn" if keyword == "torque" else "move"
             self.warn(f"{self.text(place)} does not {does}: this {keyword} does nothing", place)
-        over = None if moved.dimension is None else units.over(self.power_dimension, moved.dimension)
-        target = self._needed(over, f"the {keyword} at {self.text(place)} is a vector, each component")
+        over = (
+            None if moved.dimension is None else units.over(self.power_dimension, moved.dimension)
+        )
+        at = "on" if keyword == "torque" else "at"
+        needs = f"the {keyword} {at} {self.text(place)} is a vector of"
+        target = Target(over, f"{needs} {_NEEDED.get(over, si_text(over or NONE))}")
         value, facts = self.wanted_vector(statement.value, scope, target)
         self.use_inputs(joined(None, True, [facts, moved]))
         if statement.place is not None and left is not None:
-            self._name(left, Call("dot", (value, velocity), statement.span), [facts, moved], members)
+            self._name(
+                left, Call("dot", (value, velocity), statement.span), [facts, moved], members
+            )
         if self.report.count == before:
-            name, index, range_ = ("", None, None) if left is None else (left.name, left.index, left.range)
+            index, range_ = (None, None) if left is None else (left.index, left.range)
+            name = left.name if left is not None and statement.place is not None else ""
             load = m.Load(name, index, range_, value, statement.span, velocity)
             self.parts["loads"].append(load)
 
-    def _name(self, left: st.Left, power: Expr, parts: list[Facts], members: Members | None) -> None:
-        """Declares the name of a force, of which power(NAME) is the power."""
+    def _name(
+        self, left: st.Left, power: Expr, parts: list[Facts], members: Members | None
+    ) -> None:
+        """Declares the name of a force, so that power(NAME) is known."""
         if left.index is not None or "." in left.name:
             message = "a force is named by NAME or NAME[i = lo..hi]"
-            self.error(message, left, f"force drag at {self.text(left)} = …")
+            self.error(message, left, f"force {left.name} at P = …")
         facts = joined(self.power_dimension, False, parts)
         new = Entry(left.name, "force", facts, name_span(left), members, used=True)
         if self.names.declare(new):
@@ -117,7 +121,7 @@ class Forces(Checks):
 
 
 def _named(left: st.Left) -> Name:
-    """Returns the name on a statement's left side, for a family one member of it."""
+    """Returns the name on a statement's left side; a range gives its variable as the index."""
     index = left.index
     if left.range is not None:
         index = Name(left.range.variable, None, left.range.span)

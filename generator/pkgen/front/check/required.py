@@ -82,8 +82,8 @@ class Required(Checks):
                 self.error(message, self._first_line(), help)
 
     def inertia(self) -> None:
-        """Reports coordinates whose rate occurs in no energy, in a model with `kinetic`. The mass
-        matrix itself is checked later, in middle/derive: an L alone may be of first degree."""
+        """Reports coordinates whose rate occurs in no energy. Checks only models with `kinetic`: an
+        L may be of first degree. The mass matrix itself is checked later, in middle/derive."""
         energies = self.energies
         if not self.parts["kinetic"] or not all(f.known for f in energies):
             return

@@ -52,14 +52,16 @@ class States(Checks):
         left, value, condition = statement.left, statement.value, statement.condition
         at = statement.span
         if left.index is not None or left.range is not None:
-            self.error("what adds up has a name of its own, without an index", left)
+            self.error("the name of an integral has no index", left)
         if value is None:
             value = Number(Fraction(1), at)
-        elif isinstance(value, Call) and value.function == "integral" and len(value.arguments) == 1:
-            (value,) = value.arguments
+        elif isinstance(value, Call) and value.function == "integral":
+            if len(value.arguments) != 1:
+                self.error("integral takes one expression", value)
+            value = value.arguments[0] if value.arguments else Number(Fraction(1), at)
         else:
             help = f"observe {left.name} = integral({self.text(value)}) while …"
-            self.error("with 'while' stands an integral, or no expression", value, help)
+            self.error("'while' needs an integral before it, or no expression", value, help)
         if condition is not None:
             value = Call("if", (condition, value, Number(Fraction(0), at)), at)
         value, facts = self.checked(value, Scope(PLACES["rate"]))

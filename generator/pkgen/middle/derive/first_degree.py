@@ -23,7 +23,7 @@ from ..motion import RATES, Energies
 from ..quantities import error, rate_of_state
 
 SAMPLES = 3
-SMALL = 1e-9  # a pivot that is less than this part of its row, at all samples, counts as 0
+SMALL = 1e-9  # a pivot below this size at all samples counts as 0
 _BESIDE = ("kinetic", "constraints", "dissipation", "forces", "loads")  # need inertia
 
 
@@ -40,10 +40,13 @@ def as_states(model: Model) -> Model:
             raise error(model, message, item.span, "leave this out, or write it into L")
     for start in model.starts:
         if start.order:
-            message = f"{start.name}' follows from the coordinates: L is of first degree in the rates"
+            message = (
+                f"{start.name}' follows from the coordinates: L is of first degree in the rates"
+            )
             raise error(model, message, start.span, f"start {start.name} = … is enough")
     made = [
-        State(c.name, c.range, c.unit, c.rate_unit, c.description, c.span) for c in model.coordinates
+        State(c.name, c.range, c.unit, c.rate_unit, c.description, c.span)
+        for c in model.coordinates
     ]
     return replace(model, coordinates=(), states=(*made, *model.states))
 
@@ -86,9 +89,10 @@ def rates_of_first_degree(x: Expander, lagrangian: Node) -> tuple[dict[int, Node
     solved = _solved(g, rows, right)
     if solved is None:
         message = "L is of first degree in the rates, and its symplectic form is singular"
-        help = "the rates do not follow: each coordinate needs a partner, as q and p are"
+        help = "the equations do not determine the rates: each coordinate needs a conjugate one"
         raise error(model, message, model.lagrangian[0].span, help)
     (rest,) = substituted(g, [lagrangian], at_rest)
+    x.lagrangian = lagrangian
     rates = {k: rate for (_, _, k), rate in zip(own, solved, strict=True)}
     return rates, Energies(rest, None, None, ZERO)
 

@@ -57,8 +57,8 @@ def rates_of_states(
 
 
 def _energies_of(x: Expander, lagrangian: Node, momenta: tuple[Node, ...]) -> tuple[Node, ...]:
-    """Returns T = v.p/2 and V = T - L for L = T - V with T of second degree in the rates v. For any
-    other L, V depends on v: then returns ()."""
+    """Returns T = v.p/2 and V = T - L for L = T - V with T of second degree in the rates v. Returns
+    () for any other L, because T - L then depends on v."""
     g = x.graph
     v = symbols(g, Kind.RATE, x.count)
     half = g.number(Fraction(1, 2))
@@ -66,7 +66,7 @@ def _energies_of(x: Expander, lagrangian: Node, momenta: tuple[Node, ...]) -> tu
     potential = g.subtract(kinetic, lagrangian)
     (at_rest,) = substituted(g, [potential], dict.fromkeys(v, ZERO))
     difference = g.subtract(potential, at_rest)
-    return () if Normal(g.copy())(difference) else (kinetic, at_rest)
+    return () if Normal(g.copy())(difference) or not momenta else (kinetic, at_rest)
 
 
 def define_built_in(
@@ -75,15 +75,18 @@ def define_built_in(
     """Defines the names T, V, L, energy and those of the momenta. A name that the model defines
     itself keeps its meaning."""
     own = {item.name for item in x.model.definitions}
-    built_in = {"L": energies.lagrangian, "energy": energy}
+    whole = energies.lagrangian if x.lagrangian is None else x.lagrangian
+    built_in = {"L": whole, "energy": energy}
     known = energies.kinetic, energies.potential
     if energies.kinetic is None:
         known = _energies_of(x, energies.lagrangian, momenta)
     built_in |= zip("TV", known, strict=False)
     if not known:
-        message = "'{}' is not known: L is not of second degree in the rates beside a part without"
-        for name in "TV":
-            x.refuse(name, None, message.format(name), "L and energy are known")
+        message = (
+            "'{}' is not known: L is not a quadratic form in the rates plus a function without"
+        )
+        for name in (name for name in "TV" if name not in own):
+            x.refuse(name, None, message.format(name) + " rates", "use L or energy")
     for name, node in built_in.items():
         if name not in own:
             x.define(name, None, node)

@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from ...equations import Equations, Quantity, Switch
-from ...graph.calls import jumps
+from ...graph.calls import counts, jumps
 from ...graph.differentiate import gradient, reachable
 from ...graph.exact import Exact
 from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
@@ -124,8 +124,6 @@ class Across:
                 new[n] = ONE if own > 0 else ZERO
             elif own and g.data[n] == "sign":
                 new[n] = g.number(own)
-            elif own and g.data[n] == "floor":
-                new[n] = g.add(n, ONE) if own > 0 else n
             elif own:  # abs(0) is 0; min and max of two equal arguments are either of them
                 new[n] = args[1] if len(args) > 1 else ZERO
             else:
@@ -166,8 +164,14 @@ def with_impulses(
     c = e.constraints
     rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
     jumping = [e.lagrangian, *e.momenta, *rows]
-    if not arguments_of(e.graph, jumping):
+    if not (arguments := arguments_of(e.graph, jumping)):
         return known
+    if any(counts(e.graph, x) for x in arguments):
+        raise _refused(
+            e,
+            "L or a constraint has floor, ceil, round or mod in it, and jumps at each whole number",
+            "a force or an output may have these",
+        )
     across, found, marked = Across(e.graph), {}, []
     surfaces = across.surfaces
     places = {surfaces(x.node)[0]: x.node for x in known}

@@ -95,26 +95,35 @@ def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
     return found
 
 
-def protected(g: Graph, branch: Node, condition: Node) -> Node:
-    """Returns a branch of an `if` in which roots have max(0, u) in place of an argument u that the
-    condition bounds: if(u > 0, sqrt(u), 0). A step may go a little beyond the boundary u = 0 with
-    the branch that it began with, and sqrt(u) is undefined there."""
+def protected(g: Graph, branch: Node, chosen: Node) -> Node:
+    """Returns a branch of an `if` in which roots have max(0, u) in place of an argument u that is
+    positive wherever `chosen` is 1: if(u > 0, sqrt(u), 0). A step may go a little beyond the
+    boundary u = 0 with the branch that it began with, and sqrt(u) is undefined there."""
     new: dict[Node, Node] = {}
     for n in reachable(g, [branch], VARIABLE):
-        if not _is_root(g, n):
-            continue
-        (u, *others) = g.args[n]
-        surfaces = Surfaces(g.copy())
-        bounds = {surfaces.of_call(c)[0] for c in reachable(g, [condition], VARIABLE)}
-        if surfaces(u)[0] in bounds:
-            new[n] = rebuilt(g, n, [g.call("max", ZERO, u), *others])
+        if _is_root(g, n):
+            (u, *others) = g.args[n]
+            if _excludes(g, chosen, u):
+                new[n] = rebuilt(g, n, [g.call("max", ZERO, u), *others])
     return substituted(g, [branch], new)[0] if new else branch
+
+
+def _excludes(g: Graph, chosen: Node, u: Node) -> bool:
+    """Whether a condition is 0 wherever u is negative."""
+    surfaces = Surfaces(g.copy())
+    surface, sign = surfaces(u)
+    beyond = {}
+    for call in reachable(g, [chosen], VARIABLE):
+        own, side = surfaces.of_call(call)
+        if side and own == surface and g.data[call] == "step":
+            beyond[call] = ONE if sign * side < 0 else ZERO
+    return bool(beyond) and substituted(g, [chosen], beyond) == [ZERO]
 
 
 def _is_root(g: Graph, node: Node) -> bool:
     if g.op[node] is Op.POWER:
         return g.data[node].denominator != 1 and g.data[node] > 0
-    return g.op[node] is Op.CALL and g.data[node] == "sqrt"
+    return g.op[node] is Op.CALL and g.data[node] in ("sqrt", "pow")
 
 
 def _ends(g: Graph, node: Node) -> tuple[int, ...]:

@@ -113,6 +113,8 @@ class Names(ABC):
         # statements must not use accelerations.
         self.solved: Mapping[Node, Node] | None = None
         self._ends = _ends(model, self.coordinates | self.states)
+        # The Lagrangian of first degree in the rates, if it is one (derive/first_degree.py).
+        self.lagrangian: Node | None = None
         # The nodes whose time derivatives were taken, with the places in the model's text.
         self.primes: list[tuple[Node, Span]] = []
 

@@ -152,8 +152,8 @@ def _call(x: Names, expr: Call, loop: Loop) -> Value:
         if wrong:
             raise error(x.model, wrong, expr.span)
     if expr.function == "select":
-        condition, *branches = values
-        values = [condition, *(protected(x.graph, b, condition) for b in branches)]
+        g, (c, a, b) = x.graph, values
+        values = [c, protected(g, a, c), protected(g, b, g.subtract(ONE, c))]
     return x.graph.call(expr.function, *values)
 
 

@@ -23,8 +23,7 @@ from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .switches import switches_of
 from .terms import Term, terms
 
-
-# Fields of Model that are compiled with all families written out, with the reason in words.
+# A model with one of these fields keeps no loops; the value is the reason.
 _UNROLLED = {
     "fast": "a part of the potential is named fast",
     "loads": "a force acts at a point, or a torque in space",
@@ -48,6 +47,8 @@ def _derive(x: LoopExpander) -> LoopEquations:
     for field, why in _UNROLLED.items():
         if getattr(model, field):
             raise Unrolled(why)
+    if model.lagrangian and not model.coordinates:
+        raise Unrolled("L is of first degree in the rates")
     found: dict[str, list[tuple[Term, int]]] = {}
     for kind, sign in (("kinetic", 1), ("potential", -1), ("lagrangian", 1)):
         found[kind] = []

@@ -104,7 +104,8 @@ def squared(g: Graph, node: Node) -> tuple[Node, ...]:
 
 def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tuple[Node, str]]:
     """Yields the nodes at whose zeros the outputs may be infinite or not smooth, each with the
-    reason as in `Singularity.use`. A node in a branch of an `if` counts where that is chosen."""
+    reason as in `Singularity.use`. A node in a branch of an `if` counts only where the branch is
+    chosen."""
     for node, chosen in _with_conditions(g, outputs):
         for vanishing, use in _dangerous(g, ranges, node):
             if chosen != ONE:
@@ -114,30 +115,19 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
 
 
 def _with_conditions(g: Graph, outputs: Iterable[Node]) -> Iterator[tuple[Node, Node]]:
-    """Yields the nodes below the outputs, each with a condition for its use: ONE, or a node that is
-    1 where the branches of `if` in which the node stands are chosen, and 0 elsewhere."""
-    waiting = [(ONE, tuple(outputs))]
-    seen: set[Node] = set()
-    for chosen, roots in waiting:
-        shown = _outside_branches(g, roots)
-        yield from ((n, chosen) for n in shown if n not in seen)
-        seen.update(shown)
-        for n in (n for n in shown if is_call(g, n, "select")):
-            condition, a, b = g.args[n]
-            waiting.append((g.multiply(chosen, condition), (a,)))
-            waiting.append((g.multiply(chosen, g.subtract(ONE, condition)), (b,)))
-
-
-def _outside_branches(g: Graph, roots: Iterable[Node]) -> list[Node]:
-    """Returns the nodes below the roots that can be reached without a branch of an `if`."""
-    found: set[Node] = set()
-    waiting = [*roots]
-    while waiting:
-        node = waiting.pop()
-        if node not in found and g.depends[node] & VARIABLE:
-            found.add(node)
-            waiting += g.args[node][:1] if is_call(g, node, "select") else g.args[node]
-    return sorted(found)
+    """Yields the nodes below the outputs, each with the condition under which it is used: ONE, or a
+    node that is 1 where the branches of `if` in which it stands are chosen, and 0 elsewhere. A node
+    that is used in several ways has ONE."""
+    found = dict.fromkeys(outputs, ONE)
+    for node in reversed(reachable(g, [*found], VARIABLE)):
+        chosen, args = found[node], g.args[node]
+        ways = [chosen] * len(args)
+        if is_call(g, node, "select"):
+            c = args[0]
+            ways = [chosen, g.multiply(chosen, c), g.multiply(chosen, g.subtract(ONE, c))]
+        for a, way in zip(args, ways, strict=True):
+            found[a] = way if found.get(a, way) == way else ONE
+        yield node, chosen
 
 
 def _dangerous(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, str]]:
