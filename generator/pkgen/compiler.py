@@ -33,6 +33,7 @@ from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
 from .middle.derive.first_degree import as_states
+from .middle.derive.legendre import in_pairs
 from .middle.loops.indexed_ir import Unrolled
 from .middle.loops.loops import LoopEquations
 from .middle.quantities import families, too_deep
@@ -131,7 +132,7 @@ def stages(
     methods = {method.name: method for method in (*declared.methods, *own)}
     declared = replace(declared, methods=tuple(methods.values()))
     use = use or Use()
-    declared = use.declared(as_states(declared))
+    declared = use.declared(as_states(in_pairs(declared)))
     model, lines = use.model(declared)
     yield declared, model, warnings
     needs = use.needs(model)

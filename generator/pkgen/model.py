@@ -314,6 +314,7 @@ class Model:
     kinetic: tuple[Expr, ...]
     potential: tuple[Expr, ...]
     lagrangian: tuple[Expr, ...]
+    hamiltonian: tuple[Expr, ...]
     dissipation: tuple[Expr, ...]
     forces: tuple[Force, ...]
     observed: tuple[Definition, ...]

@@ -65,7 +65,8 @@ def symbolic(compilation: Compilation) -> Symbolic:
                 f"{compilation.model.name}: an expression has {size:,} operations, and SymPy gets "
                 f"{_LONGEST:,} at most: pkgen explain shows what is shorter"
             )
-        return found
+        chosen = lambda c, a, b: sp.Piecewise((a, c > 0), (b, True))  # noqa: E731
+        return [x.replace(sp.Function("if"), chosen) for x in found]
 
     def numbered(kind: str) -> list[Node]:
         return [e.graph.symbol(Symbol(kind, i)) for i in range(e.own)]

@@ -56,6 +56,7 @@ periodic    names    coordinates.ends    ends        -     -      q
 kinetic     single   dynamics.energy     kinetic     -     energy m/2*x'^2
 potential   single   dynamics.energy     potential   -     energy m*g*x
 lagrangian  single   dynamics.energy     lagrangian  -     energy m/2*x'^2 - m*g*x
+hamiltonian single   dynamics.energy     hamiltonian -     energy p_x^2/(2*m) + m*g*x
 dissipation single   dynamics.energy     dissipation -     power  b/2*x'^2
 fast        single   dynamics.energy     fast        -     energy k/2*x^2
 force       force    forces.force        forces      first -      COORDINATE = EXPRESSION
@@ -73,7 +74,7 @@ start       start_at dynamics.start      starts      -     -      a = VALUE, a' 
 scene       head     scenes.head         scenes      first -      NAME
 """
 # These words are keywords only at the start of a statement; elsewhere they are names.
-_SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque"))
+_SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque", "hamiltonian"))
 # Columns: keyword, key of SYNTAX, method that checks, how many a scene may have, form.
 _SCENE = """
 start    start_at     given.start    many a = VALUE, a' = VALUE

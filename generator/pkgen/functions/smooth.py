@@ -261,6 +261,6 @@ SMOOTH: dict[str, Function] = {
         opened=lambda p, c, a, b: p.added(b, p.multiplied(c, p.added(a, p.negated(b)))),
         enclosed=lambda e, c, a, b: c * a + (1 - c) * b,
         branched=True,
-        sympy=lambda sp, c, a, b: sp.Piecewise((a, c > 0), (b, True)),
+        sympy=lambda sp, c, a, b: sp.Function("if")(c, a, b),
     ),
 }

@@ -98,7 +98,7 @@ def _infinite(end: Expr) -> bool:
 
 def of_lagrangian(written: Written) -> tuple[list[Line], list[Line]]:
     """Returns formulas of energies and forces, and of the `let` definitions that they use."""
-    kinds = ("kinetic", "potential", "lagrangian", "dissipation", "force")
+    kinds = ("kinetic", "potential", "lagrangian", "hamiltonian", "dissipation", "force", "torque")
     return [*written.energies(), *written.forces()], written.lets_of(kinds)
 
 

@@ -41,6 +41,7 @@ _ENERGIES = {
     "kinetic": "T",
     "potential": "V",
     "lagrangian": "L",
+    "hamiltonian": "H",
     "dissipation": "D",
     "fast": "V_fast",
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ... import model as m
 from ...source import Span
 from ...tree import Call, Condition, Expr, Multiply, Name, Negate, Prime, names, within
@@ -31,9 +33,8 @@ class Dynamics(Checks):
         needs = f"{keyword} needs {'a power [W]' if power else 'an energy [J]'}"
         if dimension == NONE:
             needs = f"{keyword} needs a number"
-        value, facts = self.wanted(
-            statement.value, Scope(PLACES["energy"]), Target(dimension, needs)
-        )
+        place = PLACES["hamiltonian" if keyword == "hamiltonian" else "energy"]
+        value, facts = self.wanted(statement.value, Scope(place), Target(dimension, needs))
         if facts.rough:
             families = "; of many members give --unroll" if self.sizes else ""
             self.warn(
@@ -77,8 +78,10 @@ class Dynamics(Checks):
         Returns None after an error. `around` is the scope of a value that depends on the loop
         variable of a swarm."""
         left = item.left
-        entry = self.named(left, "a start", self.moving)
         around = around or Scope(PLACES["start"])
+        if self.names.hamiltonian and (found := self._momentum(item, around)):
+            return found
+        entry = self.named(left, "a start", self.moving)
         if item.function or (entry is not None and entry.kind == "rotation"):
             return self.rotations.start(item, entry, around)
         scope = self.member_scope(left, entry, around)
@@ -101,6 +104,22 @@ class Dynamics(Checks):
         target = as_is(left.name + "'" * item.order, dimension)
         value, _ = self.wanted(item.value, scope, target)
         return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
+
+    def _momentum(self, item: st.StartItem, around: Scope) -> tuple[m.Start, ...]:
+        """Checks the start of a momentum, in a model with `hamiltonian`. Returns () for a start of
+        something else."""
+        left, name = item.left, item.left.name.removeprefix("p_")
+        entry = self.names.table.get(name)
+        if name == left.name or entry is None or entry.kind != "coordinate":
+            if item.order:
+                help = f"start p_{left.name} = …"
+                self.error("a model with 'hamiltonian' starts with momenta, not rates", item, help)
+            return ()
+        scope = self.member_scope(replace(left, name=name), entry, around) or around
+        action = units.times(self.energy_dimension, self.time_dimension)
+        target = as_is(left.name, units.over(action, entry.facts.dimension or NONE))
+        value, _ = self.wanted(item.value, scope, target)
+        return (m.Start(left.name, left.index, left.range, 0, value, item.span),)
 
     def event(self, statement: st.Event) -> None:
         at, scope, direction = statement.value.span, Scope(PLACES["event"]), statement.direction

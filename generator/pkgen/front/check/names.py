@@ -227,6 +227,7 @@ class Names:
             frozenset(name for name, _, word in declared if word == keyword)
             for keyword in ("coord", "state", "rotation")
         )
+        self.hamiltonian = False  # whether the model has a statement `hamiltonian`
         self.table: dict[str, Entry] = {}
         self.reported: set[str] = set()
 

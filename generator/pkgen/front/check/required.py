@@ -46,14 +46,32 @@ class Required(Checks):
             "joint",
         }:
             self.error("the model has no coordinates", at, "e.g. coord x [m]")
-        has_energy = parts["kinetic"] or parts["lagrangian"]
+        has_energy = parts["kinetic"] or parts["lagrangian"] or parts["hamiltonian"]
+        if parts["hamiltonian"]:
+            self._hamiltonian_alone()
         if names.states and not names.moving and not broken & {"coord", "rotation"}:
             self._states_alone()
             return
         if has_energy:
             return
-        if not broken & {"kinetic", "lagrangian", "body", "joint"} and not self._bodies():
+        if (
+            not broken & {"kinetic", "lagrangian", "hamiltonian", "body", "joint"}
+            and not self._bodies()
+        ):
             self.error("the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'")
+
+    def _hamiltonian_alone(self) -> None:
+        for statement in self.file.statements:
+            if statement.keyword in (
+                "kinetic",
+                "potential",
+                "lagrangian",
+                "fast",
+                "rotation",
+                "body",
+            ):
+                message = f"'{statement.keyword}' beside 'hamiltonian', which has all of the energy"
+                self.error(message, statement, "write it in q and p_q, or leave H out")
 
     def _bodies(self) -> bool:
         """Whether the model has bodies, each of which adds a kinetic energy."""

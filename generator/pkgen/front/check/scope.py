@@ -61,6 +61,7 @@ PLACES: dict[str, Place] = {
     "fixed": Place("a fixed end", _DRIVEN, "parameters, inputs and t", derivatives=True),
     "let": Place("a definition", _MOTION, _ALL, derivatives=True),
     "energy": Place("an energy", _MOTION, _ALL, derivatives=True),
+    "hamiltonian": Place("a Hamiltonian", _MOTION | {"built-in"}, "all but rates and outputs"),
     "force": Place("a force", _MOTION, _ALL, derivatives=True),
     "body": Place("a body", _PARAMETERS | {"definition"}, "numbers, constants and parameters"),
     "joint": Place("a joint", _DRIVEN, "numbers, constants, parameters and t", derivatives=True),

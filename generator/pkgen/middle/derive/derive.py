@@ -39,6 +39,7 @@ from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
+from .legendre import hamiltonian_of, lagrangian_of, rates_of
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -154,7 +155,9 @@ def _energies(x: Expander) -> Energies:
     kinetic, potential = totals["kinetic"], totals["potential"]
     with x.statement(model.span):
         whole = g.add(g.subtract(kinetic, potential), totals["lagrangian"])
-    stated = bool(model.lagrangian)
+        if model.hamiltonian:
+            whole = lagrangian_of(x, hamiltonian_of(x))
+    stated = bool(model.lagrangian or model.hamiltonian)
     return Energies(
         lagrangian=whole,
         kinetic=None if stated else kinetic,
@@ -208,18 +211,23 @@ def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
 def _starts(x: Expander) -> tuple[Row, Row, Row]:
     """Returns the initial values of the coordinates, of their rates, and of the states."""
     count = x.count
-    values = ([ZERO] * count, [ZERO] * count, [ZERO] * x.state_count)
+    values = ([ZERO] * count, [ZERO] * count, [ZERO] * x.state_count, [ZERO] * count)
     for item, index, value in x.members_of(x.model.starts):
-        is_state = item.name in x.states
-        family = (x.states if is_state else x.coordinates)[item.name]
+        is_state, order = item.name in x.states, item.order
+        family = (x.states if is_state else x.coordinates).get(item.name)
+        if family is None:  # a momentum
+            family, order = x.coordinates[item.name.removeprefix("p_")], 3
         if not family.has(index):
             what = "state" if is_state else "coordinate"
             raise error(x.model, f"no {what} '{indexed(item.name, index)}'", item.span)
         if not x.graph.is_constant(value):
             message = "an initial value may use parameters and numbers only"
             raise error(x.model, message, item.value.span)
-        values[2 if is_state else item.order][family.flat(index)] = value
-    return tuple(values[0]), tuple(values[1]), tuple(values[2])
+        values[2 if is_state else order][family.flat(index)] = value
+    q, v, states, momenta = map(tuple, values)
+    if x.model.hamiltonian:
+        v = rates_of(x, hamiltonian_of(x), q, momenta)
+    return q, v, states
 
 
 def _check_size(model: Model, unrolled: str) -> None:

@@ -86,18 +86,18 @@ def rates_of_first_degree(x: Expander, lagrangian: Node) -> tuple[dict[int, Node
             slopes = gradient(g, residual, BIT[Kind.STATE])
             rows.append([slopes.get(other, ZERO) for other in v])
             right.append(g.negate(substituted(g, [residual], at_rest)[0]))
-    solved = _solved(g, rows, right)
-    if solved is None:
+    found = solved(g, rows, right)
+    if found is None:
         message = "L is of first degree in the rates, and its symplectic form is singular"
         help = "the equations do not determine the rates: each coordinate needs a conjugate one"
         raise error(model, message, model.lagrangian[0].span, help)
     (rest,) = substituted(g, [lagrangian], at_rest)
     x.lagrangian = lagrangian
-    rates = {k: rate for (_, _, k), rate in zip(own, solved, strict=True)}
+    rates = {k: rate for (_, _, k), rate in zip(own, found, strict=True)}
     return rates, Energies(rest, None, None, ZERO)
 
 
-def _solved(g: Graph, rows: list[list[Node]], right: list[Node]) -> Row | None:
+def solved(g: Graph, rows: list[list[Node]], right: list[Node]) -> Row | None:
     """Returns the solution of a linear system by elimination, with the largest pivots at random
     states; None if the matrix is singular there."""
     n, draw = len(rows), random.Random(4801)

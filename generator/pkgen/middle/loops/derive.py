@@ -26,6 +26,7 @@ from .terms import Term, terms
 # A model with one of these fields keeps no loops; the value is the reason.
 _UNROLLED = {
     "fast": "a part of the potential is named fast",
+    "hamiltonian": "the model has a Hamiltonian",
     "loads": "a force acts at a point, or a torque in space",
 }
 

@@ -119,7 +119,8 @@ def _with_conditions(g: Graph, outputs: Iterable[Node]) -> Iterator[tuple[Node, 
     node that is 1 where the branches of `if` in which it stands are chosen, and 0 elsewhere. A node
     that is used in several ways has ONE."""
     found = dict.fromkeys(outputs, ONE)
-    for node in reversed(reachable(g, [*found], VARIABLE)):
+    order = reachable(g, [*found], VARIABLE)
+    for node in reversed(order):
         chosen, args = found[node], g.args[node]
         ways = [chosen] * len(args)
         if is_call(g, node, "select"):
@@ -127,7 +128,7 @@ def _with_conditions(g: Graph, outputs: Iterable[Node]) -> Iterator[tuple[Node, 
             ways = [chosen, g.multiply(chosen, c), g.multiply(chosen, g.subtract(ONE, c))]
         for a, way in zip(args, ways, strict=True):
             found[a] = way if found.get(a, way) == way else ONE
-        yield node, chosen
+    yield from ((node, found[node]) for node in order)
 
 
 def _dangerous(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, str]]:
