@@ -20,6 +20,7 @@ from pkgen.tree import (
     Add,
     Call,
     Component,
+    Condition,
     Expr,
     Multiply,
     Name,
@@ -46,6 +47,7 @@ _ENERGIES = {
     "fast": "V_fast",
 }
 _NAMING = ("let", "const", "observe", "conserve")
+_COMPARED = ("<", "<=", ">", ">=", "==")
 _TURNS = frozenset(("rot", "inverse", "euler", "tait_bryan"))
 _VECTORS = frozenset(("omega", "cross"))
 NUMBER, VECTOR, TURN = "number", "vector", "turn"
@@ -252,6 +254,11 @@ class Written:
                 ]
                 inner = self(body)
                 return row(*signs, mathml.fenced(inner) if isinstance(body, Add) else inner)
+            case Condition(operator="not", parts=(part,)):
+                return row(mathml.words("not "), self._factor(part))
+            case Condition(operator=sign, parts=parts):
+                between = operator(sign) if sign in _COMPARED else mathml.words(f" {sign} ")
+                return between.join(map(self._factor, parts))
             case Vector(items=items):
                 return mathml.fenced(operator(",").join(self(item) for item in items))
             case Quantity(of=of, unit=unit):
