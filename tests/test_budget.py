@@ -12,11 +12,11 @@ import pytest
 from conftest import ROOT, gone
 
 BUDGET = {  # area: lines, tokens
-    # 48 so far: forces at points, conditions, what adds up, floor, L of first degree.
-    "generator": (62_700, 495_500),
+    # 48 so far: forces at points, conditions, integrals, floor, first degree, hamiltonian.
+    "generator": (62_900, 497_500),
     "runtime": (31_930, 291_300),  # switches that count pieces
     "addons": (24_000, 208_000),
-    "tests": (48_700, 452_000),
+    "tests": (48_800, 454_000),
 }
 WORDS = 35_000  # what a user reads: README.md and docs, but for docs/dev
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
