@@ -28,6 +28,7 @@ def call(name):
 
 
 CASES = {name: call(name) for name in FUNCTIONS} | {
+    "select": lambda g, x, y: g.call("select", g.call("step", x), x, y),
     "sum": lambda g, x, y: g.add(x, y),
     "difference": lambda g, x, y: g.subtract(g.multiply(x, y), g.multiply(g.power(y, 2), x)),
     "product": lambda g, x, y: g.multiply(x, g.multiply(x, y)),

@@ -97,6 +97,7 @@ KINKED: dict[str, Function] = {
         exact=lambda x: Fraction(math.floor(x)),
         derivative=lambda g, n, a: (g.number(0),),
         interval=lambda x: Range(x.lo - 1, x.hi),
+        ball=lambda b, x: b.floor(x),
         jump="floor jumps",
     ),
     "sign": Function(  # the derivative of abs, with values -1, 0 and 1

@@ -242,6 +242,8 @@ SMOOTH: dict[str, Function] = {
         body="x",
         real=lambda x: x,
         derivative=lambda g, n, a: (g.number(1),),
+        interval=lambda x: x,
+        ball=lambda b, x: x,
         counted=True,
     ),
     "select": Function(  # if(c, a, b): a where c is 1, b where c is 0

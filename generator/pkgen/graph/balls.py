@@ -158,6 +158,10 @@ class Balls:
             return None
         return self.number(values[(x.mid > 0) - (x.mid < 0) + 1])
 
+    def floor(self, x: Ball) -> Ball | None:
+        lo, hi = self.mp.floor(x.mid - x.rad), self.mp.floor(x.mid + x.rad)
+        return self.number(int(lo)) if lo == hi else None
+
     def pow(self, base: Ball, exponent: Ball) -> Ball | None:
         log = self.log(base)
         power = None if log is None else self._times(log, exponent)

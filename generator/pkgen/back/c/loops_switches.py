@@ -11,7 +11,8 @@ from typing import Any
 from ...graph.affine import ROW, Affine
 from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Node, Symbol
-from ...middle.derive.switches import Surfaces, argument_of, free
+from ...graph.surfaces import Surfaces, argument_of
+from ...middle.derive.switches import free
 from ...middle.loops.indexed_ir import Part, Total
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.slots import Slots

@@ -30,12 +30,13 @@ from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symb
 from ...graph.normal import Normal
 from ...graph.residues import Varying
 from ...graph.substitute import rebuilt, substituted
+from ...graph.surfaces import Surfaces, argument_of
 from ...graph.wording import wording
 from ...model import Model
 from ...source import ModelError, Span
 from ..attitudes import slopes
 from ..quantities import error
-from .switches import Surfaces, argument_of, free
+from .switches import free
 
 # Bits of `impulse`, a field of Switch. OF_ENERGY: L or a holonomic constraint row may jump.
 # OF_ROLLING: a row of a `rolling` statement may jump.

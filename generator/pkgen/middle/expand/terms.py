@@ -8,6 +8,7 @@ from ... import limits
 from ...functions import FUNCTIONS
 from ...graph.frames import DEEP, columns, combined, cross, dot
 from ...graph.graph import ONE, ZERO, Graph, Node
+from ...graph.surfaces import protected
 from ...indices import assignments
 from ...tree import (
     COMPONENTS,
@@ -25,7 +26,6 @@ from ...tree import (
     Vector,
 )
 from ..attitudes import rotated
-from ..derive.switches import protected
 from ..quantities import error
 from .names import Loop, Names, Value, Vector3
 

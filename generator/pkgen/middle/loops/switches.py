@@ -21,8 +21,9 @@ from ...graph.affine import LOOPS, OTHER, ROW, Affine, extremes
 from ...graph.calls import counts
 from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Graph, Node
+from ...graph.surfaces import Surfaces, argument_of
 from ..derive.impulses import Across, arguments_of
-from ..derive.switches import Surfaces, argument_of, free
+from ..derive.switches import free
 from .expand import LoopExpander
 from .facts import total_nodes, vector_nodes
 from .indexed_ir import Slot, Unrolled
