@@ -259,7 +259,7 @@ SMOOTH: dict[str, Function] = {
             g.call("select", c, g.number(0), g.number(1)),
         ),
         interval=lambda c, a, b: Range(min(a.lo, b.lo), max(a.hi, b.hi)),
-        ball=lambda e, c, a, b: a if c == (1, 0) else b if c == (0, 0) else None,
+        ball=lambda e, c, a, b: a if c.mid > c.rad else b if c == (0, 0) else None,
         opened=lambda p, c, a, b: p.added(b, p.multiplied(c, p.added(a, p.negated(b)))),
         enclosed=lambda e, c, a, b: c * a + (1 - c) * b,
         branched=True,
