@@ -8,6 +8,13 @@
 
 static double sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
+/* Returns whether switch k is counted: its side is then 2 n + 1 (struct pk_system). */
+static int counted(const struct unit *unit, size_t k)
+{
+    const struct pk_system *s = unit->system;
+    return PK_SYSTEM_HAS(s, counted) && s->counted && s->counted[k];
+}
+
 /* Sets unit->sides to the signs of the switching functions. If a switching function is 0, its side
  * remains as it is. */
 static enum unit_status take_sides(struct unit *unit)
@@ -15,7 +22,8 @@ static enum unit_status take_sides(struct unit *unit)
     const struct pk_system *s = unit->system;
     unit_functions(unit);
     for (size_t k = 0; k < unit->n_switches; k++) {
-        const double side = sign(unit->indicators[unit->n_events + k]);
+        const double x = unit->indicators[unit->n_events + k];
+        const double side = counted(unit, k) ? 2 * floor(x) + 1 : sign(x);
         const double old = unit->sides[k];
         if (side == 0 || side == old)
             continue;
@@ -139,5 +147,10 @@ enum unit_status unit_indicators(struct unit *unit, double *values, size_t n)
         status = unit_functions(unit);
     if (status == UNIT_OK && n)
         memcpy(values, unit->indicators, n * sizeof *values);
+    for (size_t k = 0; status == UNIT_OK && k < unit->n_switches; k++)
+        if (counted(unit, k)) { /* positive between n and n + 1, negative elsewhere */
+            const double off = values[unit->n_events + k] - unit->sides[k] / 2;
+            values[unit->n_events + k] = 0.25 - off * off;
+        }
     return status;
 }

@@ -7,12 +7,18 @@ from collections.abc import Iterable
 from ...functions import FUNCTIONS, SIDE
 
 
+def helper_name(function: str) -> str:
+    """Returns the C name of a function that <math.h> lacks, without the model's name in front.
+    NAME_step is a step of the motion in an export."""
+    return "unit_step" if function == "step" else function
+
+
 def helpers(names: Iterable[str]) -> list[dict[str, str]]:
     """Returns the functions that the template helpers.j2 writes: first plain functions in the order
     of FUNCTIONS, then functions with an additional argument `side`, the sign of a switch."""
     names = set(names)
     plain = [
-        _helper(name, row.arguments, row.body, row.note, row.remark)
+        _helper(helper_name(name), row.arguments, row.body, row.note, row.remark)
         for name, row in FUNCTIONS.items()
         if name in names
     ]

@@ -34,6 +34,7 @@ from .expressions import (
     negated,
     variable,
 )
+from .helpers import helper_name
 from .names import Names
 from .program import Statement
 from .rewrite import Workspace
@@ -219,7 +220,7 @@ class Schedule:
         row = FUNCTIONS[function.removeprefix(SIDE)]
         if row.body or function.startswith(SIDE):
             self.helpers.add(function)
-            name, counted = self.prefix + function, function.removeprefix(SIDE)
+            name, counted = self.prefix + helper_name(function), function.removeprefix(SIDE)
         else:
             counted = row.c or function
             name = f"PK_F({counted})"
