@@ -146,7 +146,7 @@ def test_nasty_names_and_comments_are_tamed():
 def test_only_the_helpers_used_are_there():
     text = "model m\nparam k = 1\ncoord x\nkinetic x'^2\nobserve o = max(x, k) + step(x)\n"
     source = render(lowered(text))["m.c"]
-    assert "m_max(" in source and "m_step(" in source
+    assert "m_max(" in source and "m_unit_step(" in source
     assert "m_min(" not in source and "m_sign(" not in source and "fmax" not in source
 
 
