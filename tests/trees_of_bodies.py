@@ -175,6 +175,15 @@ class Motion:
             f -= Jw @ (inertia @ alpha + np.cross(w, inertia @ w))
         return np.linalg.solve(M + armature * np.eye(n), f + force)
 
+    def order(self, model) -> list[int]:
+        """The places of `speeds` among the model's accelerations."""
+        names = [c.name for c in model.coordinates]
+        turns = {r.name: r.turns for r in model.rotations}
+        return [
+            names.index(which if isinstance(which, str) else turns[b.rotation][which])
+            for b, which in self.speeds
+        ]
+
     def energy(self) -> float:
         total = 0.0
         for b, (R, c, w, v) in zip(self.links, self.passed(self.rates, False), strict=True):

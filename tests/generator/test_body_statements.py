@@ -34,12 +34,7 @@ def compared(links, text: str, draw: random.Random, kernels=None) -> None:
     for _ in range(2):
         symbols, values, rates = state_of(model, draw)
         motion = Motion(links, values, rates)
-        names = [c.name for c in model.coordinates]
-        turns = {r.name: r.turns for r in model.rotations}
-        order = [
-            names.index(which if isinstance(which, str) else turns[b.rotation][which])
-            for b, which in motion.speeds
-        ]
+        order = motion.order(model)
         found = np.array(evaluate(e.graph, e.acceleration[:n], symbols))[order]
         wanted = motion.accelerations()
         assert abs(found - wanted).max() < 1e-10 * max(1, abs(wanted).max())

@@ -71,12 +71,7 @@ def test_random_trees_are_pushed_as_kane_says(seed: int) -> None:
     model, e = equations(text)
     symbols, values, rates = state_of(model, draw)
     motion = Motion(links, values, rates)
-    names = [c.name for c in model.coordinates]
-    turns = {r.name: r.turns for r in model.rotations}
-    order = [
-        names.index(which if isinstance(which, str) else turns[b.rotation][which])
-        for b, which in motion.speeds
-    ]
+    order = motion.order(model)
     found = np.array(evaluate(e.graph, e.acceleration[: len(order)], symbols))[order]
     force = sum((x.along(links, motion) for x in loads), np.zeros(len(order)))
     wanted = motion.accelerations(force=force)

@@ -39,7 +39,7 @@ from .first_degree import rates_of_first_degree
 from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
-from .legendre import hamiltonian_of, lagrangian_of, rates_of
+from .legendre import hamiltonian_of, lagrangian_of, rates_at_start
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -226,7 +226,7 @@ def _starts(x: Expander) -> tuple[Row, Row, Row]:
         values[2 if is_state else order][family.flat(index)] = value
     q, v, states, momenta = map(tuple, values)
     if x.model.hamiltonian:
-        v = rates_of(x, hamiltonian_of(x), q, momenta)
+        v = rates_at_start(x, q, momenta, states)
     return q, v, states
 
 

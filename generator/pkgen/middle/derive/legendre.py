@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from ...equations import Row
 from ...graph.differentiate import gradient
-from ...graph.graph import BIT, ZERO, Kind, Node
+from ...graph.graph import BIT, ZERO, Kind, Node, Symbol
 from ...graph.substitute import substituted
 from ...model import Coordinate, Model
 from ...tree import Add, Expr, Multiply, Name, Prime, Sum
@@ -102,10 +102,17 @@ def lagrangian_of(x: Expander, hamiltonian: Node) -> Node:
     return g.subtract(g.multiply(half, g.sum(map(g.multiply, relative, found))), rest)
 
 
-def rates_of(x: Expander, hamiltonian: Node, place: Row, momenta: Row) -> Row:
-    """Returns the rates dH/dp at given coordinates and momenta."""
+def rates_at_start(x: Expander, place: Row, momenta: Row, states: Row) -> Row:
+    """Returns the rates dH/dp at t = 0, from the starts of coordinates, momenta and states."""
     g, n = x.graph, x.count
     p, q = symbols(g, Kind.ACCELERATION, n), symbols(g, Kind.COORDINATE, n)
-    by = gradient(g, hamiltonian, MOMENTA)
+    by = gradient(g, hamiltonian_of(x), MOMENTA)
     there = dict(zip((*p, *q), (*momenta, *place), strict=True))
-    return tuple(substituted(g, [by.get(symbol, ZERO) for symbol in p], there))
+    there |= zip(symbols(g, Kind.STATE, len(states)), states, strict=True)
+    there[g.symbol(Symbol(Kind.TIME))] = ZERO
+    rates = substituted(g, [by.get(symbol, ZERO) for symbol in p], there)
+    if any(g.depends[rate] & BIT[Kind.INPUT] for rate in rates):
+        message = "the rates at the start depend on an input, which has no value before a run"
+        help = "write the input into a part of H without momenta"
+        raise error(x.model, message, x.model.hamiltonian[0].span, help)
+    return tuple(rates)
