@@ -213,3 +213,23 @@ def test_a_power_of_a_parameter_that_divides():
         )
 
     assert least(2, 0) == 0 and least(2, 0.1) > 0
+
+
+@pytest.mark.parametrize(
+    ("force", "at_zero"),  # the value of what is watched where y = 0, for x = -1 and x = 1
+    [
+        ("if(x > 0, 1/y, 0)", (1, 0)),
+        ("if(x > 0, 1/y, 2/y)", (0, 0)),  # in both branches
+        ("if(x > 0, 1/y, 0) + 1/y", (0, 0)),  # without a condition too
+        ("if(x > 0 and t > 1, sqrt(y), 0)", (1, 1)),
+        ("if(y > 0, sqrt(y), 0)", None),  # the condition bounds it
+        ("if(y > 0 or x > 0, sqrt(y), 0)", (1, 0)),
+    ],
+)
+def test_a_branch_of_an_if_counts_where_it_is_chosen(force, at_zero):
+    e = read_text(in_plane("0*x", more=f"force x = {force}\n"))[0]
+    found = [x.node for x in e.singularities if x.quantity.name.strip("abs()") == "y"]
+    assert len(found) == (at_zero is not None)
+    for x, wanted in zip((-1, 1), at_zero or (), strict=False):
+        state = {Symbol(Kind.COORDINATE, 0): x, Symbol(Kind.COORDINATE, 1): 0.0}
+        assert evaluate(e.graph, found, state | {Symbol(Kind.TIME): 0.5}) == [wanted]

@@ -75,6 +75,14 @@ def test_values_are_those_of_python(seed: int) -> None:
         assert found == pytest.approx(wanted, rel=1e-9, abs=1e-9), text
 
 
+@pytest.mark.parametrize(("sign", "equal"), [("<", 0), ("<=", 1), (">", 0), (">=", 1)])
+def test_equal_numbers_are_judged_by_the_sign(sign: str, equal: int) -> None:
+    text = f"model m\ncoord x, y\nkinetic x'^2 + y'^2\nobserve o = if(x {sign} y, 1, 0)\n"
+    e = derive(check_text(Source("m.lag", text))[0])
+    state = {Symbol(Kind.COORDINATE, k): 0.5 for k in range(2)}
+    assert evaluate(e.graph, e.observed, state) == [equal]
+
+
 class Boundary:
     """Where a comparison of two numbers turns, or where a floor jumps; `held` is its value."""
 
