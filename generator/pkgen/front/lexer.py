@@ -21,7 +21,7 @@ from .joints import CLAUSES, MEMBERS, WORDS_TO_KIND
 from .lexed import Lexed, description
 from .shapes import shapes_of, unknown_shape
 from .stray_characters import stray_character
-from .table import STATEMENTS
+from .table import STATEMENTS, Statement
 from .units import bare_unit, bracketed
 from .words import CLAUSE_WORDS, TABLEAU, greek
 
@@ -38,6 +38,7 @@ _PATTERN = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 _PATH = re.compile(r"[ \t]*([^\s#]+)")
+_NAMED = re.compile(r"""[ \t]+([^\W\d]\w*|")""")
 _UNIT = re.compile(r"\[([^\[\]\n#]*)\]")
 _OPERATORS = {
     "+": "PLUS", "-": "MINUS", "*": "TIMES", "/": "OVER", "^": "POWER", "**": "POWER",
@@ -110,8 +111,7 @@ class _Lexer:
         return at + len(spelt)
 
     def _string(self, spelt: str, at: int) -> int:
-        help = "names are written without quotes"
-        return self._error(f"{spelt[:40]}: a model holds no strings", at, at + len(spelt), help)
+        return self._add("STRING", spelt[1:-1], at, at + len(spelt))
 
     def _end_statement(self, why_open: str) -> None:
         if self.open:
@@ -136,7 +136,7 @@ class _Lexer:
         first = self.now.tokens[0].type if self.now.tokens else ""
         if first in _OF_BODIES and not self.open and self._is_clause(name):
             return self._add("WORD", name, at, end)
-        if name in STATEMENTS and not (STATEMENTS[name].soft and self.now.tokens):
+        if name in STATEMENTS and self._is_keyword(STATEMENTS[name], end):
             if self.at_line_start and self.open:
                 self._end_statement(f"'{name}' starts a new statement")
             return self._add(name.upper(), name, at, end)
@@ -151,6 +151,12 @@ class _Lexer:
         if called:
             return self._add("SUM" if name == "sum" else "FUNCTION", name, at, end)
         return self._add("NAME", name, at, end)
+
+    def _is_keyword(self, row: Statement, end: int) -> bool:
+        if row.before_name:
+            found = _NAMED.match(self.text, end)
+            return self.at_line_start and found is not None and found[1] not in CLAUSE_WORDS
+        return not (row.soft and self.now.tokens)
 
     def _file(self, at: int) -> int:
         """Reads the path of a file, up to the next space."""

@@ -273,7 +273,13 @@ def _something_missing(spot: Spot):
     return f"{shown} has no place here", help
 
 
+def _string_misplaced(spot: Spot):
+    if spot.token.type == "STRING":
+        return f"{spot.text(spot.token)[:40]}: no string stands here", "names have no quotes"
+
+
 RULES: tuple[Callable[[Spot], tuple[str, str] | None], ...] = (
+    _string_misplaced,
     _decimal_comma,
     _model_name,
     _sum_form,

@@ -75,6 +75,8 @@ scene       head     scenes.head         scenes      first -      NAME
 """
 # These words are keywords only at the start of a statement; elsewhere they are names.
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque", "hamiltonian"))
+# These words are keywords only at the start of a line, and only before a name or a string.
+_BEFORE_NAME = frozenset(("table", "use", "sample", "memory", "exact"))
 # Columns: keyword, key of SYNTAX, method that checks, how many a scene may have, form.
 _SCENE = """
 start    start_at     given.start    many a = VALUE, a' = VALUE
@@ -101,6 +103,7 @@ class Statement:
     needs: str = ""  # Dimension of the expression: "energy", "power" or "" (any).
     once: bool = False  # A scene has at most one such clause.
     soft: bool = False  # Inside of statements the keyword can be a name.
+    before_name: bool = False  # The keyword is one only before a name or a string.
 
     @property
     def stands_in(self) -> str:
@@ -113,7 +116,7 @@ def _statements() -> dict[str, Statement]:
         word, syntax, check, fills, declares, needs, form = line.split(maxsplit=6)
         rows[word] = {"syntax": syntax, "check": check, "fills": fills, "form": f"{word} {form}"}
         rows[word] |= {"declares": declares.strip("-"), "needs": needs.strip("-")}
-        rows[word] |= {"soft": word in _SOFT}
+        rows[word] |= {"soft": word in _SOFT | _BEFORE_NAME, "before_name": word in _BEFORE_NAME}
     for line in _SCENE.strip().split("\n"):
         word, syntax, clause, count, *form = line.split(maxsplit=4)
         own = {"syntax": syntax, "clause": clause, "form": " ".join([word, *form])}
