@@ -7,6 +7,8 @@ no realistic model reaches a limit.
 from sys import float_info
 
 FILE_BYTES = 1_000_000  # size of one model file
+TABLE_BYTES = 500_000_000  # size of the data file of a table
+TABLE_NUMBERS = 100_000  # numbers of a table that are written in C
 STATEMENTS = 20_000
 DEPTH = 100  # nesting depth of brackets, calls, powers, signs and primes
 NODES = 100_000  # nodes of all expressions as written, before unrolling

@@ -7,6 +7,8 @@ with `indices.py`.
 
 from __future__ import annotations
 
+from . import limits
+from .functions.tables import Data
 from .methods import Own
 from .record import record
 from .source import Diagnostic, Source, Span
@@ -175,6 +177,27 @@ class Definition:
     span: Span
 
 
+@record(eq=False)
+class Table:
+    """A table of data: the function `name` of one or two variables. `key` begins the names of its
+    rows in FUNCTIONS, `units` are those of the variables and of the value."""
+
+    name: str
+    key: str
+    data: Data
+    file: str
+    kind: str
+    outside: str
+    units: tuple[str, ...]
+    description: str
+    span: Span
+
+    @property
+    def long(self) -> bool:
+        """Whether its numbers are not written in C, but given at run time."""
+        return self.data.coefficients.size > limits.TABLE_NUMBERS
+
+
 @record
 class Force(Given):
     """`force COORD = EXPR`; several forces on one coordinate add up."""
@@ -328,6 +351,7 @@ class Model:
     rotations: tuple[Rotation, ...] = ()
     constraints: tuple[Constraint, ...] = ()
     drawings: tuple[Drawing, ...] = ()
+    tables: tuple[Table, ...] = ()
     views: tuple[Drawing, ...] = ()
     fast: tuple[Expr, ...] = ()  # terms of the potential that the model names fast
     loads: tuple[Load, ...] = ()

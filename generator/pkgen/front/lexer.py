@@ -32,7 +32,7 @@ _PATTERN = re.compile(
   | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
   | (?P<component>\.[A-Za-z_]\w*)
   | (?P<string>"[^"\n]*")
-  | (?P<operator>\*\*|\.\.|[<>=]=|[-+*/^()\[\],:='<>])
+  | (?P<operator>\*\*|\.\.|[<>=]=|->|[-+*/^()\[\],:='<>])
   | (?P<other>.)
     """,
     re.VERBOSE | re.DOTALL,
@@ -44,9 +44,10 @@ _OPERATORS = {
     "+": "PLUS", "-": "MINUS", "*": "TIMES", "/": "OVER", "^": "POWER", "**": "POWER",
     ",": "_COMMA", ":": "COLON", "=": "EQUAL", "'": "PRIME", "<": "LESS", ">": "GREATER",
     "<=": "AT_MOST", ">=": "AT_LEAST", "==": "SAME", "..": "DOTS",
+    "->": "ARROW",
 }  # fmt: skip
 _VALUE_ENDS = frozenset(
-    ["NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT"]
+    ["NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT", "STRING"]
 )
 _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.syntax == "draw")
 _OF_BODIES = ("BODY", "JOINT")

@@ -240,6 +240,21 @@ class Build(Transformer):
         said = axis, clauses, self.comment, _over(word, last)
         return st.Joint(left, (parent, child), to, kind, *said)
 
+    def column(self, name, unit):
+        text = None if unit is None else st.UnitText(str(unit), _span(unit))
+        return st.Column(str(name), text, _over(name, unit or name))
+
+    def table_word(self, word):
+        return str(word), _span(word)
+
+    def table(self, word, name, _, file, *parts):
+        words = tuple(x for x in parts if isinstance(x, tuple))
+        grid = any(isinstance(x, Token) for x in parts)
+        columns = tuple(x for x in parts if isinstance(x, st.Column))
+        span = Span(word.start_pos, words[-1][1].end if words else columns[-1].span.end)
+        given = str(name), _span(name), str(file), _span(file), columns, grid, words
+        return st.Table(*given, self.comment, span)
+
     def start_at(self, word, *items):
         return st.StartAt(items, _over(word, items[-1].value))
 

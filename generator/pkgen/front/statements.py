@@ -276,6 +276,32 @@ class Record:
 
 
 @record
+class Column:
+    """A column of a table's file."""
+
+    name: str
+    unit: UnitText | None
+    span: Span
+
+
+@record
+class Table:
+    """`table NAME = "FILE" x [m], y [m] WORDS`, or with `-> z [N]` a `grid`. The last column has the
+    values."""
+
+    keyword: ClassVar[str] = "table"
+    name: str
+    name_span: Span
+    file: str
+    file_span: Span
+    columns: tuple[Column, ...]
+    grid: bool
+    words: tuple[Word, ...]
+    description: str
+    span: Span
+
+
+@record
 class Swarm:
     keyword: ClassVar[str] = "swarm"
     range: Range
@@ -327,6 +353,7 @@ Statement = (
     | Draw
     | Body
     | Joint
+    | Table
     | Method
     | StartAt
     | Scene

@@ -30,6 +30,7 @@ SYNTAX = {
     "start_at": "start_item (_COMMA start_item)*",
     "method": "NAME [TABLEAU FILE] [STEP item] [RTOL item]",
     "record": "item (_COMMA item)* [every] [at]",
+    "table": "NAME EQUAL STRING column (_COMMA column)* [ARROW column] table_word*",
     "swarm": "range",
     "expect": "item relation item [within] [at]",
     "end_of_scene": "",
@@ -46,6 +47,7 @@ let         define   definitions.define  definitions first -      NAME = EXPRESS
 observe     observe  definitions.define  observed    first -      NAME = EXPRESSION
 conserve    define   definitions.define  conserved   first -      NAME = EXPRESSION
 rate        define   states.rate         rates       -     -      NAME = EXPRESSION
+table       table    tables.declare       tables      first -      NAME = "FILE" x [m], y [m] spline
 coord       declare  coordinates.declare coordinates all   -      a, b [m], q[1..N] [rad]
 input       declare  coordinates.declare inputs      all   -      NAME [unit]
 state       declare  coordinates.declare states      all   -      NAME [unit]

@@ -7,6 +7,7 @@ that rows import no compiler code.
 
 from __future__ import annotations
 
+from . import tables
 from .kinked import KINKED
 from .row import Function
 from .smooth import SMOOTH
@@ -16,6 +17,13 @@ FUNCTIONS: dict[str, Function] = {
     **KINKED,
     **{name: row for name, row in SMOOTH.items() if row.internal},
 }
+
+
+
+def add_table(name: str, key: str, data: tables.Data) -> None:
+    """Adds the rows of a model's table."""
+    FUNCTIONS.update(tables.rows(name, key, data))
+
 
 # The prefix of C functions with an argument `side` (back/c/helpers.py).
 SIDE = "side_"
@@ -40,4 +48,5 @@ __all__ = [
     "VECTOR_FUNCTIONS",
     "WRITTEN_OUT",
     "Function",
+    "add_table",
 ]

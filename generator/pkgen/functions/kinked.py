@@ -100,6 +100,15 @@ KINKED: dict[str, Function] = {
         ball=lambda b, x: b.floor(x),
         jump="floor jumps",
     ),
+    "piece": Function(  # floor, of the place in a table whose value is continuous at the knots
+        internal=True,
+        c="floor",
+        kinked=Kinked("", "", place="place", held="(side - 1) / 2"),
+        real=lambda x: float(math.floor(x)) if math.isfinite(x) else math.nan,
+        array="floor",
+        derivative=lambda g, n, a: (g.number(0),),
+        interval=lambda x: Range(x.lo - 1, x.hi),
+    ),
     "sign": Function(  # the derivative of abs, with values -1, 0 and 1
         units="any",
         body="x > 0 ? 1 : x < 0 ? -1 : x",

@@ -108,6 +108,11 @@ class Function:
 
     # Whether the function is such a u (Kinked.place), at whose integers another one jumps.
     counted: bool = False
+    # The name of the table of the model that the function reads, or "" (functions/tables.py): its
+    # value and derivatives, of these `orders` by the arguments, or the place on the `axis`.
+    table: str = ""
+    orders: tuple[int, ...] = ()
+    axis: int = 0
     # The name in SymPy, if it differs, or a callable (sympy module, arguments) -> expression.
     sympy: Callable | str = ""
 

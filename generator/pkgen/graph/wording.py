@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
+from ..functions import FUNCTIONS
 from .differentiate import swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
@@ -49,7 +50,12 @@ def _joined(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], 
             inner = parts[0] if data == -1 else _raised(parts[0], -data)
             return f"1/{_held(inner, _POWER)}", _PRODUCT
         return _raised(parts[0], data)
-    return f"{data}({', '.join(text for text, _ in parts)})", _ATOM
+    if data == "piece":
+        return parts[0]
+    row = FUNCTIONS[data]
+    given = parts[: len(row.orders)] if row.orders else parts
+    primes = "'" * sum(row.orders) if len(row.orders) < 2 else "_".join(("", *map(str, row.orders)))
+    return f"{row.table or data}{primes}({', '.join(text for text, _ in given)})", _ATOM
 
 
 def _held(part: tuple[str, int], needed: int) -> str:

@@ -23,6 +23,7 @@ from .settings import Compared, Settings, Shown
 if TYPE_CHECKING:
     import numpy
 
+    from ..functions.tables import Data
     from .ensemble import Column, Ensemble
 
 DERIVED = 4  # PK_FAILURE_DERIVED
@@ -79,6 +80,7 @@ class Library:
         for name in ("inputs", "q", "v"):
             pairs = given.inputs if name == "inputs" else getattr(given, f"start_{name}")
             _fill(s, name, [(i, 0, x) for i, x in pairs])
+        _fill(s, "tables", [_table(k, data) for k, data in given.tables])
         _fill(s, "columns", [column(c) for c in given.show])
         _fill(s, "hidden", given.watched.hidden)
         s.at = 0 if given.at is None else given.at + 1
@@ -267,6 +269,16 @@ def _array(numbers: ctypes._Pointer, rows: int, columns: int) -> numpy.ndarray:
 def _fill(s: Structure, name: str, values: Sequence[object]) -> None:
     setattr(s, f"n_{name}", len(values))
     setattr(s, name, (_FIELDS[name]._type_ * len(values))(*values))
+
+
+def _table(index: int, data: Data) -> tuple[object, ...]:
+    """Returns a struct pk_run_table, which points to the memory of `data`."""
+    axes = [(a.knots, a.period) for a in data.axes]
+    (x, period_x), (y, period_y) = axes if len(axes) == 2 else (*axes, (axes[0][0][:0], 0.0))
+    arrays = x, y, data.coefficients
+    pointers = [v.ctypes.data_as(POINTER(c_double)) for v in arrays]
+    counts = index, len(x), len(y), data.coefficients.size
+    return *counts, *pointers, period_x, period_y, data.axes[0].strict
 
 
 def column(shown: Shown | Column) -> tuple[bytes, int, int]:

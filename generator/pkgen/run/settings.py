@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..functions.tables import Data
 from ..record import record
 
 
@@ -83,6 +84,7 @@ class Settings:
     # each event first occurs, with "" they do neither, with "none" they moreover measure no drifts.
     watch: str = ""
     diagnose: tuple[str, ...] = ()
+    tables: tuple[tuple[int, Data], ...] = ()  # those that are not written in C
     watched: Watched = NOTHING  # relations and drifts of the scene's expectations
     rows: str = ""  # "land": steps end at rows; "dense": dense output; "": whichever is better
     accuracy: float | None = None  # if it is set, the method is still to be chosen

@@ -108,6 +108,7 @@ def settings(
         parameters=single,
         members=of_families,
         inputs=tuple(inputs_set.items()),
+        tables=tuple((k, x.data) for k, x in enumerate(compilation.model.tables) if x.long),
         start_q=tuple(start_q.items()),
         start_v=tuple(start_v.items()),
         show=show,

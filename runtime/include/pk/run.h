@@ -95,6 +95,14 @@ struct pk_run_reduced {
     size_t index; /* index of a column (not counting t), event, drift or relation */
 };
 
+/* The data of table number `index` of the model; see pk/table.h. */
+struct pk_run_table {
+    size_t index, count_x, count_y, coefficients; /* lengths of the arrays */
+    const double *x, *y, *c;
+    double period_x, period_y;
+    int strict;
+};
+
 struct pk_run_settings {
     const char *method;
     double until; /* end time of the run, > 0 */
@@ -111,6 +119,8 @@ struct pk_run_settings {
     int land;
     size_t n_sizes, n_parameters, n_inputs, n_q, n_v;
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
+    size_t n_tables; /* tables whose data are not compiled in, or replaced */
+    const struct pk_run_table *tables;
     size_t n_columns; /* number of columns in addition to t; 0: all */
     const struct pk_run_column *columns;
     size_t n_hidden; /* if n_columns is 0: number of outputs that get no column */

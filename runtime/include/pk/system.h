@@ -28,6 +28,7 @@
 #include <pk/system_constraints.h>
 #include <pk/system_families.h>
 #include <pk/system_singular.h>
+#include <pk/table.h>
 
 PK_BEGIN
 
@@ -218,6 +219,9 @@ struct pk_system {
     /* A flag for each switch, or NULL. 1: the equations jump at every integer of the switch's value
      * u, as floor(u) does. Its side is then 2 n + 1 while n <= u <= n + 1. */
     const unsigned char *counted;
+    /* Offsets in the params of the pointers to the tables, const struct pk_table *. */
+    const size_t *tables;
+    size_t n_tables;
     /* Add new members here, at the end. */
 };
 

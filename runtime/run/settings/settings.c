@@ -76,6 +76,33 @@ static const char *steps(struct settings *s)
     return NULL;
 }
 
+static const pk_real *numbers(struct settings *s, const double *from, size_t count)
+{
+    pk_real *to = memory_take(s->memory, count, sizeof *to);
+    for (size_t i = 0; i < count; i++)
+        to[i] = (pk_real)from[i];
+    return to;
+}
+
+/* Copies the data of tables, and sets the pointers to them in the params. */
+static const char *tables(struct settings *s)
+{
+    for (size_t k = 0; k < s->asked.n_tables; k++) {
+        const struct pk_run_table x = s->asked.tables[k];
+        if (!PK_SYSTEM_HAS(s->system, n_tables) || x.index >= s->system->n_tables)
+            return "there is no such table";
+        struct pk_table *table = memory_take(s->memory, 1, sizeof *table);
+        table->axes[0] = (struct pk_table_axis){x.count_x, numbers(s, x.x, x.count_x),
+                                          (pk_real)x.period_x, x.strict};
+        table->axes[1] = (struct pk_table_axis){x.count_y, numbers(s, x.y, x.count_y),
+                                          (pk_real)x.period_y, x.strict};
+        table->c = numbers(s, x.c, x.coefficients);
+        const struct pk_table *const found = table;
+        memcpy((char *)s->params + s->system->tables[x.index], &found, sizeof found);
+    }
+    return NULL;
+}
+
 /* Sets the sizes of families, allocates the memory that depends on them, and sets all defaults. */
 static const char *sizes(struct settings *s)
 {
@@ -100,7 +127,7 @@ static const char *sizes(struct settings *s)
     s->v = s->q + s->n;
     s->start_given = memory_take(s->memory, 2 * s->n, 1);
     system->defaults(s->params);
-    return NULL;
+    return tables(s);
 }
 
 static struct pk_range range_of(const struct settings *s, size_t parameter)

@@ -31,6 +31,7 @@ class Hoisting(ABC):
         self.hoisted: dict[Node, str] = {}  # node -> its member of NAME_params
         self.constants: list[Constant] = []  # models with loops leave it empty
         self.helpers: set[str] = set()
+        self.tables: dict[str, str] = {}  # by name of a table: its member of NAME_params
         self._leaves: dict[Node, Code] = {}
 
     @abstractmethod
@@ -67,7 +68,8 @@ class Hoisting(ABC):
         `prepare` hoists, but compute them."""
         leaf = self.fixed_leaf if fixed else self.leaf
         inline = not (self.libm or fixed)
-        found = Schedule(self.work, names, self.prefix, leaf, inline_sincos=inline, **how)
+        how |= {"inline_sincos": inline, "tables": self.tables}
+        found = Schedule(self.work, names, self.prefix, leaf, **how)
         found.run(targets)
         self.helpers |= found.helpers
         return found

@@ -118,7 +118,7 @@ class _Lowering(Hoisting):
         decided = {} if plain else sides(equations.graph, equations.switches, positions)
         for call, (switch, sign) in decided.items():
             self.work.side(call, Symbol(SIDE, switch), sign)
-        self.fields, self.parameter_names = _fields(equations)
+        self.fields, self.parameter_names, self.tables = _fields(equations)
         self.parameters = dict(zip(numbers, self.parameter_names, strict=True))
         self.symbols = _local_names(equations)
 
@@ -130,7 +130,8 @@ class _Lowering(Hoisting):
         self.drafts = drafts
         hoisting = self.hoist(roots, self._names())
         prepare = self._finished("prepare", "int", (), hoisting, {})
-        parameters = self.equations.parameters
+        parameters, tables = self.equations.parameters, self.equations.model.tables
+        in_lanes = not self.plain and not tables  # The members of lanes are numbers, not pointers.
         return Program(
             equations=self.equations,
             structure=self.structure,
@@ -147,14 +148,16 @@ class _Lowering(Hoisting):
             kernels=tuple(self._kernel(draft) for draft in drafts),
             float_too=self.work.constants.float_too,
             helpers=tuple(sorted(self.helpers)),
-            lanes=tuple(f for f in LANES if not self.plain and (wanted is None or f in wanted)),
+            lanes=tuple(f for f in LANES if in_lanes and (wanted is None or f in wanted)),
+            tables=tuple(zip(self.tables.values(), tables, strict=True)),
             plain=self.plain,
         )
 
     def named(self, nodes: list[Node], found: Mapping[Node, Node]) -> list[str]:
         known = {node: name for draft in self.drafts for node, name in draft.hints.items()}
         hints = {node: known.get(found[node], "") for node in nodes}
-        free = Names(FIELD_RESERVED, (x.c_name for x in self.fields), self.prefix)
+        fields = (*(x.c_name for x in self.fields), *self.tables.values())
+        free = Names(FIELD_RESERVED, fields, self.prefix)
         self.constants = constants(self.work, nodes, self.fixed_leaf, free, hints)
         return [x.c_name for x in self.constants]
 
@@ -232,8 +235,9 @@ class _Lowering(Hoisting):
         return Interval(before, values.get("lo"), values.get("hi"))
 
 
-def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
-    """Returns the members of struct NAME_params, and C text for each scalar parameter."""
+def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...], dict[str, str]]:
+    """Returns the members of struct NAME_params, C text for each scalar parameter, and the member
+    of each table."""
     names = Names(FIELD_RESERVED, (), equations.model.name + "_")
     fields: list[Field] = []
     scalars: list[str] = []
@@ -242,7 +246,8 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
             fields.append(Field(names.take(slot.family), slot.length, index))
         place = f"[{slot.position}]" if slot.length else ""
         scalars.append(fields[-1].c_name + place)
-    return tuple(fields), tuple(scalars)
+    tables = {table.name: names.take(table.name) for table in equations.model.tables}
+    return tuple(fields), tuple(scalars), tables
 
 
 def _local_names(equations: Equations) -> dict[Symbol, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...record import record
+from . import tables
 from .kernel_code import KernelCode, statements, unused
 from .program import Interval, Program, Statement
 from .tree import Function, If, Loop, Node, Scope
@@ -95,7 +96,8 @@ def _rows(program: Program) -> Iterator[ParameterCode]:
 def functions(program: Program) -> Iterator[Function]:
     model, rows = program.equations.model.name, list(_rows(program))
     type = f"struct {model}_params *p"
-    defaults = [node for row in rows for node in row.default]
+    defaults = [f"p->{c} = {tables.pointer(program, c, table)};" for c, table in program.tables]
+    defaults += [node for row in rows for node in row.default]
     switches = () if program.plain else program.equations.switches
     sides = [f"p->side_[{k}] = 0;" for k in range(len(switches))]
     prepared = f"(void){model}_prepare(p);"
@@ -119,6 +121,9 @@ def _prepare(program: Program, rows: list[ParameterCode], code: KernelCode) -> I
         yield from (*checks(rows), "")
     else:
         yield from unused(["p"])
+    for k, (field, table) in enumerate(program.tables):
+        if table.long:
+            yield If(f"!p->{field}", [f"return PK_FAILED(PK_FAILURE_TABLE, {k});"])
     if program.constants:
         yield from (*code.body(), "", f"/* {FINITE} */")
         zero = " + ".join(f"0 * p->{x.c_name}" for x in program.constants)

@@ -12,6 +12,7 @@ from dataclasses import field
 from typing import Any, NamedTuple
 
 from ...equations import Equations, Structure
+from ...model import Table
 from ...record import record
 from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG, Output
 from .constants import Constant
@@ -148,6 +149,7 @@ class Program:
     float_too: bool  # whether all constants fit in C's float
     helpers: tuple[str, ...]  # Functions that <math.h> lacks: "min", "step", ...
     lanes: tuple[str, ...] = ()  # A subset of LANES.
+    tables: tuple[tuple[str, Table], ...] = ()  # with the name of its member of NAME_params
     plain: bool = False  # C to be embedded, without the runtime's tables.
 
     def kernel(self, name: str) -> Kernel | None:

@@ -110,6 +110,7 @@ _EMBEDDED = (
     (r"PK_INLINE static|static PK_INLINE|PK_INLINE\nstatic", "static inline"),
     (r"PK_FAILED\(PK_FAILURE_DERIVED, 0\)", "-1"),
     (r"PK_FAILED\(PK_FAILURE_SIZE, 0\)", "-2"),
+    (r"PK_FAILED\(PK_FAILURE_TABLE, \d+\)", "-3"),
     (r"PK_FAILED\(PK_FAILURE_CONSTRAINT, (\d+)\)", lambda m: f"{-1 - int(m[1])}"),
     (r"PK_FAILED\(PK_FAILURE_CONSTRAINT, (\w+)\)", r"-1 - \1"),
     (r"PK_FAILED\(PK_FAILURE_\w+, (\d+)\)", lambda m: f"{1 + int(m[1])}"),
@@ -263,6 +264,10 @@ def _context(program: Program) -> dict[str, Any]:
     return {
         **frame(equations.model, program.structure, present, parameters, names),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
+        "table_header": pasted("table.h") if program.tables else "",
+        "lookup_header": pasted("lookup.h") if program.tables else "",
+        "data": tables.data(program),
+        "table_fields": program.tables,
         "plain": program.plain,
         **(EMBEDDED if program.plain else {}),
         "sizes": [],

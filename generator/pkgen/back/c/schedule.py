@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
 
-from ...functions import FUNCTIONS, SIDE
+from ...functions import FUNCTIONS, SIDE, Function
 from ...graph.graph import Node, Op
 from ...graph.nodes import SQUARES
 from ..targets import LOCAL, TRIG, Target
@@ -58,6 +58,7 @@ class Schedule:
     hints: Mapping[Node, str] = field(default_factory=dict)
     kept: frozenset[Node] = frozenset()  # nodes that must become local variables
     known_after: frozenset[str] = frozenset()  # outputs that later statements read
+    tables: Mapping[str, str] = field(default_factory=dict)  # by name: member of NAME_params
     inline_sincos: bool = False  # whether sines are computed inline or by libm
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
@@ -218,6 +219,8 @@ class Schedule:
             return inverted(forms[args[0]])
         function = str(self.work.data[node])
         row = FUNCTIONS[function.removeprefix(SIDE)]
+        if row.table:
+            return self._looked_up(row, [forms[a] for a in args])
         if row.body or function.startswith(SIDE):
             self.helpers.add(function)
             name, counted = self.prefix + helper_name(function), function.removeprefix(SIDE)
@@ -225,6 +228,15 @@ class Schedule:
             counted = row.c or function
             name = f"PK_F({counted})"
         return called(name, [_typed(forms[a]) for a in args], counted)
+
+    def _looked_up(self, row: Function, arguments: list[Form]) -> Form:
+        table = variable(f"p->{self.tables[row.table]}")
+        if not row.orders:
+            axis = Code(f"&{table}->axes[{row.axis}]", table.reads)
+            return called("pk_axis_place", [atom(axis), *arguments], "search")
+        name = "pk_lookup" if len(row.orders) == 1 else "pk_lookup2"
+        orders = (atom(Code(str(order))) for order in row.orders)
+        return called(name, [atom(table), *orders, *map(_typed, arguments)], "lookup")
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes the longest arguments local variables until the text of all arguments fits on a

@@ -8,6 +8,7 @@ from typing import Any
 from ...equations import Quantity
 from ...indices import parted
 from ...middle.loops.loops import LoopEquations
+from ...model import Table
 from .describe import families, field_says
 from .program import Program
 
@@ -73,6 +74,33 @@ def singularities(program: Program) -> list[dict[str, Any]]:
     ]
 
 
+def pointer(program: Program, field: str, table: Table) -> str:
+    return "NULL" if table.long else f"&{program.equations.model.name}_table_{field}"
+
+
+def data(program: Program) -> list[dict[str, Any]]:
+    """Returns the arrays and structs of the tables, as C text."""
+    found = []
+    for field, table in program.tables:
+        if table.long:
+            continue
+        name, d = f"{program.equations.model.name}_table_{field}", table.data
+        arrays = [(f"{name}_{of}", a.knots) for of, a in zip("xy", d.axes, strict=False)]
+        axes = [
+            f"{{{len(a.knots)}, {of}, (pk_real){a.period!r}, {int(a.strict)}}}"
+            for (of, _), a in zip(arrays, d.axes, strict=True)
+        ]
+        arrays.append((f"{name}_c", d.coefficients.ravel()))
+        numbers = [(of, len(x), ", ".join(map(_number, x.tolist()))) for of, x in arrays]
+        axes += ["{0, NULL, 0, 0}"] * (2 - len(axes))
+        found.append({"name": name, "arrays": numbers, "axes": ", ".join(axes)})
+    return found
+
+
+def _number(x: float) -> str:
+    return str(int(x)) if abs(x) < 10 and x == int(x) else f"(pk_real){x!r}"
+
+
 def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
     if isinstance(of, Program) and not _has(of, "events"):
         return []
@@ -105,6 +133,8 @@ def system_entries(program: Program) -> dict[str, object]:
         entries["switches.sides"] = f"offsetof(struct {e.model.name}_params, side_)"
     if e.impulsive:
         entries["switches.impulses"] = f"{own}_impulses"
+    if program.tables:
+        entries |= {"n_tables": len(program.tables), "tables": f"{own}_tables"}
     if e.counted:
         entries["counted"] = f"{own}_counted"
     for rows, end, names in (

@@ -38,6 +38,7 @@ from .scope import PLACES, Scope
 class Calls(RotationCalls):
     def __init__(self, *given, **more) -> None:
         super().__init__(*given, **more)
+        self.tables: dict[str, tuple[str, bool, tuple[Dimension, ...]]] = {}
         self.powers: dict[str, tuple[Expr, Range | None]] = {}  # by name of a force
 
     def call(self, expr: Call, scope: Scope) -> Checked:
@@ -55,6 +56,8 @@ class Calls(RotationCalls):
             return self.check(_written_out(expr), scope)
         parts = [self.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
+        if function in self.tables:
+            return self._of_table(expr, parts, scope)
         if function not in callable_names():
             raise self._not_callable(expr)
         arity = (VECTOR_FUNCTIONS | WRITTEN_OUT).get(function) or FUNCTIONS[function].arity
@@ -129,6 +132,29 @@ class Calls(RotationCalls):
         if range_ is not None:
             value = of_member(value, range_.variable, argument.index)
         return value, entry.facts
+
+    def _of_table(self, expr: Call, parts: list[Checked], scope: Scope) -> Checked:
+        """Checks the value of a table. It is not known before a run, since a run may bring data."""
+        key, bends, wanted = self.tables[expr.function]
+        entry = self.names.table[expr.function]
+        entry.used = True
+        if "parameter" not in scope.place.kinds:
+            raise Wrong(f"{scope.place.what} cannot use a table")
+        if len(parts) != len(wanted):
+            count = "one argument" if len(wanted) == 1 else f"{len(wanted)} arguments"
+            raise Wrong(f"the table {expr.function} takes {count}, not {len(parts)}")
+        for argument, (_, part), dimension in zip(expr.arguments, parts, wanted, strict=True):
+            if part.vector:
+                raise Wrong(f"{expr.function} needs a number", at=argument)
+            if part.dimension not in (None, dimension):
+                need, has = units.si_text(dimension) or "1", units.si_text(part.dimension) or "1"
+                raise Wrong(f"{expr.function} takes [{need}], this is [{has}]", at=argument)
+        result = joined(entry.facts.dimension, False, [f for _, f in parts])
+        result.united, result.bare = True, False
+        if result.moves and bends:
+            result.rough = result.rough or expr.function
+        name = f"{key}:{'0' * len(wanted)}"
+        return Call(name, tuple(e for e, _ in parts), expr.span), result
 
     def _if(self, expr: Call, scope: Scope) -> Checked:
         if len(expr.arguments) != 3:

@@ -40,6 +40,7 @@ from .scene_values import check_scene_values
 from .scenes import Scenes
 from .shared import Checks, Shared
 from .states import States
+from .tables import Tables
 
 _INERTIA = ("kinetic", "potential", "lagrangian")
 
@@ -54,7 +55,7 @@ def check_text(
 def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
     """Returns the model and its warnings; `sizes` are set on the command line."""
     given = tuple(sorted(sizes.items()))
-    brings = any(isinstance(s, st.Method) or _brings(s) for s in file.statements)
+    brings = any(isinstance(s, st.Method | st.Table) or _brings(s) for s in file.statements)
     return (_checked.__wrapped__ if brings else _checked)(file, given)
 
 
@@ -135,6 +136,7 @@ class _Checker(Checks):
             "bodies": self.bodies,
             "drawings": Drawings(self.shared),
             "methods": self.methods,
+            "tables": Tables(self.shared),
             "scenes": self.scenes,
         }
 
@@ -225,7 +227,7 @@ class _Checker(Checks):
         return m.Input(item.name, order, tuple(texts), description, item.span)
 
 
-_UNUSED = ("parameter", "constant", "size", "input", "definition")
+_UNUSED = ("table", "parameter", "constant", "size", "input", "definition")
 
 
 def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span, str]]:
@@ -248,7 +250,7 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
                 yield from ((f"{child.id}.{member}", left.span, "") for member in SHOWN)
             case st.Accumulate(left=left):
                 yield left.name, left.span, "state"
-            case st.Event(name=name, name_span=span):
+            case st.Event(name=name, name_span=span) | st.Table(name=name, name_span=span):
                 yield name, span, ""
             case st.Equation(left=left):
                 names = left.name, *m.multipliers(left.name)

@@ -163,6 +163,7 @@ KIND_TEXT = {
     "constraint": "a constraint",
     "multiplier": "the multiplier of a constraint",
     "definition": "a definition",
+    "table": "a table",
     "input": "an input",
     "output": "an output",
     "scene": "a scene",

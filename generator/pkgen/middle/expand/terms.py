@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ... import limits
 from ...functions import FUNCTIONS
+from ...functions.tables import called
 from ...graph.frames import DEEP, columns, combined, cross, dot
 from ...graph.graph import ONE, ZERO, Graph, Node
 from ...graph.surfaces import protected
@@ -151,6 +152,10 @@ def _call(x: Names, expr: Call, loop: Loop) -> Value:
         wrong = FUNCTIONS[expr.function].undefined(*numbers)
         if wrong:
             raise error(x.model, wrong, expr.span)
+    if FUNCTIONS[expr.function].table:
+        key = expr.function.partition(":")[0]
+        data = next(item.data for item in x.model.tables if item.key == key)
+        return called(x.graph, key, data, values)
     if expr.function == "select":
         g, (c, a, b) = x.graph, values
         values = [c, protected(g, a, c), protected(g, b, g.subtract(ONE, c))]

@@ -1,0 +1,225 @@
+"""Reads the CSV files of tables, and makes piecewise polynomials of their columns."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .. import limits
+from ..functions.tables import AT_ENDS, SMOOTH, Axis, Data
+from ..record import record
+
+if TYPE_CHECKING:
+    import numpy
+
+KINDS = ("linear", "spline", "pchip", "hold")
+OF_GRIDS = {"bilinear": "linear", "bicubic": "spline"}
+OUTSIDE = ("error", "hold", "linear", "periodic")
+_TITLE = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\]\s*)?")
+
+
+class WrongData(Exception):
+    """A file that is no table; the message begins with the place in it, and `help` is a hint."""
+
+    def __init__(self, message: str, help: str = ""):
+        super().__init__(message)
+        self.help = help
+
+
+@record
+class Cells:
+    """The cells of a file: the line and the texts of each row, and the titles of the columns."""
+
+    path: str
+    titles: tuple[tuple[str, str], ...]  # name and unit, "" if there is none
+    lines: tuple[int, ...]
+    rows: tuple[list[str], ...]
+
+    def wrong(self, row: int, column: int, why: str, help: str = "") -> WrongData:
+        """Returns an error at a cell. The column counts characters, as in a text editor."""
+        at = 1 + sum(len(cell) + 1 for cell in self.rows[row][:column])
+        return WrongData(f"{self.path}:{self.lines[row]}:{at}: {why}", help)
+
+
+def read(path: Path) -> Cells:
+    """Returns the cells of a file. Raises WrongData."""
+    try:
+        found = path.stat()
+        if not path.is_file() or found.st_size > limits.TABLE_BYTES:
+            size = f"a file of at most {limits.TABLE_BYTES:,} bytes"
+            raise WrongData(f"{path}: this is not {size}")
+        return _cells(path, found.st_mtime_ns, found.st_size)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise WrongData(f"{path}: cannot read it: {reason}") from None
+
+
+@lru_cache(maxsize=4)
+def _cells(path: Path, *_: int) -> Cells:
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        first = next((x for x in file if x.strip() and not x.lstrip().startswith("#")), "")
+        file.seek(0)
+        comma = next((c for c in ";\t" if c in first), ",")
+        lines, rows = [], []
+        reader = csv.reader(file, delimiter=comma, strict=True)
+        try:
+            for row in reader:
+                if row and any(map(str.strip, row)) and not row[0].lstrip().startswith("#"):
+                    lines.append(reader.line_num)
+                    rows.append(row)
+        except csv.Error as error:
+            raise WrongData(f"{path}:{reader.line_num}:1: {error}") from None
+    titles: tuple[tuple[str, str], ...] = ()
+    if rows and any(_number(cell) is None and cell.strip() for cell in rows[0]):
+        titles = tuple(_title(cell) for cell in rows.pop(0))
+        lines.pop(0)
+    return Cells(str(path), titles, tuple(lines), tuple(rows))
+
+
+def _title(cell: str) -> tuple[str, str]:
+    name, unit = _TITLE.fullmatch(cell).groups()
+    return name, unit or ""
+
+
+def _number(cell: str) -> float | None:
+    try:
+        value = float(cell) if "_" not in cell else math.nan
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def columns(
+    cells: Cells, wanted: Sequence[tuple[str, str]]
+) -> tuple[list[numpy.ndarray], list[int]]:
+    """Returns the columns with the wanted (name, unit), and their numbers. If the file has none of
+    these names, returns its first columns. Raises WrongData."""
+    import numpy
+
+    names = [name for name, _ in cells.titles]
+    places = [names.index(name) if name in names else -1 for name, _ in wanted]
+    if max(places) < 0:
+        places = [*range(len(wanted))]
+    for (name, unit), k in zip(wanted, places, strict=True):
+        if k < 0:
+            has = ", ".join(names)
+            raise WrongData(f"{cells.path}: there is no column '{name}'", f"it has: {has}")
+        given = cells.titles[k][1] if k < len(cells.titles) else ""
+        if given and given.replace(" ", "") != unit.replace(" ", ""):
+            message = f"{cells.path}: the column '{names[k]}' is in [{given}], not in [{unit}]"
+            raise WrongData(message, "give the unit that the file has")
+    if len(cells.rows) < 2:
+        raise WrongData(f"{cells.path}: a table has two rows of numbers at least")
+    return [numpy.array([_cell(cells, i, k) for i in range(len(cells.rows))]) for k in places], places
+
+
+def _cell(cells: Cells, row: int, column: int) -> float:
+    found = cells.rows[row]
+    if column >= len(found) or not found[column].strip():
+        at = min(column, len(found))
+        raise cells.wrong(row, at, f"column {column + 1} has no number here", "remove the row")
+    value = _number(found[column])
+    if value is None:
+        raise cells.wrong(row, column, f"'{found[column].strip()[:40]}' is no finite number")
+    return value
+
+
+def curve(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: str) -> Data:
+    """Returns the table of one variable. Raises WrongData."""
+    (x, y), places = columns(cells, wanted)
+    for k in (x[1:] <= x[:-1]).nonzero()[0][:1]:
+        why = f"{x[k + 1]:g} is not above {x[k]:g}, the value before it"
+        raise cells.wrong(int(k) + 1, places[0], why, "put the rows in rising order")
+    if outside == "periodic" and kind != "hold" and y[0] != y[-1]:
+        message = f"the last value is {y[-1]:g}, the first one {y[0]:g}"
+        raise cells.wrong(len(x) - 1, places[1], message, "a period ends with its first value")
+    return of_arrays([x * factors[0]], y * factors[1], kind, outside)
+
+
+def grid(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: str) -> Data:
+    """Returns the table of two variables; each pair of their values has one row. Raises WrongData."""
+    import numpy
+
+    (x, y, z), places = columns(cells, wanted)
+    (knots_x, i), (knots_y, j) = (numpy.unique(v, return_inverse=True) for v in (x, y))
+    found = numpy.full((len(knots_x), len(knots_y)), -1)
+    for row, at in enumerate(zip(i, j, strict=True)):
+        if found[at] >= 0:
+            message = f"these values are in line {cells.lines[found[at]]} too"
+            raise cells.wrong(row, places[0], message, "a grid has each pair of values once")
+        found[at] = row
+    if (found < 0).any():
+        a, b = numpy.argwhere(found < 0)[0]
+        message = f"there is no row of {wanted[0][0]} = {knots_x[a]:g}, {wanted[1][0]} = {knots_y[b]:g}"
+        raise WrongData(f"{cells.path}: {message}", "a grid has a row of each pair of values")
+    if min(found.shape) < 2:
+        raise WrongData(f"{cells.path}: a grid has two values of each variable at least")
+    z = z[found]
+    if outside == "periodic" and not ((z[0] == z[-1]).all() and (z[:, 0] == z[:, -1]).all()):
+        message = f"{cells.path}: the last values are not the first ones"
+        raise WrongData(message, "a period ends with its first values")
+    axes = [knots_x * factors[0], knots_y * factors[1]]
+    return of_arrays(axes, z * factors[2], OF_GRIDS[kind], outside)
+
+
+def of_arrays(axes: Sequence[numpy.ndarray], values: numpy.ndarray, kind: str, outside: str) -> Data:
+    """Returns the table with these knots and values, of shape (knots, knots) in a grid."""
+    import numpy
+
+    made, c = [], values
+    smooth = min(SMOOTH[kind], AT_ENDS[outside])
+    for number, x in enumerate(axes):
+        c = _coefficients(x, c, kind, outside, axis=2 * number)
+        period = float(x[-1] - x[0]) if outside == "periodic" else 0.0
+        made.append(Axis(x, period, outside == "error", smooth))
+    if len(axes) == 2:
+        c = c.swapaxes(1, 2)
+    return Data(tuple(made), numpy.ascontiguousarray(c), {"hold": 0, "linear": 1}.get(kind, 3))
+
+
+def _coefficients(
+    x: numpy.ndarray, y: numpy.ndarray, kind: str, outside: str, axis: int
+) -> numpy.ndarray:
+    """Replaces an axis of values by two: the pieces, with one below and one above the knots, and
+    the coefficients by rising powers."""
+    import numpy
+
+    y = numpy.moveaxis(y, axis, 0)
+    width = (slice(None), *[None] * (y.ndim - 1))
+    c = numpy.zeros((len(x) + 1, 4, *y.shape[1:]))
+    c[1:-1, 0] = y[:-1]
+    if kind == "linear":
+        c[1:-1, 1] = numpy.diff(y, axis=0) / numpy.diff(x)[width]
+    elif kind != "hold":
+        c[1:-1] = _cubics(x, y, kind, outside == "periodic")
+    h, last = x[-1] - x[-2], c[-2]
+    if kind == "hold":
+        c[0, 0], c[-1, 0] = y[0], y[-1]
+    else:  # The polynomials at the ends go on outside, as far as `outside` lets them.
+        c[0] = c[1]
+        for k in range(4):
+            c[-1, k] = sum(math.comb(i, k) * last[i] * h ** (i - k) for i in range(k, 4))
+        c[-1, 0] = y[-1]
+        beyond = {"hold": 1, "linear": 2}.get(outside, 4)
+        c[0, beyond:] = c[-1, beyond:] = 0
+    return numpy.moveaxis(c, (0, 1), (axis, axis + 1))
+
+
+def _cubics(x: numpy.ndarray, y: numpy.ndarray, kind: str, periodic: bool) -> numpy.ndarray:
+    import numpy
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    if kind == "spline":
+        found = CubicSpline(x, y, bc_type="periodic" if periodic else "not-a-knot")
+        return numpy.moveaxis(found.c[::-1], 1, 0)
+    if not periodic:
+        return numpy.moveaxis(PchipInterpolator(x, y).c[::-1], 1, 0)
+    # A slope depends on the two neighbours: three periods have the same slopes at both ends.
+    p, n = x[-1] - x[0], len(x) - 1
+    three = PchipInterpolator([*(x[:-1] - p), *x, *(x[1:] + p)], [*y[:-1], *y, *y[1:]])
+    return numpy.moveaxis(three.c[::-1, n : 2 * n], 1, 0)
