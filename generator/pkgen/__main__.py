@@ -16,6 +16,7 @@ from contextlib import suppress
 from . import __version__
 from .cli.commands import overview, parsed, parser_of
 from .cli.messages import findings, told
+from .front.data import bringing, of_options
 from .front.read import STANDARD, allowing
 from .source import ModelError
 from .system import children
@@ -80,7 +81,11 @@ def _main(words: list[str] | None) -> int:
         command, options = parsed(words)
     except UsageError as error:
         return _fail("--json" in words, str(error), USAGE)
-    with allowing(*getattr(options, "allow_path", ())):
+    try:
+        tables = of_options(getattr(options, "table", ()))
+    except UsageError as error:
+        return _fail("--json" in words, str(error), USAGE)
+    with allowing(*getattr(options, "allow_path", ())), bringing(tables):
         return _guarded(command.module.run, options)
 
 

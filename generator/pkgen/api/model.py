@@ -32,6 +32,7 @@ from .integrator import Integrator
 from .kernels import Kernels
 from .page import Page, shown
 from .parameters import Parameters
+from .tables import Tables
 from .prepare import prepare
 from .result import Result
 
@@ -75,7 +76,7 @@ class Model(Kernels):
         self._sizes = lengths.given([f"{name}={length}" for name, length in sizes.items()])
         self._made: dict[object, Compilation] = {}
         self._warned: set[str] = set()
-        self.params = Parameters(self)
+        self.params, self.tables = Parameters(self), Tables(self)
         if scene is not None:  # raises errors of the scene here, not in run()
             chosen(self.compilation.declared, scene)
         self.compilation  # noqa: B018
@@ -90,13 +91,18 @@ class Model(Kernels):
         own = own_methods(options)
         key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"), own)
         if key not in self._made:
-            with allowing(*self._allowed):
+            with allowing(*self._allowed), self.tables.brought():
                 made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
             for text in [warning.text(source) for warning in made.warnings]:
                 if text not in self._warned:
                     self._warned.add(text)
                     warnings.warn(arguments.worded(text), stacklevel=4)
         return self._made[key]
+
+    def _compile_anew(self) -> None:
+        self._made.clear()
+        self.__dict__.pop("compilation", None)
+        self._forget()
 
     def _forget(self) -> None:
         self.__dict__.pop("_handle", None)

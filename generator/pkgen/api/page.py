@@ -29,6 +29,8 @@ class Page:
 
 def shown(model: Any, target: Path) -> Page:
     """Writes a model's page to `target` by `pkgen show`. Raises UsageError."""
+    if model.tables._set:
+        raise UsageError("a page of arrays: give its tables files, by pkgen show --table NAME=FILE")
     command = [sys.executable, "-m", "pkgen", "show", os.fspath(model.path), "-o", str(target)]
     command += ["--scene", model.scene] if model.scene else []
     command += [f"--size={name}={length}" for name, length in model._sizes.items()]

@@ -67,6 +67,8 @@ def of_a_model(parser: argparse.ArgumentParser) -> None:
     """Adds options for compiling a model."""
     add = parser.add_argument
     add("--size", action="append", default=[], metavar="N=64", help="length of a family")
+    help_ = "read a table of the model from another file"
+    add("--table", action="append", default=[], metavar="ROAD=FILE", help=help_)
     add("--max-seconds", metavar="S", help="CPU time that compiling may take")
     help_ = "models and plans may name files in DIR too, besides their own folder"
     add("--allow-path", action="append", default=[], metavar="DIR", help=help_)

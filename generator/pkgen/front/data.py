@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +15,7 @@ from typing import TYPE_CHECKING
 from .. import limits
 from ..functions.tables import AT_ENDS, SMOOTH, Axis, Data
 from ..record import record
+from ..system.exits import UsageError
 
 if TYPE_CHECKING:
     import numpy
@@ -21,6 +24,35 @@ KINDS = ("linear", "spline", "pchip", "hold")
 OF_GRIDS = {"bilinear": "linear", "bicubic": "spline"}
 OUTSIDE = ("error", "hold", "linear", "periodic")
 _TITLE = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\]\s*)?")
+
+
+Brought = Path | tuple["numpy.ndarray", ...]  # a file, or the arrays of the columns in SI units
+_BROUGHT: ContextVar[Mapping[str, Brought]] = ContextVar("brought", default={})
+
+
+@contextmanager
+def bringing(tables: Mapping[str, Brought]) -> Iterator[None]:
+    """Within the context, models read the tables with these names from other files or arrays."""
+    token = _BROUGHT.set(tables)
+    try:
+        yield
+    finally:
+        _BROUGHT.reset(token)
+
+
+def brought() -> Mapping[str, Brought]:
+    return _BROUGHT.get()
+
+
+def of_options(texts: Sequence[str]) -> dict[str, Brought]:
+    """Returns the files of the options `--table NAME=FILE`. Raises UsageError."""
+    found: dict[str, Brought] = {}
+    for text in texts:
+        name, equal, path = text.partition("=")
+        if not (name and equal and path) or name in found:
+            raise UsageError(f"--table {text}: give a table once, e.g. --table road=other.csv")
+        found[name] = Path(path)
+    return found
 
 
 class WrongData(Exception):
@@ -135,10 +167,7 @@ def curve(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: st
     for k in (x[1:] <= x[:-1]).nonzero()[0][:1]:
         why = f"{x[k + 1]:g} is not above {x[k]:g}, the value before it"
         raise cells.wrong(int(k) + 1, places[0], why, "put the rows in rising order")
-    if outside == "periodic" and kind != "hold" and y[0] != y[-1]:
-        message = f"the last value is {y[-1]:g}, the first one {y[0]:g}"
-        raise cells.wrong(len(x) - 1, places[1], message, "a period ends with its first value")
-    return of_arrays([x * factors[0]], y * factors[1], kind, outside)
+    return of_arrays([x * factors[0]], y * factors[1], kind, outside, cells.path)
 
 
 def grid(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: str) -> Data:
@@ -159,18 +188,31 @@ def grid(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: str
         raise WrongData(f"{cells.path}: {message}", "a grid has a row of each pair of values")
     if min(found.shape) < 2:
         raise WrongData(f"{cells.path}: a grid has two values of each variable at least")
-    z = z[found]
-    if outside == "periodic" and not ((z[0] == z[-1]).all() and (z[:, 0] == z[:, -1]).all()):
-        message = f"{cells.path}: the last values are not the first ones"
-        raise WrongData(message, "a period ends with its first values")
     axes = [knots_x * factors[0], knots_y * factors[1]]
-    return of_arrays(axes, z * factors[2], OF_GRIDS[kind], outside)
+    return of_arrays(axes, z[found] * factors[2], kind, outside, cells.path)
 
 
-def of_arrays(axes: Sequence[numpy.ndarray], values: numpy.ndarray, kind: str, outside: str) -> Data:
-    """Returns the table with these knots and values, of shape (knots, knots) in a grid."""
+def of_arrays(
+    axes: Sequence[numpy.ndarray], values: numpy.ndarray, kind: str, outside: str, name: str
+) -> Data:
+    """Returns the table with these knots and values, of shape (knots, knots) in a grid. `name` says
+    in messages where the data are from. Raises WrongData."""
     import numpy
 
+    kind = OF_GRIDS.get(kind, kind)
+    axes, values = [numpy.asarray(x, dtype=float) for x in axes], numpy.asarray(values, dtype=float)
+    for x in axes:
+        if x.ndim != 1 or len(x) < 2 or not (numpy.diff(x) > 0).all():
+            raise WrongData(f"{name}: a variable has two values at least, in rising order")
+    if values.shape != tuple(map(len, axes)):
+        raise WrongData(f"{name}: the values have another shape than the variables")
+    if not all(numpy.isfinite(x).all() for x in (*axes, values)):
+        raise WrongData(f"{name}: a number is not finite")
+    if outside == "periodic" and kind != "hold":
+        for k in range(len(axes)):
+            if (values.take(0, k) != values.take(-1, k)).any():
+                help = "a period ends with its first value"
+                raise WrongData(f"{name}: the last value is not the first one", help)
     made, c = [], values
     smooth = min(SMOOTH[kind], AT_ENDS[outside])
     for number, x in enumerate(axes):

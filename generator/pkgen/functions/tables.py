@@ -69,6 +69,11 @@ class Data:
     coefficients: numpy.ndarray
     degree: int
 
+    def knot_values(self) -> numpy.ndarray:
+        """Returns the values at the knots."""
+        inside = (slice(1, None),) * len(self.axes) + (0,) * len(self.axes)
+        return self.coefficients[inside]
+
     def value(self, orders: tuple[int, ...], *given: Any) -> Any:
         """Returns a derivative at the arguments, followed by the numbers of their pieces."""
         count = len(self.axes)

@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Callable
 from csv import writer
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import IO
 
@@ -133,6 +133,7 @@ def sidecar(run: Runnable, outcome: Outcome, data: str) -> dict[str, object]:
         "partial": not outcome.whole,
         "columns": [asdict(c) for c in run.columns(LISTED)],
         "portable": is_portable(compilation.files),
-        "settings": {**asdict(settings), **of},
+        "settings": {**asdict(replace(settings, tables=())), **of},
+        "tables": {x.name: os.path.basename(x.file) for x in compilation.model.tables},
         "report": outcome.report,
     }

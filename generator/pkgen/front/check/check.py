@@ -124,7 +124,7 @@ class _Checker(Checks):
         super().__init__(Shared(expressions, dict(given)))
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
         self.bodies = Bodies(self.shared, self._check, file)
-        self.methods = Methods(self.shared)
+        self.methods, self.tables = Methods(self.shared), Tables(self.shared)
         self.scenes = Scenes(self.shared, self.dynamics, self.methods)
         self.checks = {
             "definitions": Definitions(self.shared),
@@ -136,7 +136,7 @@ class _Checker(Checks):
             "bodies": self.bodies,
             "drawings": Drawings(self.shared),
             "methods": self.methods,
-            "tables": Tables(self.shared),
+            "tables": self.tables,
             "scenes": self.scenes,
         }
 
@@ -152,6 +152,7 @@ class _Checker(Checks):
             if isinstance(statement, st.Scene):  # Scenes are checked last: all names are known.
                 self.scenes.check(statement)
         self.indices.finish()
+        self.tables.finish(self.broken)
         if "rate" not in self.broken:
             self.states.finish()
         required = Required(self.file, self.shared, self.broken)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-from contextvars import ContextVar
 from pathlib import Path
 
 from ... import model as m
@@ -14,11 +13,10 @@ from .. import data
 from .. import statements as st
 from ..data import KINDS, OF_GRIDS, OUTSIDE, WrongData
 from ..read import ALLOW, READ, refusal
+from ...system.exits import UsageError
 from ..units import ONE, Unit
 from .names import Entry, Facts
 from .shared import Checks
-
-GIVEN: ContextVar[dict[str, Path]] = ContextVar("tables", default={})  # by --table NAME=FILE
 
 
 class Tables(Checks):
@@ -47,6 +45,14 @@ class Tables(Checks):
         texts = tuple(u.shown for u in units)
         said = kind, outside, texts, statement.description, statement.span
         self.parts["tables"].append(m.Table(statement.name, key, table, str(path), *said))
+
+    def finish(self, broken: set[str]) -> None:
+        """Refuses data for a table that the model does not have."""
+        names = [table.name for table in self.parts["tables"]]
+        unknown = [name for name in data.brought() if name not in names]
+        if unknown and not self.report.errors and "table" not in broken:
+            has = ", ".join(names) or "none"
+            raise UsageError(f"--table {unknown[0]}: the model has no such table; it has: {has}")
 
     def _fits(self, statement: st.Table) -> bool:
         count = len(statement.columns)
@@ -84,7 +90,7 @@ class Tables(Checks):
         self, statement: st.Table, units: list[Unit], kind: str, outside: str
     ) -> tuple[Path, Data] | None:
         folder = Path(self.source.path).parent
-        path = GIVEN.get().get(statement.name)
+        path = data.brought().get(statement.name)
         if path is None:
             path = folder / statement.file
             if wrong := refusal(statement.file, path, folder):
@@ -95,6 +101,9 @@ class Tables(Checks):
         factors = [float(u.factor) * math.pi**u.pi for u in units]
         make = data.grid if statement.grid else data.curve
         try:
+            if isinstance(path, tuple):
+                *axes, values = path
+                return Path("arrays"), data.of_arrays(axes, values, kind, outside, statement.name)
             made = make(data.read(path), wanted, factors, kind, outside)
         except WrongData as wrong:
             self.error(str(wrong), statement.file_span, wrong.help)

@@ -23,6 +23,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from ...equations import Equations, Quantity, Switch
+from ...functions import FUNCTIONS
 from ...graph.calls import counts, jumps
 from ...graph.differentiate import gradient, reachable
 from ...graph.exact import Exact
@@ -125,6 +126,8 @@ class Across:
                 new[n] = ONE if own > 0 else ZERO
             elif own and g.data[n] == "sign":
                 new[n] = g.number(own)
+            elif own and g.data[n] == "floor":  # Its jump is 1 at each whole number.
+                new[n] = ONE if own > 0 else ZERO
             elif own:  # abs(0) is 0; min and max of two equal arguments are either of them
                 new[n] = args[1] if len(args) > 1 else ZERO
             else:
@@ -167,12 +170,9 @@ def with_impulses(
     jumping = [e.lagrangian, *e.momenta, *rows]
     if not (arguments := arguments_of(e.graph, jumping)):
         return known
-    if any(counts(e.graph, x) for x in arguments):
-        raise _refused(
-            e,
-            "L or a constraint has floor, ceil, round or mod in it, and jumps at each whole number",
-            "a force or an output may have these",
-        )
+    if counted := [x for x in arguments if counts(e.graph, x)]:
+        where, help = _where(e.graph, counted[0], name)
+        raise _refused(e, f"L or a constraint jumps {where}", help)
     across, found, marked = Across(e.graph), {}, []
     surfaces = across.surfaces
     places = {surfaces(x.node)[0]: x.node for x in known}
@@ -195,6 +195,18 @@ def with_impulses(
         found[surface] = Switch(Quantity(text, "", ""), argument, kind, slope, of_time)
     marked = [replace(found.pop(surfaces(x.node)[0], x), held=x.held) for x in known]
     return (*marked, *(x for x in found.values() if x.impulse))
+
+
+def _where(g: Graph, argument: Node, name: Callable[[Symbol], str]) -> tuple[str, str]:
+    """Returns the places at which functions of an argument jump, and what to write instead."""
+    if not counts(g, argument):
+        return f"where {wording(g, argument, name)} vanishes", SMOOTH
+    (inner,) = g.args[argument]
+    text = wording(g, inner, name)
+    if g.op[inner] is Op.CALL and FUNCTIONS[g.data[inner]].table:
+        help = "interpolate by 'spline' or 'pchip', and continue it by 'linear' or 'periodic'"
+        return f"at the knots of {text}", help
+    return f"at each whole number {text}", "a force or an output may have floor, ceil, round, mod"
 
 
 def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
@@ -275,6 +287,5 @@ def check_rates(
     for node, span in taken:
         for argument in arguments_of(across.graph, [node]):
             if across.jump(node, argument) != ZERO:
-                text = wording(across.graph, argument, name)
-                message = f"the rate is taken here of what jumps where {text} vanishes"
-                raise error(model, message, span, SMOOTH)
+                where, help = _where(across.graph, argument, name)
+                raise error(model, f"the rate is taken here of what jumps {where}", span, help)
