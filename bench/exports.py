@@ -38,6 +38,10 @@ REFUSALS = {
 Found = dict[str, dict[str, dict]]  # model, host
 
 
+# Steps of rk4 that end at other places beside the knots of tables differ by the error of rk4.
+OVER_KNOTS = 1e-3
+
+
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench exports", description=__doc__)
     parser.add_argument("--docs", action="store_true", help="write the tables into its page")
@@ -78,7 +82,9 @@ def _wrong(found: Found):
         for name, row in of.items():
             if "failed" in row:
                 yield f"{model}, {name}: {row['failed']}"
-            elif "off" in row and not row["off"] <= HOSTS[name].within:
+            elif "off" in row and not row["off"] <= (
+                OVER_KNOTS if row.get("tables") else HOSTS[name].within
+            ):
                 yield f"{model}, {name}: {row['off']:.3g}"
 
 
@@ -103,7 +109,8 @@ def _measured(model: Path, host: Host) -> dict[str, object]:
             off = host.off(Case(model, of, made, folder, lambda *more: _run(model, *more)))
         except Exception as error:
             return {"failed": f"{type(error).__name__}: {error}"[:2000]}
-        return {"kB": round(size / 1000), "s": round(seconds, 1), "off": off}
+        found = {"kB": round(size / 1000), "s": round(seconds, 1), "off": off}
+        return found | ({"tables": True} if of["tables"] else {})
 
 
 def _pkgen(*words: str) -> subprocess.CompletedProcess[str]:

@@ -33,6 +33,13 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
 
 
+def beside(page: Path, folder: Path) -> None:
+    """Writes the files of a page, blocks that begin with ```csv NAME."""
+    found = re.findall(r"^```csv (\S+)\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+    for name, text in found:
+        (folder / name).write_text(text)
+
+
 def named(language: str) -> list:
     found = [(page, i, b) for page in PAGES for i, b in enumerate(blocks(page, language))]
     return [
@@ -62,6 +69,7 @@ def _of_addons(text: str) -> bool:
 def test_models_in_the_docs_run(page: Path, text: str, tmp_path: Path) -> None:
     path = tmp_path / "example.lag"
     path.write_text(text)
+    beside(page, tmp_path)
     ran("run", path, "--until", "0.5", "--rtol", "1e-8", "-o", tmp_path / "rows.csv")
     assert len((tmp_path / "rows.csv").read_text().splitlines()) > 100
 
@@ -88,6 +96,7 @@ def test_commands_in_the_docs_run(page: Path, text: str, tmp_path: Path) -> None
     shutil.copytree(ROOT / "models", tmp_path / "models")
     for model in blocks(page, "lag"):
         (tmp_path / f"{model.split()[1]}.lag").write_text(model)
+    beside(page, tmp_path)
     for line in text.splitlines():
         if line.startswith("$ pkgen "):
             command = shlex.split(line.removeprefix("$ pkgen "), comments=True)

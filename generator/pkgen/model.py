@@ -7,6 +7,8 @@ with `indices.py`.
 
 from __future__ import annotations
 
+import hashlib
+
 from . import limits
 from .functions.tables import Data
 from .methods import Own
@@ -356,3 +358,10 @@ class Model:
     fast: tuple[Expr, ...] = ()  # terms of the potential that the model names fast
     loads: tuple[Load, ...] = ()
     methods: tuple[Own, ...] = ()  # methods that the model defines
+
+    @property
+    def sha256(self) -> str:
+        """The digest of the model's text and of its tables."""
+        keys = "".join(table.key for table in self.tables)
+        text = self.source.sha256
+        return hashlib.sha256((text + keys).encode()).hexdigest() if keys else text

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy
 
+from ..front.data import KINDS, WrongData, of_arrays
 from ..methods import known
 from ..record import record
 from ..run import named
@@ -17,7 +18,7 @@ from . import arguments
 from .prepare import Prepared
 
 Function = Callable[[float, Any, Any], float]
-Table = tuple[Any, ...]
+Table = tuple[Any, ...]  # (t, values) or (t, values, kind), kind as of the statement `table`
 SMALL = 1e-12  # relative rounding error of times at which steps end
 MOST = 10_000_000  # largest number of times at which an input with `hold` or `linear` is evaluated
 
@@ -37,8 +38,7 @@ EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}
 
 
 class Computed:
-    """Inputs that are functions f(t, q, v), tables (t, values) with linear interpolation, or tables
-    (t, values, "hold") that are piecewise constant. With `hold`, functions are called at multiples
+    """Inputs that are functions f(t, q, v) or tables (t, values, kind), linear by default. With `hold`, functions are called at multiples
     of `hold`, and inputs are constant in between. With `linear`, f(t, None, None) is called at
     multiples of `linear`, and inputs are interpolated linearly."""
 
@@ -113,7 +113,8 @@ class Computed:
             if self.linear is None:
                 return Law(x, numpy.zeros(0))
             t = numpy.arange(0.0, until + self.linear, self.linear)
-            return _joined(t, numpy.array([x(float(at), None, None) for at in t]))
+            values = numpy.array([x(float(at), None, None) for at in t])
+            return Law(lambda at, _q, _v: numpy.interp(at, t, values), t)
         t, values = arguments.arrays(**{f"inputs[{name!r}]": x[0], "values": x[1]})
         if t.ndim != 1 or t.shape != values.shape or not len(t) or (numpy.diff(t) <= 0).any():
             raise UsageError(f"inputs[{name!r}]: times in order, and as many values")
@@ -122,16 +123,17 @@ class Computed:
                 f"inputs[{name!r}]: the table goes from {t[0]:g} to {t[-1]:g}, the run from 0 to "
                 f"{until:g}"
             )
-        if x[2:] not in ((), ("hold",)):
-            raise UsageError(f"inputs[{name!r}]: (t, values) or (t, values, 'hold')")
-        if not x[2:]:
-            return _joined(t, values)
-        places = t * (1 - SMALL)  # The times of steps have rounding errors.
-        return Law(lambda at, _q, _v: values[places.searchsorted(at, "right") - 1], t, held=True)
-
-
-def _joined(t: numpy.ndarray, values: numpy.ndarray) -> Law:
-    return Law(lambda at, _q, _v: numpy.interp(at, t, values), t)
+        kind = x[2] if len(x) == 3 else "linear"
+        if len(x) > 3 or kind not in KINDS:
+            raise UsageError(f"inputs[{name!r}]: (t, values, kind), kind one of {', '.join(KINDS)}")
+        if kind == "hold":
+            places = t * (1 - SMALL)  # The times of steps have rounding errors.
+            return Law(lambda at, _q, _v: values[places.searchsorted(at, "right") - 1], t, True)
+        try:
+            data = of_arrays([t], values, kind, "linear", f"inputs[{name!r}]")
+        except WrongData as wrong:
+            raise UsageError(str(wrong)) from None
+        return Law(lambda at, _q, _v: float(data.value((0,), at)), t)
 
 
 def _uneven(x: float) -> bool:

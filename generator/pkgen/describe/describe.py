@@ -50,7 +50,7 @@ def described(
         "title": title(model),
         "description": model.description,
         "source": os.path.basename(model.source.path),
-        "sha256": model.source.sha256,
+        "sha256": model.sha256,
         "dimensionless": model.dimensionless,
         "scene": None if scene is None else scene.name,
         "looped": compilation.looped,
@@ -71,6 +71,12 @@ def described(
         ],
         "whole": of.whole(),
         "switches": of.switches(),
+        "tables": [
+            {"name": x.name, "units": list(x.units), "kind": x.kind, "outside": x.outside}
+            | {"file": os.path.basename(x.file), "knots": [len(a.knots) for a in x.data.axes]}
+            | {"description": x.description}
+            for x in model.tables
+        ],
         "constants": list(constants(compilation)),
         "events": list(of.events()),
         "constraints": [

@@ -134,7 +134,8 @@ def _reserved_word(spot: Spot):
             return None
         if spot.before.type in _VALUE_ENDS:
             return f"'{word}' starts a statement of its own", "put it on a new line"
-    return f"'{word}' is a word of the language and cannot be a name", "choose another name"
+    help = "put a column's name in quotes" if spot.word == "table" else "choose another name"
+    return f"'{word}' is a word of the language and cannot be a name", help
 
 
 def _index_without_space(spot: Spot):

@@ -75,8 +75,13 @@ class Data:
         return self.coefficients[inside]
 
     def value(self, orders: tuple[int, ...], *given: Any) -> Any:
-        """Returns a derivative at the arguments, followed by the numbers of their pieces."""
+        """Returns a derivative at the arguments. The numbers of their pieces may follow."""
+        import numpy
+
         count = len(self.axes)
+        if len(given) == count:
+            places = (a.place(x) for a, x in zip(self.axes, given, strict=True))
+            given = (*given, *map(numpy.floor, places))
         found = [a.piece(x, n) for a, x, n in zip(self.axes, given, given[count:], strict=False)]
         c = self.coefficients[tuple(row for row, _ in found)]
         for order, (_, s) in reversed([*zip(orders, found, strict=True)]):

@@ -117,6 +117,9 @@ def outcome(
     if done.not_finite and not compilation.looped:
         constant = not_finite.constant(compilation, dict(settings.parameters))
         messages = f"run: {constant}\n" if constant else messages
+    strict = ", ".join(x.name for x in compilation.model.tables if x.outside == "error")
+    if strict and done.report["status"] == "PK_NOT_FINITE":
+        messages += f"run: there are no values outside of the data of {strict}; 'hold' goes on\n"
     return Outcome(done.code, done.report, ensemble.placed(messages) if ensemble else messages)
 
 
@@ -128,7 +131,7 @@ def sidecar(run: Runnable, outcome: Outcome, data: str) -> dict[str, object]:
         "pkgen": __version__,
         "model": compilation.model.name,
         "source": os.path.basename(compilation.model.source.path),
-        "source_sha256": compilation.model.source.sha256,
+        "source_sha256": compilation.model.sha256,
         "data": data,
         "partial": not outcome.whole,
         "columns": [asdict(c) for c in run.columns(LISTED)],

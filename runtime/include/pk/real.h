@@ -47,8 +47,7 @@ enum pk_failure {
     PK_FAILURE_CONSTRAINT, /* row k of the constraints depends on previous rows */
     PK_FAILURE_PARAMETER,  /* parameter k is outside its bounds, or not finite */
     PK_FAILURE_DERIVED,    /* a number computed from the parameters is not finite (1/m at m = 0) */
-    PK_FAILURE_SIZE,       /* the length of a family is below its least */
-    PK_FAILURE_TABLE       /* table k has no data: its pointer is NULL */
+    PK_FAILURE_SIZE        /* the length of a family is below its least */
 };
 #define PK_FAILED(failure, number) ((int)(failure) + 8 * (int)(number))
 #define PK_FAILURE(value) ((enum pk_failure)((value) % 8))

@@ -121,9 +121,9 @@ def _prepare(program: Program, rows: list[ParameterCode], code: KernelCode) -> I
         yield from (*checks(rows), "")
     else:
         yield from unused(["p"])
-    for k, (field, table) in enumerate(program.tables):
-        if table.long:
-            yield If(f"!p->{field}", [f"return PK_FAILED(PK_FAILURE_TABLE, {k});"])
+    for field, table in program.tables:
+        if table.long:  # It has no data of its own.
+            yield If(f"!p->{field}", [NOT_FINITE])
     if program.constants:
         yield from (*code.body(), "", f"/* {FINITE} */")
         zero = " + ".join(f"0 * p->{x.c_name}" for x in program.constants)

@@ -222,12 +222,14 @@ static int cover(struct pk_host_motion *m, double t, double budget)
     struct pk_integrator *const it = &m->it;
     const double far = t + 1e9 * (fabs(t) + 1);
     const int fixed = !has(m, PK_ADAPTIVE | PK_DENSE);
+    /* A step that ends at a switch has no dense output: if there are switches, a step ends at t. */
+    const double end = m->events.sides && has(m, PK_ADAPTIVE) ? t : far;
     while (it->t < t && !pk_integrator_is_at(it, t)) {
         if (budget-- <= 0)
             return 1;
         m->from = it->t;
         const enum pk_status status =
-            pk_events_step(&m->events, it, fixed ? pk_integrator_limit(it, t, far) : far);
+            pk_events_step(&m->events, it, fixed ? pk_integrator_limit(it, t, far) : end);
         m->stopped = status == PK_STOPPED_EVENT;
         if (m->stopped)
             break;

@@ -138,7 +138,7 @@ class Calls(RotationCalls):
         key, bends, wanted = self.tables[expr.function]
         entry = self.names.table[expr.function]
         entry.used = True
-        if "parameter" not in scope.place.kinds:
+        if "parameter" not in scope.place.kinds or scope.place is PLACES["param"]:
             raise Wrong(f"{scope.place.what} cannot use a table")
         if len(parts) != len(wanted):
             count = "one argument" if len(wanted) == 1 else f"{len(wanted)} arguments"
