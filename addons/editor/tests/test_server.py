@@ -81,10 +81,10 @@ def test_findings_as_one_types(editor: Editor, uri: str) -> None:
     assert editor.findings(uri) == []
 
 
-def test_findings_are_those_of_check(editor: Editor, tmp_path: Path) -> None:
+def test_findings_are_those_of_check(editor: Editor) -> None:
     for case in sorted((ROOT / "tests/generator/wrong").glob("*.lag"))[::6]:
         text = case.read_text(encoding="utf-8")
-        uri = editor.open(tmp_path / case.name, text)
+        uri = editor.open(case, text)
         found = editor.findings(uri)
         lines = [f"{d['range']['start']['line'] + 1}: {d['message']}" for d in found]
         done = run_pkgen("check", case, "--json")
