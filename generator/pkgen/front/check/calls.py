@@ -18,6 +18,7 @@ from ...tree import (
     Name,
     Negate,
     Number,
+    Power,
     Range,
     Sum,
     Vector,
@@ -189,6 +190,10 @@ class Calls(RotationCalls):
 
     def _scalar_call(self, expr: Call, facts: list[Facts]) -> Facts:
         function = FUNCTIONS[expr.function]
+        for name, argument, part in zip(function.arguments, expr.arguments, facts, strict=True):
+            if name == function.still and part.moves:
+                message = f"the {name} of {expr.function} moves: its derivative is not known"
+                raise Wrong(message, "write it with numbers and parameters alone", argument)
         dimension: Dimension | None = NONE
         if function.units == "none":
             for argument, part in zip(expr.arguments, facts, strict=True):
@@ -250,4 +255,12 @@ def _written_out(expr: Call) -> Expr:
         (y,) = others
         turns = Call("floor", (Multiply((x, y), (1, -1), at),), at)
         return Add((x, Multiply((y, turns), (1, 1), at)), (1, -1), at)
+    if function in ("sn", "cn", "dn"):
+        amplitude = Call("am", (x, *others), at)
+        sn, cn = Call("sin", (amplitude,), at), Call("cos", (amplitude,), at)
+        if function != "dn":
+            return sn if function == "sn" else cn
+        one, two = (Number(Fraction(k), at) for k in (1, 2))
+        rest = Multiply((Add((one, *others), (1, -1), at), Power(sn, two, at)), (1, 1), at)
+        return Call("sqrt", (Add((Power(cn, two, at), rest), (1, 1), at),), at)  # no digits cancel
     return replace(expr, function="log")
