@@ -30,6 +30,7 @@ from .front import parse
 from .front.check import check
 from .methods import Own
 from .middle.analyze import analyze
+from .middle.analyze.closed_forms import check_exact
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
 from .middle.derive.first_degree import as_states
@@ -150,6 +151,7 @@ def stages(
             from .middle.loops.proofs import with_proofs
 
             equations = with_proofs(equations, file, use.of, symmetric)
+    check_exact(*use.exact(declared))
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts

@@ -262,6 +262,14 @@ class Hold(Given):
 
 
 @record
+class Exact(Given):
+    """`exact NAME = EXPR within TOL`: a closed form of the motion, a function of t. With TOL, it
+    holds for what the model approximates, and only its start is tried."""
+
+    within: Expr | None
+
+
+@record
 class Expect:
     """`expect A = B within TOL at T`; T is a time or an event; without T, at all recorded times."""
 
@@ -293,6 +301,7 @@ class Scene:
     accuracy: Expr | None = None
     swarm: Range | None = None
     expects: tuple[Expect, ...] = ()
+    exacts: tuple[Exact, ...] = ()  # those of the model among them, where they are valid
     method_span: Span | None = None
     misfits: tuple[Diagnostic, ...] = ()  # errors that sizes from the command line cause
 
@@ -332,3 +341,4 @@ class Model:
     fast: tuple[Expr, ...] = ()  # terms of the potential that the model names fast
     loads: tuple[Load, ...] = ()
     methods: tuple[Own, ...] = ()  # methods that the model defines
+    exacts: tuple[Exact, ...] = ()

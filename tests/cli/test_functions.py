@@ -22,7 +22,6 @@ from pkgen.functions import VECTOR_FUNCTIONS
 from pkgen.source import ModelError
 
 
-
 def kepler(M: float, e: float) -> float:
     """E of E - e sin(E) = M, for M between -pi and pi."""
     return float(optimize.brentq(lambda E: E - e * np.sin(E) - M, -4, 4, xtol=1e-15))

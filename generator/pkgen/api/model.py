@@ -15,13 +15,17 @@ import numpy
 from ..compiler import Compilation, compile_model
 from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.read import allowing, read
+from ..indices import parted
+from ..model import Scene
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
 from ..run.library import load as load_library
 from ..run.simulate import followed
 from ..scenes import lengths
+from ..scenes.exact import closed_forms
 from ..scenes.scene import chosen
+from ..scenes.scene import values as scene_values
 from ..system.exits import INTERRUPTED, USAGE
 from ..system.near import near
 from . import arguments
@@ -36,6 +40,8 @@ from .prepare import prepare
 from .result import Result
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
     from .symbols import Symbolic, Typeset
 
 
@@ -204,6 +210,17 @@ class Model(Kernels):
             valid = first.get("last_valid", first.get("t", 0.0))
             raise RunError(said, first.get("status", ""), valid, result)
         return result
+
+    @in_words()
+    def exact(self, t: ArrayLike) -> dict[str, NDArray[Any]]:
+        """The closed forms of the motion (`exact x = …`) at the times t: by name, of t's shape."""
+        declared = self.compilation.declared
+        scene = chosen(declared, self.scene) if self.scene else Scene(name="", span=declared.span)
+        given = {parted(name): value for name, value in self.params._set.items()}
+        known = scene_values(declared, scene, given)
+        (times,) = arguments.arrays(t=t)
+        forms = scene.exacts if self.scene else declared.exacts
+        return closed_forms(declared, forms, known, times)
 
     def show(self, path: str | os.PathLike[str] | None = None) -> Page:
         """Writes an interactive HTML page, NAME.html or `path`: an animation with controls of its

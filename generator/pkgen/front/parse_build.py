@@ -200,6 +200,11 @@ class Build(Transformer):
 
     names = holds = pairs
 
+    def exact(self, word, *rest):
+        *items, within = rest
+        last = within or items[-1][1]
+        return st.Exact(tuple(items), within, _over(word, last))
+
     def single(self, word, value):
         return st.Single(str(word), value, _over(word, value))
 

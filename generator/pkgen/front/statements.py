@@ -129,6 +129,16 @@ class Pairs:
 
 
 @record
+class Exact:
+    """`exact x = EXPR, … within TOL`."""
+
+    keyword: ClassVar[str] = "exact"
+    items: tuple[tuple[Left, Expr], ...]
+    within: Expr | None
+    span: Span
+
+
+@record
 class Single:
     """`kinetic`, `potential`, `lagrangian` or `dissipation` EXPR; in a scene `until` or `accuracy`
     EXPR."""
@@ -295,7 +305,7 @@ class Expect:
     span: Span
 
 
-Clause = StartAt | Pairs | Single | Method | Record | Swarm | Expect
+Clause = StartAt | Pairs | Exact | Single | Method | Record | Swarm | Expect
 
 
 @record
@@ -321,6 +331,7 @@ Statement = (
     | Define
     | Declare
     | Pairs
+    | Exact
     | Single
     | Equation
     | Event

@@ -1,8 +1,8 @@
 """The table of scalar functions of the language: one row per function, for all compiler stages.
 
-To add a function, add a row to `smooth.py`, `elliptic.py` or `kinked.py`; `row.py` explains the fields. The
-functions in a row get the compiler's objects that they use (such as the graph) as arguments, so
-that rows import no compiler code.
+To add a function, add a row to `smooth.py`, `elliptic.py` or `kinked.py`; `row.py` explains the
+fields. The functions in a row get the compiler's objects that they use (such as the graph) as
+arguments, so that rows import no compiler code.
 """
 
 from __future__ import annotations

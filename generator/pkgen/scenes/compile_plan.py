@@ -100,6 +100,14 @@ class SceneUse(Use):
         used, of_holds = held(used, scene, self.events(scene))
         return used, (*lines, *of_holds)
 
+    def exact(self, declared: Model) -> tuple:
+        scene = self.chosen(declared)
+        if not scene.exacts:
+            return declared, ()
+        used, _ = held(scene_model.used(declared, scene, self.run_time), scene)
+        found = scenes.values(declared, scene, {})
+        return used, scene.exacts, found.values, scenes.numbers(declared, scene, {}).until
+
     def needs(self, used: Model) -> Needs | None:
         scene = self.chosen(used)
         columns = self.columns and scene_model.written_out(used, self.columns)

@@ -43,7 +43,7 @@ def with_options(model: Model, options: argparse.Namespace, columns: Iterable[st
     named = [c for c in columns if lets & _stems(c) or _ACCELERATION.match(c)]
     clauses = [f"set {text}" for text in options.set if is_motion(text)]
     clauses += [f"record {', '.join(named)}"] if named else []
-    made, source = Scene(name=OPTIONS, span=model.span), model.source
+    made, source = Scene(name=OPTIONS, span=model.span, exacts=model.exacts), model.source
     if clauses:
         made, source = _made(model, clauses)
     model = replace(model, source=source)

@@ -7,6 +7,8 @@ from fractions import Fraction
 from functools import reduce
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
+from ...indices import form_of, integer
+from ...model import Exact
 from ...source import Span
 from ...system.near import meant
 from ...tree import (
@@ -31,7 +33,7 @@ from ..units import NONE, Dimension
 from . import values as values_of
 from .checking import Checked
 from .conditions import truth
-from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Wrong, callable_names, joined
+from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Members, Wrong, callable_names, joined
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
 
@@ -40,6 +42,7 @@ class Calls(RotationCalls):
     def __init__(self, *given, **more) -> None:
         super().__init__(*given, **more)
         self.powers: dict[str, tuple[Expr, Range | None]] = {}  # by name of a force
+        self.exacts: list[Exact] = []  # closed forms that are valid at the place being checked
 
     def call(self, expr: Call, scope: Scope) -> Checked:
         function = expr.function
@@ -47,6 +50,8 @@ class Calls(RotationCalls):
             return self._of_run(expr)
         if function == "power" and len(expr.arguments) == 1:
             return self._power(expr, scope)
+        if function == "error" and len(expr.arguments) == 1:
+            return self._error(expr, scope)
         if function in ROTATIONS:  # The arguments may be rotations.
             return self.rotation_call(expr, [self.factor(x, scope) for x in expr.arguments])
         if function == "if":
@@ -130,6 +135,27 @@ class Calls(RotationCalls):
         if range_ is not None:
             value = of_member(value, range_.variable, argument.index)
         return value, entry.facts
+
+    def _error(self, expr: Call, scope: Scope) -> Checked:
+        """Checks error(x), by how much x is off its closed form, which becomes x - EXPR."""
+        (argument,) = expr.arguments
+        new, facts = self.check(argument, scope)
+        form = None
+        if isinstance(argument, Name):
+            form = form_of(self.exacts, argument.id, argument.index, self.sizes)
+        if form is None:
+            known = ", ".join(dict.fromkeys(x.name for x in self.exacts))
+            help = f"closed forms are given of: {known}" if known else "say it: exact x = EXPR"
+            raise Wrong(f"{self.text(argument)} has no closed form here", help, argument)
+        value, range_ = form.value, form.range
+        if range_ is not None:
+            ends = Members(tuple(integer(end, self.sizes) for end in (range_.lo, range_.hi)))
+            entry = replace(self.names.table[argument.id], members=ends, kind="member")
+            if not self.indices.member(argument, entry, scope):
+                raise Wrong
+            value = of_member(value, range_.variable, argument.index)
+        time = Facts(facts.dimension, time=True)
+        return Add((new, value), (1, -1), expr.span), joined(facts.dimension, False, [facts, time])
 
     def _if(self, expr: Call, scope: Scope) -> Checked:
         if len(expr.arguments) != 3:

@@ -135,6 +135,7 @@ class _Checker(Checks):
             "bodies": self.bodies,
             "drawings": Drawings(self.shared),
             "methods": self.methods,
+            "exacts": self.scenes.exacts_of,
             "scenes": self.scenes,
         }
 
