@@ -7,8 +7,8 @@ from pathlib import Path
 import mpmath as mp
 import numpy as np
 import pytest
-from conftest import ran, run_pkgen
 
+from conftest import ran, run_pkgen
 from pkgen.compiler import check_model
 from pkgen.front.read import from_text
 from pkgen.functions import FUNCTIONS

@@ -48,6 +48,7 @@ dn(u, m)          the derivative of am by u, sqrt(1 - m*sn(u, m)^2)
 kepler(M, e)      the eccentric anomaly E of the mean one: E - e*sin(E) = M, e from 0 to 1
 if(CONDITION, a, b)  a where the condition holds, else b: if(x > 0 and not t > 2, a, b)
 integral(EXPR)    in observe: what adds up from 0 on, with 'while CONDITION' while it holds
+error(NAME)       by how much NAME is off its closed form, 'exact NAME = …'
 power(NAME)       the power of a force or torque with a name
 dot(u, v)         the scalar product of two vectors
 cross(u, v)       the vector product

@@ -98,6 +98,8 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
             continue
         index = None if side.index is None else Number(Fraction(side.index), scene.span)
         value = _power(model, side) or _error(model, scene, side)
+        if value is None and _inside(side.name):
+            continue
         value = value or Name(side.name, index, scene.span)
         for _ in range(side.order):
             value = Prime(value, scene.span)
