@@ -302,6 +302,7 @@ class Scene:
     swarm: Range | None = None
     expects: tuple[Expect, ...] = ()
     exacts: tuple[Exact, ...] = ()  # those of the model among them, where they are valid
+    consistent: Span | None = None  # position of `start consistent`
     method_span: Span | None = None
     misfits: tuple[Diagnostic, ...] = ()  # errors that sizes from the command line cause
 
@@ -342,3 +343,4 @@ class Model:
     loads: tuple[Load, ...] = ()
     methods: tuple[Own, ...] = ()  # methods that the model defines
     exacts: tuple[Exact, ...] = ()
+    consistent: Span | None = None  # position of `start consistent`

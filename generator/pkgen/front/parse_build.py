@@ -246,6 +246,8 @@ class Build(Transformer):
         return st.Joint(left, (parent, child), to, kind, *said)
 
     def start_at(self, word, *items):
+        if isinstance(items[0], Token):
+            return st.StartAt((), _over(word, items[0]), str(items[0]))
         return st.StartAt(items, _over(word, items[-1].value))
 
     def end_of_scene(self, word):

@@ -259,9 +259,12 @@ class StartItem:
 
 @record
 class StartAt:
+    """`start a = EXPR, …`, or `start consistent`, whose word is `how`."""
+
     keyword: ClassVar[str] = "start"
     items: tuple[StartItem, ...]
     span: Span
+    how: str = ""
 
 
 @record

@@ -28,7 +28,7 @@ SYNTAX = {
     "draw": "SHAPE [drawn] part* [_COMMA also]",
     "body": "several clause*",
     "joint": "several COLON end WORD end WORD [item] clause*",
-    "start_at": "start_item (_COMMA start_item)*",
+    "start_at": "(start_item (_COMMA start_item)* | NAME)",
     "method": "NAME [TABLEAU FILE] [STEP item] [RTOL item]",
     "record": "item (_COMMA item)* [every] [at]",
     "swarm": "range",

@@ -105,6 +105,8 @@ def system_entries(program: Program) -> dict[str, object]:
         entries["switches.sides"] = f"offsetof(struct {e.model.name}_params, side_)"
     if e.impulsive:
         entries["switches.impulses"] = f"{own}_impulses"
+    if e.model.consistent:
+        entries["consistent"] = 1
     if e.counted:
         entries["counted"] = f"{own}_counted"
     for rows, end, names in (

@@ -215,6 +215,7 @@ class _Checker(Checks):
         parts["inputs"] = tuple(self._input(*i) for i in parts["inputs"])
         said = {"name": head.name, "description": head.description, "span": head.span}
         source, dimensionless = self.file.source, self.dimensionless
+        parts["consistent"] = self.dynamics.consistent
         return m.Model(source=source, dimensionless=dimensionless, **said, **parts)
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:

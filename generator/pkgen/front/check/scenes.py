@@ -188,6 +188,7 @@ class _Scene(Given):
             holds=tuple(self.holds),
             swarm=self.members,
             expects=tuple(self.expects),
+            consistent=self.consistent,
             **self.said,
         )
 

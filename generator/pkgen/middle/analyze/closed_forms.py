@@ -153,7 +153,7 @@ class _Trial:
         self, x: _Form, name: str, quantity: Node, form: Node, within: float = -1.0
     ) -> Iterator[Diagnostic]:
         found = self._off([quantity, self.g.negate(form)], self.start, within)
-        if found is not None:
+        if found is not None and not self.e.model.consistent:
             starts, minus = found[1:]
             message = f"{name} starts at {starts:.10g}, and its closed form at {-minus:.10g}"
             yield Diagnostic(message, x.span, "correct it, or start where it does")
