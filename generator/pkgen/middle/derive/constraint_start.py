@@ -102,7 +102,7 @@ def at_the_start(
             broken[:] = [Diagnostic(message, consistent, "start nearer to it")]
             broken += _contradiction(c, scaled) if finite else []
         elif near:
-            near += "; or say: start consistent"
+            near += "" if attitudes else "; or say: start consistent"
             broken[0] = replace(broken[0], help=f"the nearest start that holds: {near}")
         elif finite:
             broken += _contradiction(c, scaled)
