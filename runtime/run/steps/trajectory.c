@@ -42,7 +42,7 @@ static enum pk_run_code settle(struct pk_run *run)
     return PK_RUN_DONE;
 }
 
-/* Says where a model begins that finds its start. */
+/* Keeps and says where a model begins that finds its start. */
 static void tell_start(struct pk_run *run)
 {
     enum { SHOWN = 24 };
@@ -52,6 +52,8 @@ static void tell_start(struct pk_run *run)
     const size_t count = it->n_q + it->n;
     char text[SHOWN * 64] = "", name[40];
     size_t used = 0;
+    memcpy(run->settings.q, it->q, it->n_q * sizeof *it->q);
+    memcpy(run->settings.v, it->v, it->n * sizeof *it->v);
     for (size_t k = 0; k < count && k < SHOWN; k++) {
         const int rate = k >= it->n_q;
         const size_t i = k - (rate ? it->n_q : 0);
