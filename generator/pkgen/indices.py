@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 from .source import Span
-from .tree import Add, Expr, Multiply, Name, Negate, Number, Range, names
+from .tree import Add, Expr, Multiply, Name, Negate, Number, Range
 
 _MEMBER = re.compile(r"([^\[]+)\[(-?\d+)\](.*)")
 
@@ -60,24 +60,6 @@ def indexed(name: str, index: int | str | None) -> str:
         return name
     end = re.search(r"[.)]|$", name).start()
     return f"{name[:end]}[{index}]{name[end:]}"
-
-
-def form_of(forms: Iterable, name: str, index: Expr | None, values: Mapping[str, int]):
-    """Returns the closed form (model.Exact) of NAME or NAME[index]: that of the member, else that
-    of the family; None if there is none."""
-    family = None
-    for form in forms:
-        if form.name != name or (index is None) != (form.index is None and form.range is None):
-            continue
-        if form.range is not None:
-            family = form
-        elif index is None or (not names(index) - {*values} and _same(form.index, index, values)):
-            return form
-    return family
-
-
-def _same(a: Expr, b: Expr, values: Mapping[str, int]) -> bool:
-    return integer(a, values) == integer(b, values)
 
 
 def parted(name: str) -> tuple[str, int | None]:

@@ -15,7 +15,7 @@ import numpy
 from ..compiler import Compilation, compile_model
 from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.read import allowing, read
-from ..indices import parted
+from ..indices import assignments, indexed, parted
 from ..model import Scene
 from ..own.given import given as own_methods
 from ..run import named
@@ -23,9 +23,9 @@ from ..run.ensemble import Ensemble, Settable
 from ..run.library import load as load_library
 from ..run.simulate import followed
 from ..scenes import lengths
-from ..scenes.exact import closed_forms
 from ..scenes.scene import chosen
 from ..scenes.scene import values as scene_values
+from ..scenes.swarm import Arrays
 from ..system.exits import INTERRUPTED, USAGE
 from ..system.near import near
 from . import arguments
@@ -215,12 +215,18 @@ class Model(Kernels):
     def exact(self, t: ArrayLike) -> dict[str, NDArray[Any]]:
         """The closed forms of the motion (`exact x = …`) at the times t: by name, of t's shape."""
         declared = self.compilation.declared
-        scene = chosen(declared, self.scene) if self.scene else Scene(name="", span=declared.span)
+        scene = Scene(name="", span=declared.span, exacts=declared.exacts)
+        scene = chosen(declared, self.scene) if self.scene else scene
         given = {parted(name): value for name, value in self.params._set.items()}
         known = scene_values(declared, scene, given)
         (times,) = arguments.arrays(t=t)
-        forms = scene.exacts if self.scene else declared.exacts
-        return closed_forms(declared, forms, known, times)
+        arrays, found = Arrays(known.values, "t", times), {}
+        for form in scene.exacts:
+            for loop in assignments((form.range,) if form.range else (), known.sizes):
+                name = indexed(form.name, form.range and loop[form.range.variable])
+                with numpy.errstate(all="ignore"):
+                    found[name] = numpy.full(times.shape, arrays.value(form.value, loop))
+        return found
 
     def show(self, path: str | os.PathLike[str] | None = None) -> Page:
         """Writes an interactive HTML page, NAME.html or `path`: an animation with controls of its
@@ -247,6 +253,14 @@ class Model(Kernels):
             assert prepared.library is not None
             library = load_library(prepared.library)
             return Integrator(prepared, library.run(prepared.settings, idle=True, watch=-1))
+
+    @property
+    def start(self) -> NDArray[Any]:
+        found = super().start
+        if self.compilation.model.consistent:
+            it = self.integrator()
+            found = numpy.array([*it.q, *it.v])
+        return found
 
     # -- equations ----------------------------------------------------------------------------
 

@@ -117,6 +117,14 @@ def outcome(
     if done.not_finite and not compilation.looped:
         constant = not_finite.constant(compilation, dict(settings.parameters))
         messages = f"run: {constant}\n" if constant else messages
+    if compilation.model.consistent and done.report:
+        e, given = compilation.equations, done.given()
+        values = [*given["q"][: e.own], *given["v"]]
+        names = (x.name for x in (*e.coordinates[: e.own], *e.rates))
+        done.report["start"] = start = dict(zip(names, values, strict=True))
+        messages = (
+            f"run: start: {', '.join(f'{k} = {x:.12g}' for k, x in start.items())}\n{messages}"
+        )
     return Outcome(done.code, done.report, ensemble.placed(messages) if ensemble else messages)
 
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ..front.check.options_text import LeftSide, OptionError, left_side
-from ..indices import form_of, indexed, integer, parted
+from ..indices import indexed, integer, parted
 from ..middle.quantities import ends, sizes
 from ..middle.specialise import with_definitions
 from ..model import (
@@ -26,7 +26,7 @@ from ..model import (
     State,
     multipliers,
 )
-from ..tree import AXES, Add, Call, Expr, Name, Number, Prime, names, of_member, replaced
+from ..tree import AXES, Call, Expr, Name, Number, Prime, names, of_member, replaced
 from . import expects
 
 
@@ -98,10 +98,7 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
         if unit is None or (name.startswith("p_") and name[2:] in held):
             continue
         index = None if side.index is None else Number(Fraction(side.index), scene.span)
-        value = _power(model, side) or _error(model, scene, side)
-        if value is None and _inside(side.name):
-            continue
-        value = value or Name(side.name, index, scene.span)
+        value = _power(model, side) or Name(side.name, index, scene.span)
         for _ in range(side.order):
             value = Prime(value, scene.span)
         name += "'" * side.order
@@ -121,32 +118,8 @@ def _power(model: Model, side: LeftSide) -> Expr | None:
     return None
 
 
-def _error(model: Model, scene: Scene, side: LeftSide) -> Expr | None:
-    """Returns by how much a quantity is off its closed form if it is meant by `error(NAME)`, else
-    None."""
-    index = None if side.index is None else Number(Fraction(side.index), scene.span)
-    form = form_of(scene.exacts, _inside(side.name), index, sizes(model))
-    if form is None:
-        return None
-    value = form.value
-    if form.range is not None:
-        lo, hi = ends(model, form.range)
-        if not lo <= side.index <= hi:
-            return None
-        value = of_member(value, form.range.variable, index)
-    return Add((Name(form.name, index, form.span), value), (1, -1), form.span)
-
-
-def _inside(name: str) -> str:
-    """Returns NAME of `error(NAME)`, else ""."""
-    return name[len("error(") : -1] if name.startswith("error(") else ""
-
-
 def _unit(model: Model, side: LeftSide) -> str | None:
     """Returns the unit of a quantity that can be recorded but is no output, else None."""
-    if of := _inside(side.name):
-        observed = {item.name: item.unit for item in (*model.observed, *model.definitions)}
-        return observed.get(of) if of in observed else _unit(model, replace(side, name=of, order=0))
     if side.name in ("L", "T", "V") and side.index is None and not side.order:
         return "" if model.dimensionless else "J"
     own = side.name, side.order

@@ -45,11 +45,6 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
  * `it` is an initialised integrator; it does the same after each of its steps. Fails with
  * PK_NO_PROJECTION or PK_NOT_FINITE. */
 enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-/* Moves q and v to the nearest state on the constraints, in the metric of M at (q, v), as an
- * integrator does at the start of a model that says `start consistent`. Fails with
- * PK_NO_PROJECTION, and as pk_constraint_residuals(). */
-enum pk_status pk_constraint_nearest(const struct pk_problem *problem, pk_real t, pk_real *q,
-                                     pk_real *v, void *block, size_t size);
 /* Returns whether constraint rows are nearly dependent at a state near that of the integrator, so
  * that rounding spoils some or all accelerations and multipliers. */
 int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v);

@@ -218,7 +218,7 @@ struct pk_system {
     /* A flag for each switch, or NULL. 1: the equations jump at every integer of the switch's value
      * u, as floor(u) does. Its side is then 2 n + 1 while n <= u <= n + 1. */
     const unsigned char *counted;
-    int consistent; /* whether a start is moved to the nearest state on the constraints */
+    int consistent; /* whether pk_integrator_reset() moves to the nearest state on constraints */
     /* Add new members here, at the end. */
 };
 

@@ -201,18 +201,6 @@ static const char *start(struct settings *s)
                : "there is no such start or input";
 }
 
-/* Finds the start of a model that says `start consistent`. Where none is found the start stays as
- * given, and the run fails. */
-static const char *consistent(struct settings *s)
-{
-    if (PK_SYSTEM_HAS(s->system, consistent)) {
-        const struct pk_problem problem = run_problem(s->run);
-        const size_t size = pk_constraint_size(&problem);
-        pk_constraint_nearest(&problem, 0, s->q, s->v, memory_take(s->memory, size, 1), size);
-    }
-    return NULL;
-}
-
 /* Returns the number of quantities of the model that a column of this kind may show. */
 static size_t count_of(const struct settings *s, char kind)
 {
@@ -335,7 +323,7 @@ enum pk_run_code settings_take(struct pk_run *run)
     const struct pk_run_model *model = run->model;
     static const char *(*const each[])(struct settings *s) = {
         lists, steps,   sizes,        parameters, prepare,
-        start, consistent, columns, expectations, members,    reductions};
+        start, columns, expectations, members,    reductions};
     struct settings *s = &run->settings;
     const struct pk_system *system = model->system;
     const char *wrong = NULL, *method = s->asked.method ? s->asked.method : "";

@@ -56,12 +56,6 @@ void report_run(struct pk_run *run, FILE *file)
     json_flag(j, "whole", status >= 0 && !run->beyond && rows_complete(run));
     json_text(j, "not_finite", rows_not_finite(run, text, sizeof text));
     report_motion(j, run);
-    if (PK_SYSTEM_HAS(run->settings.system, consistent)) {
-        json_open(j, "start", '{');
-        json_numbers(j, "q", run->settings.q, run->it.n_q);
-        json_numbers(j, "v", run->settings.v, run->it.n);
-        json_close(j, '}');
-    }
     report_work(j, run);
     subsystems_report(run, j);
     observe_report(run, j);

@@ -42,29 +42,6 @@ static enum pk_run_code settle(struct pk_run *run)
     return PK_RUN_DONE;
 }
 
-/* Keeps and says where a model begins that finds its start. */
-static void tell_start(struct pk_run *run)
-{
-    enum { SHOWN = 24 };
-    const struct pk_system *system = run->settings.system;
-    const void *params = run->settings.params;
-    const struct pk_integrator *it = &run->it;
-    const size_t count = it->n_q + it->n;
-    char text[SHOWN * 64] = "", name[40];
-    size_t used = 0;
-    memcpy(run->settings.q, it->q, it->n_q * sizeof *it->q);
-    memcpy(run->settings.v, it->v, it->n * sizeof *it->v);
-    for (size_t k = 0; k < count && k < SHOWN; k++) {
-        const int rate = k >= it->n_q;
-        const size_t i = k - (rate ? it->n_q : 0);
-        pk_system_name(system, params, rate ? system->rates : system->coordinates, i, name,
-                       sizeof name);
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s = %.12g", k ? ", " : "",
-                                 name, (double)(rate ? it->v[i] : it->q[i]));
-    }
-    run_say(run, "start: %s%s", text, count > SHOWN ? ", ..." : "");
-}
-
 static enum pk_run_code start(struct pk_run *run)
 {
     struct settings *s = &run->settings;
@@ -75,8 +52,10 @@ static enum pk_run_code start(struct pk_run *run)
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0)
         return PK_RUN_FAILED;
-    if (PK_SYSTEM_HAS(s->system, consistent) && !s->asked.resume)
-        tell_start(run);
+    if (PK_SYSTEM_HAS(s->system, consistent)) {
+        memcpy(s->q, run->it.q, run->it.n_q * sizeof *s->q);
+        memcpy(s->v, run->it.v, run->it.n * sizeof *s->v);
+    }
     /* Without a given step size, steps are as long as the interval between rows, which may be too
      * long to detect events. method->resolved() returns an upper limit; for steps of half this
      * length the interpolant is good without extra steps. */

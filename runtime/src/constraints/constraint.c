@@ -16,7 +16,7 @@ size_t pk_constraint_size(const struct pk_problem *problem)
     if (!problem || !problem->system || problem->system->abi != PK_ABI)
         return 0;
     const size_t n = pk_system_count(problem->system, problem->params);
-    return (pk_project_size(problem, n) + problem->system->n_inputs + 1 + 4 * n) * sizeof(pk_real);
+    return (pk_project_size(problem, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
 }
 
 /* Uses the caller's block: it holds the memory of the projection, then the inputs. */
@@ -84,15 +84,6 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
     return pk_all_finite(lambda, w.c) ? PK_DONE : PK_NOT_FINITE;
 }
 
-enum pk_status pk_constraint_nearest(const struct pk_problem *problem, pk_real t, pk_real *q,
-                                     pk_real *v, void *block, size_t size)
-{
-    struct pk_projection w;
-    PK_TRY(begin(&w, problem, t, q, v, block, size));
-    pk_real *const room = (pk_real *)block + size / sizeof(pk_real) - 4 * w.n;
-    return w.c && w.whole && pk_project_nearest(&w, q, v, room) ? PK_NO_PROJECTION : PK_DONE;
-}
-
 enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     int moved;
@@ -137,14 +128,11 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
-    if (PK_SYSTEM_HAS(w.system, consistent)) {
-        const size_t left = pk_project_nearest(&w, q, v, it->own->next);
-        pk_zero(it->own->next, pk_state_offset(it->n_q, it->n, PK_PARTS));
-        if (left)
-            return pk_fail_with(it, PK_NO_PROJECTION,
-                                PK_WHY(.kind = PK_REASON_ROW, .index = left - 1,
-                                       .value = left <= w.h ? w.phi[left - 1] : 0));
-    }
+    const int found = !PK_SYSTEM_HAS(w.system, consistent) ||
+                      pk_project_nearest(&w, q, v, pk_next(it, PK_Q));
+    pk_zero(pk_next(it, PK_Q), it->n_q);
+    if (!found)
+        return pk_fail_with(it, PK_NO_PROJECTION, PK_WHY(.kind = PK_REASON_NO_START));
     const int singular = pk_project_inertia(&w, q, v);
     if (singular)
         return pk_eval_failed(it, it->t, q, v, singular);
@@ -266,6 +254,8 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                       "%s: at t = %.9g %s ends or depends on others, and behind it the branch of "
                       "the motion cannot be told",
                       what, (double)reason->time, name);
+    case PK_REASON_NO_START:
+        return pk_say(it, text, size, "%s: no start on them is found near the given values", what);
     case PK_REASON_NO_ROW:
         return pk_say(it, text, size, "%s", what);
     case PK_REASON_QUATERNION:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import reduce
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
-from ...indices import form_of, integer
+from ...indices import integer
 from ...model import Exact
 from ...source import Span
 from ...system.near import meant
@@ -140,22 +140,20 @@ class Calls(RotationCalls):
         """Checks error(x), by how much x is off its closed form, which becomes x - EXPR."""
         (argument,) = expr.arguments
         new, facts = self.check(argument, scope)
-        form = None
-        if isinstance(argument, Name):
-            form = form_of(self.exacts, argument.id, argument.index, self.sizes)
+        name = argument.id if isinstance(argument, Name) else ""
+        form = next((x for x in self.exacts if x.name == name), None)
         if form is None:
-            known = ", ".join(dict.fromkeys(x.name for x in self.exacts))
-            help = f"closed forms are given of: {known}" if known else "say it: exact x = EXPR"
+            help = f"closed forms are given of: {', '.join(x.name for x in self.exacts)}"
+            help = help if self.exacts else "say it: exact x = EXPR"
             raise Wrong(f"{self.text(argument)} has no closed form here", help, argument)
-        value, range_ = form.value, form.range
-        if range_ is not None:
-            ends = Members(tuple(integer(end, self.sizes) for end in (range_.lo, range_.hi)))
-            entry = replace(self.names.table[argument.id], members=ends, kind="member")
+        value = form.value
+        if form.range is not None:
+            ends = tuple(integer(end, self.sizes) for end in (form.range.lo, form.range.hi))
+            entry = replace(self.names.table[name], members=Members(ends), kind="member")
             if not self.indices.member(argument, entry, scope):
                 raise Wrong
-            value = of_member(value, range_.variable, argument.index)
-        time = Facts(facts.dimension, time=True)
-        return Add((new, value), (1, -1), expr.span), joined(facts.dimension, False, [facts, time])
+            value = of_member(value, form.range.variable, argument.index)
+        return Add((new, value), (1, -1), expr.span), joined(facts.dimension, False, [facts])
 
     def _if(self, expr: Call, scope: Scope) -> Checked:
         if len(expr.arguments) != 3:

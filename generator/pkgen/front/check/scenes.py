@@ -51,7 +51,7 @@ class Scenes(Checks):
         for clause in swarms[1:]:
             self.second("swarm", clause.span)
         one = _Scene(self, swarms[0].range if swarms else None)
-        self.exacts[:] = one.said["exacts"] = self.exacts_of.of_scene(scene)
+        one.said["exacts"] = self.exacts_of.of_scene(scene)
         for clause in scene.clauses:
             one.clause(clause)
         self.parts["scenes"].append(one.made(scene))
