@@ -14,6 +14,7 @@ import numpy
 
 from ..compiler import Compilation, compile_model
 from ..defaults import ITERATIONS, MAX_STEPS
+from ..front.check.values import NoValue
 from ..front.read import allowing, read
 from ..indices import assignments, indexed, parted
 from ..model import Scene
@@ -224,8 +225,11 @@ class Model(Kernels):
         for form in scene.exacts:
             for loop in assignments((form.range,) if form.range else (), known.sizes):
                 name = indexed(form.name, form.range and loop[form.range.variable])
-                with numpy.errstate(all="ignore"):
-                    found[name] = numpy.full(times.shape, arrays.value(form.value, loop))
+                try:
+                    with numpy.errstate(all="ignore"):
+                        found[name] = numpy.full(times.shape, arrays.value(form.value, loop))
+                except (NoValue, KeyError) as error:
+                    raise UsageError(f"the closed form of {name}: {error}") from None
         return found
 
     def show(self, path: str | os.PathLike[str] | None = None) -> Page:

@@ -8,6 +8,7 @@ arithmetic-geometric mean of 1 and sqrt(1 - m); J. Danby, Fundamentals of Celest
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from .interval import POSITIVE
 from .row import DIVISOR, Function
@@ -55,6 +56,16 @@ def _kepler(M: float, e: float) -> float:
     return M + d + 0 * math.sqrt(e - e * e)
 
 
+def _array(real: Callable[..., float]) -> Callable:
+    def known(*x: float) -> float:
+        try:
+            return real(*x)
+        except ValueError:
+            return math.nan
+
+    return lambda np, *x: np.vectorize(known, otypes=[float])(*x)
+
+
 def _dn(g, am, m):
     """Returns dn = sqrt(cos^2 + (1 - m) sin^2) of the amplitude, the derivative of am by u."""
     squares = (g.power(g.call(name, am), 2) for name in ("cos", "sin"))
@@ -76,7 +87,8 @@ _MEANS = f"""\
         r[n] = (a - b) / (a + b);
         a = (a + b) / 2;
         b = mean;
-        rest[n++] = b / a;
+        rest[n] = b / a;
+        n++;
     }} while (1 + r[n - 1] * r[n - 1] > 1 && n < {_MOST});
 """
 
@@ -84,20 +96,20 @@ ELLIPTIC: dict[str, Function] = {
     "ellipk": Function(
         arguments=("m",),
         real=_ellipk,
-        array=lambda np, m: np.vectorize(_ellipk, otypes=[float])(m),
+        array=_array(_ellipk),
         undefined=lambda m: "ellipk of a number that is not below 1" if m >= 1 else "",
         derivative=lambda g, n, m: (g.number(0),),
         still="m",
         interval=lambda m: POSITIVE,
-        steps=_MEANS,
-        body="PK_F(acos)(0) / b",
+        steps=_MEANS.replace(f", rest[{_MOST}]", "").replace("        rest[n] = b / a;\n", ""),
+        body="PK_F(acos)(0 * a) / b",
         note="The complete elliptic integral K(m), by the arithmetic-geometric mean.",
         sympy="elliptic_k",
     ),
     "am": Function(
         arguments=("u", "m"),
         real=_am,
-        array=lambda np, u, m: np.vectorize(_am, otypes=[float])(u, m),
+        array=_array(_am),
         undefined=lambda u, m: "am of a parameter beyond 1" if m > 1 else "",
         derivative=lambda g, n, u, m: (_dn(g, n, m), g.number(0)),
         still="m",
@@ -117,12 +129,12 @@ ELLIPTIC: dict[str, Function] = {
     "kepler": Function(
         arguments=("M", "e"),
         real=_kepler,
-        array=lambda np, M, e: np.vectorize(_kepler, otypes=[float])(M, e),
+        array=_array(_kepler),
         undefined=lambda M, e: "" if 0 <= e <= 1 else "kepler of an eccentricity outside [0, 1]",
         derivative=lambda g, n, M, e: _along_orbit(g, n, e),
         singular=lambda g, M, e: (g.subtract(g.number(1), e), DIVISOR),
         steps="""\
-    const pk_real far = PK_F(acos)(-1) - PK_F(acos)(PK_F(cos)(M)), side = PK_F(sin)(M);
+    const pk_real far = PK_F(acos)(0 * e - 1) - PK_F(acos)(PK_F(cos)(M)), side = PK_F(sin)(M);
     pk_real d = (e < far ? e : far) * (side < 0 ? -1 : 1), step = 4, last;
     do {
         const pk_real slope = 1 - e * PK_F(cos)(M + d);

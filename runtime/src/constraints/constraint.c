@@ -128,10 +128,8 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
-    const int found = !PK_SYSTEM_HAS(w.system, consistent) ||
-                      pk_project_nearest(&w, q, v, pk_next(it, PK_Q));
-    pk_zero(pk_next(it, PK_Q), it->n_q);
-    if (!found)
+    if (PK_SYSTEM_HAS(w.system, consistent) && !it->count.steps &&
+        !pk_project_nearest(&w, q, v, pk_next(it, PK_Q)))
         return pk_fail_with(it, PK_NO_PROJECTION, PK_WHY(.kind = PK_REASON_NO_START));
     const int singular = pk_project_inertia(&w, q, v);
     if (singular)
