@@ -30,9 +30,9 @@ from .front import parse
 from .front.check import check
 from .methods import Own
 from .middle.analyze import analyze
-from .middle.analyze.closed_forms import check_exact
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
+from .middle.derive.closed_forms import check_exact
 from .middle.derive.first_degree import as_states
 from .middle.derive.legendre import in_pairs
 from .middle.loops.indexed_ir import Unrolled

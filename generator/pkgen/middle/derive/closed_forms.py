@@ -20,9 +20,9 @@ from ...indices import assignments, indexed, parted
 from ...model import Definition, Exact, Model
 from ...source import Diagnostic, ModelError
 from ...tree import Name, Number, Prime, of_member
-from ..derive import derive
 from ..points.singularities import defaults
 from ..quantities import families, sizes
+from .derive import derive
 
 MOST = 200  # coordinates and states; of more, closed forms are not tried
 TIMES = (1e-6, 1e-3, 0.03, 0.13, 0.29, 0.57, 0.83)  # as parts of the run
@@ -57,7 +57,7 @@ def check_exact(
             outputs.append(item.within or Number(Fraction(0), item.span))
     more = (Definition("0_exact", None, None, x, "", "", x.span) for x in outputs)
     observed = (*model.observed, *model.conserved, *more)
-    e = derive.derive(replace(model, observed=observed, conserved=(), events=()), frozenset())
+    e = derive(replace(model, observed=observed, conserved=(), events=()), frozenset())
     g, nodes = e.graph, e.observed[-len(outputs) :]
 
     def changed(k: int, default: float) -> float:
