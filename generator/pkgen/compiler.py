@@ -32,6 +32,7 @@ from .methods import Own
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
+from .middle.derive.closed_forms import check_exact
 from .middle.derive.first_degree import as_states
 from .middle.derive.legendre import in_pairs
 from .middle.loops.indexed_ir import Unrolled
@@ -150,6 +151,7 @@ def stages(
             from .middle.loops.proofs import with_proofs
 
             equations = with_proofs(equations, file, use.of, symmetric)
+    check_exact(*use.exact(declared))
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts

@@ -287,6 +287,14 @@ class Hold(Given):
 
 
 @record
+class Exact(Given):
+    """`exact NAME = EXPR within TOL`: a closed form of the motion, a function of t. With TOL, it
+    holds for what the model approximates, and only its start is tried."""
+
+    within: Expr | None
+
+
+@record
 class Expect:
     """`expect A = B within TOL at T`; T is a time or an event; without T, at all recorded times."""
 
@@ -318,6 +326,8 @@ class Scene:
     accuracy: Expr | None = None
     swarm: Range | None = None
     expects: tuple[Expect, ...] = ()
+    exacts: tuple[Exact, ...] = ()  # those of the model among them, where they are valid
+    consistent: Span | None = None  # position of `start consistent`
     method_span: Span | None = None
     misfits: tuple[Diagnostic, ...] = ()  # errors that sizes from the command line cause
 
@@ -365,3 +375,5 @@ class Model:
         keys = "".join(table.key for table in self.tables)
         text = self.source.sha256
         return hashlib.sha256((text + keys).encode()).hexdigest() if keys else text
+    exacts: tuple[Exact, ...] = ()
+    consistent: Span | None = None  # position of `start consistent`

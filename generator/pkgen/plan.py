@@ -68,6 +68,10 @@ class Use:
         """Returns the model with parameters that are fixed and coordinates that are held."""
         return declared, ()
 
+    def exact(self, declared: Model) -> tuple:
+        """Returns the arguments of check_exact(), which tries closed forms."""
+        return declared, declared.exacts
+
     def needs(self, used: Model) -> Needs | None:
         """Returns the needed outputs (None: all)."""
         return None

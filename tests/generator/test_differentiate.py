@@ -34,6 +34,9 @@ def test_rule_against_differences(name):
             side += evaluate(g, [node], moved)
         numeric = (side[0] - side[1]) / (2 * h)
         (exact,) = evaluate(g, [found.get(symbol, ZERO)], values)
+        if FUNCTIONS[name].arguments[i] == FUNCTIONS[name].still:
+            assert exact == 0 and abs(numeric) > 1e-3  # models may not let it move
+            continue
         assert math.isclose(exact, numeric, rel_tol=1e-8, abs_tol=1e-8), (name, i)
         smooth = FUNCTIONS[name].smooth and (name != "select" or i == 1)
         assert not smooth or abs(exact) > 1e-3

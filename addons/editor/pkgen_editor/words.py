@@ -40,8 +40,15 @@ floor(x)          the largest whole number up to x; it jumps, and steps end ther
 ceil(x)           the smallest whole number from x on
 round(x)          the nearest whole number; halves go up
 mod(a, b)         a - b*floor(a/b)
+ellipk(m)         the complete elliptic integral K of the parameter m, the modulus squared
+am(u, m)          Jacobi's amplitude; its m, up to 1, may not move
+sn(u, m)          Jacobi's elliptic sine, sin(am(u, m))
+cn(u, m)          Jacobi's elliptic cosine, cos(am(u, m))
+dn(u, m)          the derivative of am by u, sqrt(1 - m*sn(u, m)^2)
+kepler(M, e)      the eccentric anomaly E of the mean one: E - e*sin(E) = M, e from 0 to 1
 if(CONDITION, a, b)  a where the condition holds, else b: if(x > 0 and not t > 2, a, b)
 integral(EXPR)    in observe: what adds up from 0 on, with 'while CONDITION' while it holds
+error(NAME)       by how much NAME is off its closed form, 'exact NAME = …'
 power(NAME)       the power of a force or torque with a name
 dot(u, v)         the scalar product of two vectors
 cross(u, v)       the vector product

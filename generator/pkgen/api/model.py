@@ -14,7 +14,10 @@ import numpy
 
 from ..compiler import Compilation, compile_model
 from ..defaults import ITERATIONS, MAX_STEPS
+from ..front.check.values import NoValue
 from ..front.read import allowing, read
+from ..indices import assignments, indexed, parted
+from ..model import Scene
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
@@ -22,6 +25,8 @@ from ..run.library import load as load_library
 from ..run.simulate import followed
 from ..scenes import lengths
 from ..scenes.scene import chosen
+from ..scenes.scene import values as scene_values
+from ..scenes.swarm import Arrays
 from ..system.exits import INTERRUPTED, USAGE
 from ..system.near import near
 from . import arguments
@@ -37,6 +42,8 @@ from .prepare import prepare
 from .result import Result
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
     from .symbols import Symbolic, Typeset
 
 
@@ -211,6 +218,26 @@ class Model(Kernels):
             raise RunError(said, first.get("status", ""), valid, result)
         return result
 
+    @in_words()
+    def exact(self, t: ArrayLike) -> dict[str, NDArray[Any]]:
+        """The closed forms of the motion (`exact x = …`) at the times t: by name, of t's shape."""
+        declared = self.compilation.declared
+        scene = Scene(name="", span=declared.span, exacts=declared.exacts)
+        scene = chosen(declared, self.scene) if self.scene else scene
+        given = {parted(name): value for name, value in self.params._set.items()}
+        known = scene_values(declared, scene, given)
+        (times,) = arguments.arrays(t=t)
+        arrays, found = Arrays(known.values, "t", times), {}
+        for form in scene.exacts:
+            for loop in assignments((form.range,) if form.range else (), known.sizes):
+                name = indexed(form.name, form.range and loop[form.range.variable])
+                try:
+                    with numpy.errstate(all="ignore"):
+                        found[name] = numpy.full(times.shape, arrays.value(form.value, loop))
+                except (NoValue, KeyError) as error:
+                    raise UsageError(f"the closed form of {name}: {error}") from None
+        return found
+
     def show(self, path: str | os.PathLike[str] | None = None) -> Page:
         """Writes an interactive HTML page, NAME.html or `path`: an animation with controls of its
         parameters (`pkgen show`). A notebook shows the page. Raises UsageError."""
@@ -236,6 +263,14 @@ class Model(Kernels):
             assert prepared.library is not None
             library = load_library(prepared.library)
             return Integrator(prepared, library.run(prepared.settings, idle=True, watch=-1))
+
+    @property
+    def start(self) -> NDArray[Any]:
+        found = super().start
+        if self.compilation.model.consistent:
+            it = self.integrator()
+            found = numpy.array([*it.q, *it.v])
+        return found
 
     # -- equations ----------------------------------------------------------------------------
 

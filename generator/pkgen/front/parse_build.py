@@ -200,6 +200,11 @@ class Build(Transformer):
 
     names = holds = pairs
 
+    def exact(self, word, *rest):
+        *items, within = rest
+        last = within or items[-1][1]
+        return st.Exact(tuple(items), within, _over(word, last))
+
     def single(self, word, value):
         return st.Single(str(word), value, _over(word, value))
 
@@ -256,6 +261,8 @@ class Build(Transformer):
         return st.Table(*given, self.comment, span)
 
     def start_at(self, word, *items):
+        if isinstance(items[0], Token):
+            return st.StartAt((), _over(word, items[0]), str(items[0]))
         return st.StartAt(items, _over(word, items[-1].value))
 
     def end_of_scene(self, word):

@@ -97,7 +97,9 @@ def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
         return Diagnostic(f"a statement cannot start with '{shown}'", span, help)
     near = get_close_matches(shown.lower(), sorted(STATEMENTS), 1, 0.7)
     line = source.text[first.start_pos : lexed.span.end]
-    if shown not in STATEMENTS and (help := foreign.statement(line)):
+    if shown in STATEMENTS:
+        help = f"the form is: {STATEMENTS[shown].form}"
+    elif help := foreign.statement(line):
         pass
     elif near and (len(types) < 2 or types[1] not in ("EQUAL", "LINDEX", "PRIME")):
         help = f"did you mean '{near[0]}'?"

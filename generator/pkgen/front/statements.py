@@ -129,6 +129,16 @@ class Pairs:
 
 
 @record
+class Exact:
+    """`exact x = EXPR, … within TOL`."""
+
+    keyword: ClassVar[str] = "exact"
+    items: tuple[tuple[Left, Expr], ...]
+    within: Expr | None
+    span: Span
+
+
+@record
 class Single:
     """`kinetic`, `potential`, `lagrangian` or `dissipation` EXPR; in a scene `until` or `accuracy`
     EXPR."""
@@ -249,9 +259,12 @@ class StartItem:
 
 @record
 class StartAt:
+    """`start a = EXPR, …`, or `start consistent`, whose word is `how`."""
+
     keyword: ClassVar[str] = "start"
     items: tuple[StartItem, ...]
     span: Span
+    how: str = ""
 
 
 @record
@@ -321,7 +334,7 @@ class Expect:
     span: Span
 
 
-Clause = StartAt | Pairs | Single | Method | Record | Swarm | Expect
+Clause = StartAt | Pairs | Exact | Single | Method | Record | Swarm | Expect
 
 
 @record
@@ -347,6 +360,7 @@ Statement = (
     | Define
     | Declare
     | Pairs
+    | Exact
     | Single
     | Equation
     | Event

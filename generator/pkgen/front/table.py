@@ -18,6 +18,7 @@ SYNTAX = {
     "declare": "declared (_COMMA declared)*",
     "pairs": "pair (_COMMA pair)*",
     "names": "left (_COMMA left)*",
+    "exact": "pair (_COMMA pair)* [within]",
     "holds": "(pair | left) (_COMMA (pair | left))*",
     "single": "item",
     "force": "(left [at] | point) EQUAL item",
@@ -27,7 +28,7 @@ SYNTAX = {
     "draw": "SHAPE [drawn] part* [_COMMA also]",
     "body": "several clause*",
     "joint": "several COLON end WORD end WORD [item] clause*",
-    "start_at": "start_item (_COMMA start_item)*",
+    "start_at": "(start_item (_COMMA start_item)* | NAME)",
     "method": "NAME [TABLEAU FILE] [STEP item] [RTOL item]",
     "record": "item (_COMMA item)* [every] [at]",
     "table": "NAME EQUAL STRING column (_COMMA column)* [ARROW column] table_word*",
@@ -73,6 +74,7 @@ draw        draw     drawings.draw       drawings    -     -      bob P radius 0
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]
 method      method   methods.declare     methods     -     -      NAME tableau FILE
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE
+exact       exact    exacts.exact        exacts      -     -      x = EXPRESSION of t
 scene       head     scenes.head         scenes      first -      NAME
 """
 # These words are keywords only at the start of a statement; elsewhere they are names.
@@ -90,6 +92,7 @@ method   method       scene.method   one  rk4 step 0.01 [s]
 record   record       scene.record   one  a, energy every 0.01 [s]
 swarm    swarm        scene.swarm    many k = 1..1000
 expect   expect       scene.expect   many A = B within 1e-6 at 2 [s]
+exact    exact        scene.exact    many x = EXPRESSION of t
 end      end_of_scene scene.end      many
 """
 

@@ -1,19 +1,21 @@
 """The table of scalar functions of the language: one row per function, for all compiler stages.
 
-To add a function, add a row to `smooth.py` or `kinked.py`; `row.py` explains the fields. The
-functions in a row get the compiler's objects that they use (such as the graph) as arguments, so
-that rows import no compiler code.
+To add a function, add a row to `smooth.py`, `elliptic.py` or `kinked.py`; `row.py` explains the
+fields. The functions in a row get the compiler's objects that they use (such as the graph) as
+arguments, so that rows import no compiler code.
 """
 
 from __future__ import annotations
 
 from . import tables
+from .elliptic import ELLIPTIC
 from .kinked import KINKED
 from .row import Function
 from .smooth import SMOOTH
 
 FUNCTIONS: dict[str, Function] = {
     **{name: row for name, row in SMOOTH.items() if not row.internal},
+    **ELLIPTIC,
     **KINKED,
     **{name: row for name, row in SMOOTH.items() if row.internal},
 }
@@ -29,7 +31,7 @@ def add_table(name: str, key: str, data: tables.Data) -> None:
 SIDE = "side_"
 # Numbers of arguments of functions that front/check/calls.py rewrites: ln(x) becomes log(x). It
 # rewrites min and max of more than two arguments too.
-WRITTEN_OUT = {"ln": 1, "clamp": 3, "ceil": 1, "round": 1, "mod": 2}
+WRITTEN_OUT = {"ln": 1, "clamp": 3, "ceil": 1, "round": 1, "mod": 2, "sn": 2, "cn": 2, "dn": 2}
 # Maps names that other languages give to functions to the names in this language. Error messages
 # suggest the name in this language.
 MEANT = {

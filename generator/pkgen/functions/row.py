@@ -87,6 +87,8 @@ class Function:
     ends: tuple[int, ...] = ()
     # A callable (g, a, b) -> (a node that must not vanish, the reason as a `Singularity.use`).
     singular: Callable | None = None
+    # The argument that must not move, since the derivative by it is not known; "" for none.
+    still: str = ""
     # Whether the function vanishes exactly where its argument vanishes.
     like_argument: bool = False
     # If not 0, the function varies in a range of short width. Where |short x| > 36, it is constant,
@@ -97,6 +99,8 @@ class Function:
     c: str = ""
     # The body of a C helper function, which must propagate NaN; "" if <math.h> has the function.
     body: str = ""
+    # C statements before the `return` of `body`.
+    steps: str = ""
     # A C comment on the line of `body`.
     remark: str = ""
     # A C comment above the helper function.

@@ -120,6 +120,14 @@ def outcome(
     strict = ", ".join(x.name for x in compilation.model.tables if x.outside == "error")
     if strict and done.report["status"] == "PK_NOT_FINITE":
         messages += f"run: there are no values outside of the data of {strict}; 'hold' goes on\n"
+    if compilation.model.consistent and done.report:
+        e, given = compilation.equations, done.given()
+        values = [*given["q"][: e.own], *given["v"]]
+        names = (x.name for x in (*e.coordinates[: e.own], *e.rates))
+        done.report["start"] = start = dict(zip(names, values, strict=True))
+        messages = (
+            f"run: start: {', '.join(f'{k} = {x:.12g}' for k, x in start.items())}\n{messages}"
+        )
     return Outcome(done.code, done.report, ensemble.placed(messages) if ensemble else messages)
 
 

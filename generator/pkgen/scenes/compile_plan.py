@@ -91,6 +91,10 @@ class SceneUse(Use):
         if scene.swarm is not None and not self.swarm:
             place = declared.source.place(scene.swarm.span)
             raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
+        if self.many(scene) and (at := declared.consistent or scene.consistent):
+            place = declared.source.place(at)
+            why = "the members of an ensemble start as they are given"
+            raise UsageError(f"{place}: 'start consistent' is for one run: {why}")
         if self.columns is not None:
             columns = scene_model.written_out(declared, self.columns, scene)
             scene = scene_model.recording(declared, scene, columns)
@@ -100,12 +104,21 @@ class SceneUse(Use):
         used, of_holds = held(used, scene, self.events(scene))
         return used, (*lines, *of_holds)
 
+    def exact(self, declared: Model) -> tuple:
+        scene = self.chosen(declared)
+        if not scene.exacts:
+            return declared, ()
+        used, _ = held(scene_model.used(declared, scene, self.run_time), scene)
+        found = scenes.values(declared, scene, {})
+        return used, scene.exacts, found.values, scenes.numbers(declared, scene, {}).until
+
     def needs(self, used: Model) -> Needs | None:
         scene = self.chosen(used)
         columns = self.columns and scene_model.written_out(used, self.columns)
         if columns is None and scene.record is not None:
             columns = tuple(scene_model.columns(scene))
-        if columns is None or frozenset(REDUCTIONS) <= self.off:
+        # A reduction takes momenta of the start as it is given.
+        if columns is None or frozenset(REDUCTIONS) <= self.off or used.consistent:
             return None
         method = known(used.methods).get(self.method or scene.method)
         if method is not None and "fast" in method.requires:

@@ -49,6 +49,7 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
         _driven(model, scene, given),
         starts=(*model.starts, *(_first(scene, start) for start in scene.starts)),
         observed=(*model.observed, *outputs),
+        consistent=model.consistent or scene.consistent,
     )
 
 

@@ -15,7 +15,7 @@ from ..system.exits import UsageError
 from . import scene as scenes
 
 OPTIONS = "0_options"  # name of the scene made from options if no scene is chosen
-_ACCELERATION = re.compile(r".*''|omega\(.*'")
+_WRITTEN = re.compile(r".*''|omega\(.*'|error\(")  # columns that are not names
 
 
 def is_motion(text: str) -> bool:
@@ -40,10 +40,13 @@ def with_options(model: Model, options: argparse.Namespace, columns: Iterable[st
     """Extends the chosen scene of a model by functions of t and columns in options. If no scene is
     chosen, adds a scene OPTIONS."""
     lets = {item.name for item in (*model.definitions, *model.inputs)}
-    named = [c for c in columns if lets & _stems(c) or _ACCELERATION.match(c)]
+    named = [c for c in columns if lets & _stems(c) or _WRITTEN.match(c)]
     clauses = [f"set {text}" for text in options.set if is_motion(text)]
     clauses += [f"record {', '.join(named)}"] if named else []
-    made, source = Scene(name=OPTIONS, span=model.span), model.source
+    own = [x for scene in model.scenes if scene.name == options.scene for x in scene.exacts]
+    if clauses and own:
+        clauses += [f"exact {', '.join(model.source.written(x.span) for x in own)}"]
+    made, source = Scene(name=OPTIONS, span=model.span, exacts=model.exacts), model.source
     if clauses:
         made, source = _made(model, clauses)
     model = replace(model, source=source)

@@ -77,31 +77,13 @@ def _unrolled(item: Start, sizes: Mapping[str, int]):
         yield loop, loop[item.range.variable]
 
 
-class _Members(Evaluation):
-    """Evaluates expressions for all members of a swarm at once. The value is an array, with an
-    element per member, if the swarm's variable occurs in the expression, else a number."""
+class Arrays(Evaluation):
+    """Evaluates expressions for all values `count` of a variable at once. The value is an array,
+    with an element for each, if the variable occurs in the expression, else a number."""
 
-    def __init__(self, model: Model, scene: Scene, values: Mapping, count: np.ndarray) -> None:
+    def __init__(self, values: Mapping, variable: str, count: np.ndarray) -> None:
         super().__init__(values)
-        self.model, self.scene, self.count = model, scene, count
-        self.variable = scene.swarm.variable
-
-    def column(self, item: Start, loop: Mapping[str, int]) -> np.ndarray:
-        try:
-            with np.errstate(all="ignore"):
-                found = self.value(item.value, loop)
-        except (NoValue, KeyError) as error:
-            raise self._wrong(item, str(error)) from None
-        found = np.broadcast_to(found, self.count.shape)
-        bad = np.flatnonzero(~np.isfinite(found))
-        if len(bad):
-            k = int(self.count[bad[0]])
-            raise self._wrong(item, f"no finite number for {self.variable} = {k}")
-        return found
-
-    def _wrong(self, item: Start, why: str) -> UsageError:
-        why = f"start {item.name}{item.order * chr(39)}: {why}"
-        return wrong(self.model, self.scene, item.value.span, why)
+        self.variable, self.count = variable, count
 
     def value(self, expr: Expr, sizes: Mapping[str, int]) -> Array:
         if self.variable not in names(expr):
@@ -130,3 +112,28 @@ class _Members(Evaluation):
         if callable(array):
             return array(np, *arguments)
         return getattr(np, array or function)(*arguments)
+
+
+class _Members(Arrays):
+    """Evaluates starts for all members of a swarm."""
+
+    def __init__(self, model: Model, scene: Scene, values: Mapping, count: np.ndarray) -> None:
+        super().__init__(values, scene.swarm.variable, count)
+        self.model, self.scene = model, scene
+
+    def column(self, item: Start, loop: Mapping[str, int]) -> np.ndarray:
+        try:
+            with np.errstate(all="ignore"):
+                found = self.value(item.value, loop)
+        except (NoValue, KeyError) as error:
+            raise self._wrong(item, str(error)) from None
+        found = np.broadcast_to(found, self.count.shape)
+        bad = np.flatnonzero(~np.isfinite(found))
+        if len(bad):
+            k = int(self.count[bad[0]])
+            raise self._wrong(item, f"no finite number for {self.variable} = {k}")
+        return found
+
+    def _wrong(self, item: Start, why: str) -> UsageError:
+        why = f"start {item.name}{item.order * chr(39)}: {why}"
+        return wrong(self.model, self.scene, item.value.span, why)

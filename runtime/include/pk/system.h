@@ -222,6 +222,7 @@ struct pk_system {
     /* Offsets in the params of the pointers to the tables, const struct pk_table *. */
     const size_t *tables;
     size_t n_tables;
+    int consistent; /* whether pk_integrator_reset() moves to the nearest state on constraints */
     /* Add new members here, at the end. */
 };
 

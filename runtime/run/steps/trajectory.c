@@ -52,6 +52,10 @@ static enum pk_run_code start(struct pk_run *run)
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0)
         return PK_RUN_FAILED;
+    if (PK_SYSTEM_HAS(s->system, consistent)) {
+        memcpy(s->q, run->it.q, run->it.n_q * sizeof *s->q);
+        memcpy(s->v, run->it.v, run->it.n * sizeof *s->v);
+    }
     /* Without a given step size, steps are as long as the interval between rows, which may be too
      * long to detect events. method->resolved() returns an upper limit; for steps of half this
      * length the interpolant is good without extra steps. */

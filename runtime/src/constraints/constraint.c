@@ -128,6 +128,9 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
+    if (PK_SYSTEM_HAS(w.system, consistent) && !it->count.steps &&
+        !pk_project_nearest(&w, q, v, pk_next(it, PK_Q)))
+        return pk_fail_with(it, PK_NO_PROJECTION, PK_WHY(.kind = PK_REASON_NO_START));
     const int singular = pk_project_inertia(&w, q, v);
     if (singular)
         return pk_eval_failed(it, it->t, q, v, singular);
@@ -249,6 +252,8 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                       "%s: at t = %.9g %s ends or depends on others, and behind it the branch of "
                       "the motion cannot be told",
                       what, (double)reason->time, name);
+    case PK_REASON_NO_START:
+        return pk_say(it, text, size, "%s: no start on them is found near the given values", what);
     case PK_REASON_NO_ROW:
         return pk_say(it, text, size, "%s", what);
     case PK_REASON_QUATERNION:

@@ -50,7 +50,8 @@ enum {
     /* at `time` constraint row `index` depends on other rows, and it is not determined on which
      * branch the motion continues */
     PK_REASON_BRANCH,
-    PK_REASON_NO_ROW /* as PK_REASON_BRANCH, but the dependent row is not known */
+    PK_REASON_NO_ROW, /* as PK_REASON_BRANCH, but the dependent row is not known */
+    PK_REASON_NO_START
 };
 /* Kinds for PK_STEP_UNDERFLOW: the step size, or the time scale of adaptive_verlet, changes too
  * fast. */

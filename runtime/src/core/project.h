@@ -124,6 +124,9 @@ int pk_project_dependent(struct pk_integrator *it);
 /* Checks the state at a start: refuses it if it violates constraints or rows are dependent;
  * otherwise projects it, which removes the rounding of its numbers. */
 enum pk_status pk_project_start(struct pk_integrator *it);
+/* Moves q and v to the nearest state on the constraints (`start consistent`); returns whether it is
+ * found. q0 is work memory as long as q. */
+int pk_project_nearest(struct pk_projection *w, pk_real *q, pk_real *v, pk_real *q0);
 /* Returns the index of the first row whose residual is more than rounding; `rows` if there is none.
  * x has rates if `of_rates`, otherwise positions, where an attitude counts as 1; M must be
  * factored. */

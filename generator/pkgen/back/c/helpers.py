@@ -18,16 +18,19 @@ def helpers(names: Iterable[str]) -> list[dict[str, str]]:
     of FUNCTIONS, then functions with an additional argument `side`, the sign of a switch."""
     names = set(names)
     plain = [
-        _helper(helper_name(name), row.arguments, row.body, row.note, row.remark)
+        _helper(helper_name(name), row.arguments, row.body, row.note, row.remark, row.steps)
         for name, row in FUNCTIONS.items()
         if name in names
     ]
     return plain + [_sided(name) for name in FUNCTIONS if SIDE + name in names]
 
 
-def _helper(name: str, arguments: Iterable[str], body: str, note: str, remark: str = "") -> dict:
+def _helper(
+    name: str, arguments: Iterable[str], body: str, note: str, remark: str = "", steps: str = ""
+) -> dict:
     typed = ", ".join(f"pk_real {x}" for x in arguments)
-    return {"name": name, "arguments": typed, "body": body, "note": note, "remark": remark}
+    made = {"name": name, "arguments": typed, "body": body, "note": note, "remark": remark}
+    return made | {"steps": steps}
 
 
 def _sided(name: str) -> dict[str, str]:

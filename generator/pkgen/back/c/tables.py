@@ -135,6 +135,8 @@ def system_entries(program: Program) -> dict[str, object]:
         entries["switches.impulses"] = f"{own}_impulses"
     if program.tables:
         entries |= {"n_tables": len(program.tables), "tables": f"{own}_tables"}
+    if e.model.consistent:
+        entries["consistent"] = 1
     if e.counted:
         entries["counted"] = f"{own}_counted"
     for rows, end, names in (

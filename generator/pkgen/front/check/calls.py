@@ -7,6 +7,8 @@ from fractions import Fraction
 from functools import reduce
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
+from ...indices import integer
+from ...model import Exact
 from ...source import Span
 from ...system.near import meant
 from ...tree import (
@@ -18,6 +20,7 @@ from ...tree import (
     Name,
     Negate,
     Number,
+    Power,
     Range,
     Sum,
     Vector,
@@ -30,7 +33,7 @@ from ..units import NONE, Dimension
 from . import values as values_of
 from .checking import Checked
 from .conditions import truth
-from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Wrong, callable_names, joined
+from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Members, Wrong, callable_names, joined
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
 
@@ -40,6 +43,7 @@ class Calls(RotationCalls):
         super().__init__(*given, **more)
         self.tables: dict[str, tuple[str, bool, tuple[Dimension, ...]]] = {}
         self.powers: dict[str, tuple[Expr, Range | None]] = {}  # by name of a force
+        self.exacts: list[Exact] = []  # closed forms that are valid at the place being checked
 
     def call(self, expr: Call, scope: Scope) -> Checked:
         function = expr.function
@@ -47,6 +51,8 @@ class Calls(RotationCalls):
             return self._of_run(expr)
         if function == "power" and len(expr.arguments) == 1:
             return self._power(expr, scope)
+        if function == "error" and len(expr.arguments) == 1:
+            return self._error(expr, scope)
         if function in ROTATIONS:  # The arguments may be rotations.
             return self.rotation_call(expr, [self.factor(x, scope) for x in expr.arguments])
         if function == "if":
@@ -155,6 +161,24 @@ class Calls(RotationCalls):
             result.rough = result.rough or expr.function
         name = f"{key}:{'0' * len(wanted)}"
         return Call(name, tuple(e for e, _ in parts), expr.span), result
+    def _error(self, expr: Call, scope: Scope) -> Checked:
+        """Checks error(x), by how much x is off its closed form, which becomes x - EXPR."""
+        (argument,) = expr.arguments
+        new, facts = self.check(argument, scope)
+        name = argument.id if isinstance(argument, Name) else ""
+        form = next((x for x in self.exacts if x.name == name), None)
+        if form is None:
+            help = f"closed forms are given of: {', '.join(x.name for x in self.exacts)}"
+            help = help if self.exacts else "say it: exact x = EXPR"
+            raise Wrong(f"{self.text(argument)} has no closed form here", help, argument)
+        value = form.value
+        if form.range is not None:
+            ends = tuple(integer(end, self.sizes) for end in (form.range.lo, form.range.hi))
+            entry = replace(self.names.table[name], members=Members(ends), kind="member")
+            if not self.indices.member(argument, entry, scope):
+                raise Wrong
+            value = of_member(value, form.range.variable, argument.index)
+        return Add((new, value), (1, -1), expr.span), joined(facts.dimension, False, [facts])
 
     def _if(self, expr: Call, scope: Scope) -> Checked:
         if len(expr.arguments) != 3:
@@ -215,6 +239,10 @@ class Calls(RotationCalls):
 
     def _scalar_call(self, expr: Call, facts: list[Facts]) -> Facts:
         function = FUNCTIONS[expr.function]
+        for name, argument, part in zip(function.arguments, expr.arguments, facts, strict=True):
+            if name == function.still and part.moves:
+                message = f"the {name} of {expr.function} moves: its derivative is not known"
+                raise Wrong(message, "write it with numbers and parameters alone", argument)
         dimension: Dimension | None = NONE
         if function.units == "none":
             for argument, part in zip(expr.arguments, facts, strict=True):
@@ -276,4 +304,12 @@ def _written_out(expr: Call) -> Expr:
         (y,) = others
         turns = Call("floor", (Multiply((x, y), (1, -1), at),), at)
         return Add((x, Multiply((y, turns), (1, 1), at)), (1, -1), at)
+    if function in ("sn", "cn", "dn"):
+        amplitude = Call("am", (x, *others), at)
+        sn, cn = Call("sin", (amplitude,), at), Call("cos", (amplitude,), at)
+        if function != "dn":
+            return sn if function == "sn" else cn
+        one, two = (Number(Fraction(k), at) for k in (1, 2))
+        rest = Multiply((Add((one, *others), (1, -1), at), Power(sn, two, at)), (1, 1), at)
+        return Call("sqrt", (Add((Power(cn, two, at), rest), (1, 1), at),), at)  # no digits cancel
     return replace(expr, function="log")

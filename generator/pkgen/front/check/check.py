@@ -137,6 +137,7 @@ class _Checker(Checks):
             "drawings": Drawings(self.shared),
             "methods": self.methods,
             "tables": self.tables,
+            "exacts": self.scenes.exacts_of,
             "scenes": self.scenes,
         }
 
@@ -217,6 +218,7 @@ class _Checker(Checks):
         parts["inputs"] = tuple(self._input(*i) for i in parts["inputs"])
         said = {"name": head.name, "description": head.description, "span": head.span}
         source, dimensionless = self.file.source, self.dimensionless
+        parts["consistent"] = self.dynamics.consistent
         return m.Model(source=source, dimensionless=dimensionless, **said, **parts)
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:

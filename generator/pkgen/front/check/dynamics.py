@@ -17,6 +17,7 @@ from .rotation_statements import Rotations
 from .scope import PLACES, Scope
 from .shared import Checks, Shared, as_is
 
+CONSISTENT = "consistent"
 _DIRECTIONS = {"rising": 1, "falling": -1, "either": 0}
 
 
@@ -67,7 +68,21 @@ class Dynamics(Checks):
                 found.append(part.span)
         return min(found, key=lambda span: (span.end - span.start, span.start))
 
+    consistent: Span | None = None  # the position of the model's `start consistent`
+
+    def solved(self, statement: st.StartAt) -> bool:
+        """Whether a start is to be found by the constraints; reports where that cannot be."""
+        if statement.how == CONSISTENT and self.names.rotations:
+            message = "'start consistent' does not turn rotations"
+            self.error(message, statement, "start where the constraints hold: start R = rot(…)")
+        elif statement.how not in ("", CONSISTENT):
+            help = f"start {statement.how} = VALUE, or start consistent"
+            self.error(f"'{statement.how}' has no value here", statement, help)
+        return statement.how == CONSISTENT
+
     def start(self, statement: st.StartAt) -> None:
+        if self.solved(statement):
+            self.consistent = statement.span
         for item in statement.items:
             self.parts["starts"] += self.start_item(item) or ()
 

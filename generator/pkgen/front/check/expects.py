@@ -84,10 +84,7 @@ class Expects(Checks):
             return None
         if dimension is None:
             return None
-        value, facts = self.settings.setting("within", clause.within, dimension)
-        if facts.value is not None and facts.value < 0:
-            self.error("'within' is how far off it may be: it cannot be negative", clause.within)
-        return value
+        return self.settings.tolerance(clause.within, dimension)
 
     def _when(self, at: Expr | None) -> tuple[Expr | None, str]:
         """Returns (time, "") if `at` is a time, (None, event) if it is an event."""

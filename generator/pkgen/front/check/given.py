@@ -29,6 +29,7 @@ class Given(Checks):
         self.held: Taken = {}
         self.given: dict[str, set[tuple[int, int]]] = {}  # name -> ranges of indices
         self.wrong_start = False
+        self.consistent: Span | None = None
         self.members = swarm
         self.around = self._swarm(swarm) if swarm is not None else None
 
@@ -75,6 +76,8 @@ class Given(Checks):
     # start
 
     def start(self, clause: st.StartAt) -> None:
+        if self.dynamics.solved(clause):
+            self.consistent = clause.span
         for item in clause.items:
             left = item.left
             index = left.index

@@ -23,7 +23,7 @@ from ..parse_errors import explain
 from ..read import from_text
 from ..units import NONE, parse_unit
 from .expr import Expressions
-from .names import Entry, Facts, Names, Report
+from .names import NAMED, Entry, Facts, Names, Report
 from .scope import PLACES, Scope
 from .shared import as_is
 from .values import NoValue, checked, evaluate
@@ -106,7 +106,7 @@ def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
     ]
     start = _parsed(source, [Token("START", "start", start_pos=0, end_pos=0)], tail)
     item = start.items[0]
-    if item.function in ("omega", "power") and len(start.items) == 1:
+    if item.function in NAMED and len(start.items) == 1:
         name = f"{item.function}({item.left.name})"
         item = replace(item, function="", left=replace(item.left, name=name))
     if len(start.items) > 1 or item.function or item.left.range is not None:

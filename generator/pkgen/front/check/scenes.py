@@ -17,9 +17,11 @@ from .. import statements as st
 from ..table import STATEMENTS
 from ..units import NONE
 from .dynamics import Dynamics
+from .exacts import Exacts
 from .expects import Expects
 from .given import Given
 from .methods import Methods
+from .names import NAMED
 from .rotations import quaternion_names
 from .scope import PLACES, Scope
 from .settings import Settings
@@ -34,6 +36,7 @@ class Scenes(Checks):
         self.dynamics = dynamics
         self.settings = Settings(shared)
         self.expects = Expects(shared, self.settings)
+        self.exacts_of = Exacts(shared, self.settings)
 
     def head(self, scene: st.Scene) -> None:
         """Does nothing. Scenes are checked by check() later, when all names are known."""
@@ -48,6 +51,7 @@ class Scenes(Checks):
         for clause in swarms[1:]:
             self.second("swarm", clause.span)
         one = _Scene(self, swarms[0].range if swarms else None)
+        one.said["exacts"] = self.exacts_of.of_scene(scene)
         for clause in scene.clauses:
             one.clause(clause)
         self.parts["scenes"].append(one.made(scene))
@@ -104,6 +108,9 @@ class _Scene(Given):
                 "leave one of them out",
             )
 
+    def exact(self, clause: st.Exact) -> None:
+        """Does nothing: of_scene() has checked the closed forms."""
+
     def expect(self, clause: st.Expect) -> None:
         self.expects += self.scenes.expects.check(clause)
 
@@ -144,7 +151,7 @@ class _Scene(Given):
             inner, order = inner.of, order + 1
         if isinstance(inner, Component):
             inner, axis = inner.of, inner.axis
-        if isinstance(inner, Call) and inner.function in ("omega", "power") and facts.known:
+        if isinstance(inner, Call) and inner.function in NAMED and facts.known:
             (of,) = inner.arguments
             inner = replace(of, id=f"{inner.function}({of.id})")
         if not isinstance(inner, Name):
@@ -181,13 +188,14 @@ class _Scene(Given):
             holds=tuple(self.holds),
             swarm=self.members,
             expects=tuple(self.expects),
+            consistent=self.consistent,
             **self.said,
         )
 
 
 def _expressions(clause: st.Clause) -> tuple[Expr | None, ...]:
     match clause:
-        case st.Pairs(items=items):
+        case st.Pairs(items=items) | st.Exact(items=items):
             return tuple(value for _, value in items)
         case st.Single(value=value):
             return (value,)

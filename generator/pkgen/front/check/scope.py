@@ -58,6 +58,7 @@ PLACES: dict[str, Place] = {
     "setting": Place("a scene", _PARAMETERS, _IN_RUN, missing=DECLARED),
     "driving": Place("an input", _PARAMETERS | {"time"}, _IN_TIME, missing=DECLARED),
     "held": Place("a held coordinate", _PARAMETERS | {"time"}, _IN_TIME, missing=DECLARED),
+    "exact": Place("a closed form", _PARAMETERS | {"time"}, _IN_TIME, missing=DECLARED),
     "fixed": Place("a fixed end", _DRIVEN, "parameters, inputs and t", derivatives=True),
     "let": Place("a definition", _MOTION, _ALL, derivatives=True),
     "energy": Place("an energy", _MOTION, _ALL, derivatives=True),

@@ -25,6 +25,12 @@ class Settings(Checks):
         target = as_is(f"'{name}'", dimension)
         return self.wanted(value, Scope(PLACES[place]), target)
 
+    def tolerance(self, within: Expr, dimension: units.Dimension) -> Expr:
+        value, facts = self.setting("within", within, dimension)
+        if facts.value is not None and facts.value < 0:
+            self.error("'within' is how far off it may be: it cannot be negative", within)
+        return value
+
     def time(self, name: str, value: Expr | None) -> Expr | None:
         """Checks a time; it may have a unit of time even in a model without units."""
         if value is None:

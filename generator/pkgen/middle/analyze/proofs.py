@@ -159,6 +159,8 @@ def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> 
     derivative at the initial state only, because no other states that satisfy the constraints are
     known."""
     e = along.equations
+    if e.model.consistent:
+        return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
     try:
         start = started(e.graph, e.parameters, (e.start_q, e.start_v, e.state_start))
         rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], start)

@@ -21,7 +21,7 @@ from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.rounding import sizes
 from ...record import record
-from ...source import Diagnostic
+from ...source import Diagnostic, Span
 from ..points.samples import started
 from .nearest_start import nearest_start
 
@@ -67,16 +67,24 @@ def at_the_start(
     lagrangian: Node,
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
+    consistent: Span | None = None,
 ) -> tuple[Rows | None, list[Diagnostic]]:
     """Returns two results. The first has the constraint rows; its field `redundant` has the
     linearly dependent ones. The second is a list of errors about constraints that the initial state
     violates, and about constraint rows that are 0 at the initial state. `starts` has the initial
-    values of coordinates, rates and states."""
+    values of coordinates, rates and states. `consistent` is the position of `start consistent`:
+    then the state is the nearest one that satisfies the constraints."""
+    if c is None and consistent is not None:
+        message = "there is no constraint: every start is consistent"
+        return c, [Diagnostic(message, consistent, "leave it out")]
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return c, []
     import numpy as np
 
-    start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
+    values = started(g, parameters, starts)
+    if consistent is not None:
+        values = nearest_start(g, c, lagrangian, values, attitudes, name)[0] or values
+    start = _start(g, values, lagrangian, attitudes)
     rates = sorted(start.unit.keys() | {r for x in c.residual for r in gradient(g, x, RATE)})
     rows = np.array([_row(g, node, start, rates) for node in c.residual])
     with np.errstate(all="ignore"):  # entries that are not finite stay so
@@ -88,8 +96,13 @@ def at_the_start(
         if (found := _residual(g, c, k, slope, start)) is not None
     ]
     if broken:
-        near = nearest_start(g, c, lagrangian, start.values, attitudes, name)
-        if near:
+        near = nearest_start(g, c, lagrangian, start.values, attitudes, name)[1]
+        if consistent is not None:
+            message = "no start that satisfies the constraints is found near the given values"
+            broken[:] = [Diagnostic(message, consistent, "start nearer to it")]
+            broken += _contradiction(c, scaled) if finite else []
+        elif near:
+            near += "" if attitudes else "; or say: start consistent"
             broken[0] = replace(broken[0], help=f"the nearest start that holds: {near}")
         elif finite:
             broken += _contradiction(c, scaled)

@@ -81,6 +81,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         energies.lagrangian,
         x.attitudes,
         naming(named),
+        model.consistent,
     )
     if wrong:
         raise ModelError(model.source, wrong)

@@ -21,9 +21,9 @@ def nearest_start(
     values: dict[Symbol, float],
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
-) -> str:
-    """Returns a `start` statement with initial values of all coordinates and rates, or "" if
-    Newton's method fails.
+) -> tuple[dict[Symbol, float], str]:
+    """Returns initial values of all symbols, and a `start` statement with those of all coordinates
+    and rates; ({}, "") if Newton's method fails.
 
     Attitudes are not changed. Each correction is the shortest one in the metric of M at the start.
     """
@@ -44,10 +44,10 @@ def nearest_start(
     M = rows([by_rate.get(rate, ZERO) for rate in rates])
     J = rows(c.residual)
     if not (np.isfinite(M).all() and np.isfinite(J).all()):
-        return ""
+        return {}, ""
     sizes, turns = np.linalg.eigh((M + M.T) / 2)
     if not sizes[0] > 0:
-        return ""
+        return {}, ""
     root = turns / np.sqrt(sizes)  # root root^T is the inverse of M
 
     def corrected(
@@ -70,9 +70,9 @@ def nearest_start(
 
     held = c.holonomic
     if held and not corrected(c.positions[:held], c.residual[:held], Kind.COORDINATE, fixed):
-        return ""
+        return {}, ""
     if not corrected(c.residual, c.residual, Kind.RATE, [False] * count):
-        return ""
+        return {}, ""
     energy = np.sqrt(M.diagonal())
 
     def written(kind: Kind, i: int) -> str:
@@ -93,4 +93,4 @@ def nearest_start(
         rotation = name(Symbol(Kind.RATE, a.rate)).removesuffix(".x")
         numbers = ", ".join(written(Kind.RATE, i) for i in a.rates)
         items.append(f"{rotation} = [{numbers}]")
-    return "start " + ", ".join(items)
+    return values, "start " + ", ".join(items)

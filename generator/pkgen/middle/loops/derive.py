@@ -28,6 +28,7 @@ _UNROLLED = {
     "fast": "a part of the potential is named fast",
     "hamiltonian": "the model has a Hamiltonian",
     "tables": "the model has a table of data",
+    "consistent": "the start is found by the constraints",
     "loads": "a force acts at a point, or a torque in space",
 }
 
