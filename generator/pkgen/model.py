@@ -368,6 +368,8 @@ class Model:
     fast: tuple[Expr, ...] = ()  # terms of the potential that the model names fast
     loads: tuple[Load, ...] = ()
     methods: tuple[Own, ...] = ()  # methods that the model defines
+    exacts: tuple[Exact, ...] = ()
+    consistent: Span | None = None  # position of `start consistent`
 
     @property
     def sha256(self) -> str:
@@ -375,5 +377,3 @@ class Model:
         keys = "".join(table.key for table in self.tables)
         text = self.source.sha256
         return hashlib.sha256((text + keys).encode()).hexdigest() if keys else text
-    exacts: tuple[Exact, ...] = ()
-    consistent: Span | None = None  # position of `start consistent`

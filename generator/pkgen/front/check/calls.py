@@ -161,6 +161,7 @@ class Calls(RotationCalls):
             result.rough = result.rough or expr.function
         name = f"{key}:{'0' * len(wanted)}"
         return Call(name, tuple(e for e, _ in parts), expr.span), result
+
     def _error(self, expr: Call, scope: Scope) -> Checked:
         """Checks error(x), by how much x is off its closed form, which becomes x - EXPR."""
         (argument,) = expr.arguments
