@@ -7,6 +7,9 @@ with `indices.py`.
 
 from __future__ import annotations
 
+import re
+
+from .indices import made_of
 from .methods import Own
 from .record import record
 from .source import Diagnostic, Source, Span
@@ -86,7 +89,15 @@ class Rotation:
 
 def multipliers(name: str) -> tuple[str, str]:
     """Returns two names of a constraint's multiplier: if unique, and if of least norm."""
-    return f"lambda_{name}", f"least_lambda_{name}"
+    own, vector, axis = name, "", ""
+    if name[-2:-1] == ".":  # A component of a vector.
+        own, vector, axis = name.rpartition(".")
+    return tuple(made_of(form, own) + vector + axis for form in ("lambda_{}", "least_lambda_{}"))
+
+
+def multiplied(name: str) -> str:
+    """Returns the name of the constraint that has the multiplier `name`."""
+    return re.sub(r"(^|\.)lambda_", r"\1", name, count=1)
 
 
 @record

@@ -39,9 +39,9 @@ class Piece:
 
 @record
 class Source:
-    """A model's text, without a byte-order mark and with "\\n" line ends. The files of its parts and
-    clauses from the command line follow behind the file's own text, as `pieces`. With `dotted`, a
-    dot always continues a name; else only behind the name of a part."""
+    """A model's text, without a byte-order mark and with "\\n" line ends. Behind the text of
+    its own file stand those of its parts and clauses from the command line, as `pieces`. With
+    `dotted`, a dot always continues a name; else only behind the name of a part."""
 
     path: str
     text: str

@@ -24,6 +24,7 @@ from pkgen.front.read import from_text
 from pkgen.front.statements import Joint
 from pkgen.front.table import STATEMENTS
 from pkgen.front.units import UnitError, described, parse_unit, si_text
+from pkgen.indices import made_of
 from pkgen.methods import known
 from pkgen.model import multipliers
 from pkgen.scenes import check as scene_check
@@ -121,7 +122,7 @@ class Text:
         found: dict[str, tuple[str, str]] = {}
         for name, entry in self.names.items():
             if entry.kind in ("coordinate", "rotation"):
-                found[f"p_{name}"] = name, f"the momentum of {name}"
+                found[made_of("p_{}", name)] = name, f"the momentum of {name}"
             elif entry.kind == "constraint":
                 for made in multipliers(name):
                     found[made] = name, f"a multiplier of {name}: the force that keeps it"
@@ -130,7 +131,7 @@ class Text:
             for name, what in joint_names(joint):
                 if name != own and name.startswith(own) and not self._is_written(name):
                     found[name] = own, f"the {what} of the joint {own}"
-                    found[f"p_{name}"] = own, f"the momentum of {name}"
+                    found[made_of("p_{}", name)] = own, f"the momentum of {name}"
         return found
 
     def _is_written(self, name: str) -> bool:
@@ -266,7 +267,7 @@ class Text:
         lines = [" ".join(said)]
         if description := getattr(item, "description", ""):
             lines.append(description)
-        line = self.source.line(self.source.position(entry.span.start)[0])
+        line = self.source.line(entry.span.start)
         lines.append(f"```lag\n{line.partition('#')[0].strip()}\n```")
         return "\n\n".join(lines)
 

@@ -14,6 +14,7 @@ from ..compiler import Compilation
 from ..equations import Equations, Quantity, Structure
 from ..graph.graph import BIT, ZERO, Kind, Node
 from ..middle.analyze import sympy_bridge
+from ..model import multiplied
 from .contents import Contents
 
 Rows = list[tuple[str, Node]]
@@ -176,7 +177,7 @@ def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
     c = equations.constraints
     if c is None:
         return
-    names = [q.name.removeprefix("lambda_") for q in c.names]
+    names = [multiplied(q.name) for q in c.names]
     for name, node in zip(names, (*c.positions, *c.residual[c.holonomic :]), strict=True):
         yield name, node
     for name, node in zip(names[: c.holonomic], c.residual, strict=False):
@@ -188,4 +189,4 @@ def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
 def redundant_names(equations: Equations) -> list[str]:
     c = equations.constraints
     names = c.redundant.names if c is not None and c.redundant else ()
-    return [q.name.removeprefix("lambda_") for q in names]
+    return [multiplied(q.name) for q in names]

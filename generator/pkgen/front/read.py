@@ -61,9 +61,7 @@ def read_text(path: str | os.PathLike[str], what: str) -> Source:
     return from_text(shown, text)
 
 
-_USE = re.compile(
-    r'^[ \t]*use[ \t]*"([^"\n]*)"[ \t]*as[ \t]+([a-z_]\w*)(\[)?', re.A | re.I | re.M
-)
+_USE = re.compile(r'^[ \t]*use[ \t]*"([^"\n]*)"[ \t]*as[ \t]+([a-z_]\w*)(\[)?', re.A | re.I | re.M)
 
 
 def with_parts(source: Source) -> Source:

@@ -20,7 +20,7 @@ from .. import statements as st
 from ..joints import CLAUSES, COLUMNS, GROUND, KINDS, SHOWN, TURNING, joint_names
 from ..units import ACCELERATION
 from .body_families import with_number
-from .body_joints import BodyJoints, parsed
+from .body_joints import BodyJoints
 from .names import UNKNOWN, Entry, Members
 from .scope import PLACES, Scope
 from .shared import Shared
@@ -220,7 +220,7 @@ class Bodies(BodyJoints):
 
     def _say(self, what: str, text: str, span: Span) -> None:
         """Adds a term to an energy, or defines the name `what`."""
-        value = parsed(text, span)
+        value = self.parsed_text(text, span)
         if what in ("kinetic", "potential"):
             self.run(st.Single(what, value, span))
             return
