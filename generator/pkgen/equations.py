@@ -19,7 +19,8 @@ from dataclasses import replace
 
 from .graph.graph import Graph, Node
 from .graph.solve import Pivots
-from .model import Definition, Event, Model, multiplied
+from .indices import multiplied
+from .model import Definition, Event, Model
 from .record import record
 from .source import Diagnostic, Span
 

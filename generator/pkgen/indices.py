@@ -88,6 +88,19 @@ def of_made(prefix: str, name: str) -> str:
     return part + dot + own.removeprefix(prefix) if own.startswith(prefix) else ""
 
 
+def multipliers(name: str) -> tuple[str, str]:
+    """Returns two names of a constraint's multiplier: if unique, and if of least norm."""
+    own, vector, axis = name, "", ""
+    if name[-2:-1] == ".":  # A component of a vector.
+        own, vector, axis = name.rpartition(".")
+    return tuple(made_of(form, own) + vector + axis for form in ("lambda_{}", "least_lambda_{}"))
+
+
+def multiplied(name: str) -> str:
+    """Returns the name of the constraint that has the multiplier `name`."""
+    return re.sub(r"(^|\.)lambda_", r"\1", name, count=1)
+
+
 def parted(name: str) -> tuple[str, int | None]:
     """Splits a member's name into the family's name, with primes, and the index or None."""
     member = _MEMBER.fullmatch(name)

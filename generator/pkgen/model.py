@@ -7,9 +7,6 @@ with `indices.py`.
 
 from __future__ import annotations
 
-import re
-
-from .indices import made_of
 from .methods import Own
 from .record import record
 from .source import Diagnostic, Source, Span
@@ -85,19 +82,6 @@ class Rotation:
     momentum_unit: str
     description: str
     span: Span
-
-
-def multipliers(name: str) -> tuple[str, str]:
-    """Returns two names of a constraint's multiplier: if unique, and if of least norm."""
-    own, vector, axis = name, "", ""
-    if name[-2:-1] == ".":  # A component of a vector.
-        own, vector, axis = name.rpartition(".")
-    return tuple(made_of(form, own) + vector + axis for form in ("lambda_{}", "least_lambda_{}"))
-
-
-def multiplied(name: str) -> str:
-    """Returns the name of the constraint that has the multiplier `name`."""
-    return re.sub(r"(^|\.)lambda_", r"\1", name, count=1)
 
 
 @record

@@ -24,9 +24,8 @@ from pkgen.front.read import from_text
 from pkgen.front.statements import Joint
 from pkgen.front.table import STATEMENTS
 from pkgen.front.units import UnitError, described, parse_unit, si_text
-from pkgen.indices import made_of
+from pkgen.indices import made_of, multipliers
 from pkgen.methods import known
-from pkgen.model import multipliers
 from pkgen.scenes import check as scene_check
 from pkgen.source import Diagnostic, ModelError, Source, Span
 

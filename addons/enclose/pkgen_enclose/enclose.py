@@ -14,7 +14,7 @@ from fractions import Fraction
 from math import ceil, floor, log, log10
 from typing import Any
 
-from pkgen.model import multiplied
+from pkgen.indices import multiplied
 from pkgen.record import record
 from pkgen.system.exits import UsageError
 

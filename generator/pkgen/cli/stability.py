@@ -17,7 +17,7 @@ from ..analysis.stability.orbits import Orbit
 from ..analysis.stability.predict import Prediction
 from ..analysis.stability.steps import MapOptions
 from ..compiler import Compilation
-from ..model import multiplied
+from ..indices import multiplied
 from ..own.given import given
 from ..plot.style import Look
 from ..scenes import run_settings as parsing

@@ -13,8 +13,8 @@ from ..back.facts import found
 from ..compiler import Compilation
 from ..equations import Equations, Quantity, Structure
 from ..graph.graph import BIT, ZERO, Kind, Node
+from ..indices import multiplied
 from ..middle.analyze import sympy_bridge
-from ..model import multiplied
 from .contents import Contents
 
 Rows = list[tuple[str, Node]]

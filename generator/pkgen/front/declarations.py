@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ..model import multipliers
+from ..indices import multipliers
 from ..source import Span
 from . import statements as st
 from .joints import SHOWN, joint_names

@@ -11,21 +11,10 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ..front.check.options_text import LeftSide, OptionError, left_side
-from ..indices import indexed, integer, made_of, of_made, parted
+from ..indices import indexed, integer, made_of, multipliers, of_made, parted
 from ..middle.quantities import ends, sizes
 from ..middle.specialise import with_definitions
-from ..model import (
-    Constraint,
-    Coordinate,
-    Definition,
-    Load,
-    Model,
-    Record,
-    Scene,
-    Start,
-    State,
-    multipliers,
-)
+from ..model import Constraint, Coordinate, Definition, Load, Model, Record, Scene, Start, State
 from ..tree import AXES, Call, Expr, Name, Number, Prime, names, of_member, replaced
 from . import expects
 

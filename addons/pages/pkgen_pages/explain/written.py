@@ -12,9 +12,9 @@ from fractions import Fraction
 
 from pkgen.front import parse
 from pkgen.front import statements as st
-from pkgen.indices import made_of
+from pkgen.indices import made_of, multipliers
 from pkgen.middle.quantities import single_rotations
-from pkgen.model import Model, multipliers
+from pkgen.model import Model
 from pkgen.source import Span
 from pkgen.tree import (
     COMPONENTS,

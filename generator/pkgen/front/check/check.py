@@ -204,10 +204,9 @@ class _Checker(Checks):
             found.setdefault(name.replace(".", "_"), {}).setdefault(name, (part in parts, span))
         for same in found.values():
             if len(same) > 1 and any(of_part for of_part, _ in same.values()):
-                (name, (_, span)), (other, _) = sorted(same.items(), key=lambda x: x[0].count("."))[
-                    :2
-                ]
-                self.error(f"'{name}' and '{other}' have the same name in C", span, "rename one")
+                name, other, *_ = sorted(same, key=lambda name: name.count("."))
+                message = f"'{name}' and '{other}' have the same name in C"
+                self.error(message, same[name][1], "rename one of them")
 
     def _check(self, statement: st.Statement) -> None:
         if isinstance(statement, st.Accumulate):

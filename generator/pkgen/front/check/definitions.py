@@ -125,6 +125,7 @@ class Definitions(Checks):
             self.no_vector(st.Left(item.name, None, None, statement.span), "input")
         facts = replace(facts, dimension=unit.dimension, bare=False, united=unit is not units.ONE)
         self.names.declare(Entry(item.name, "definition", facts, item.name_span))
+        self.shared.driven[item.name] = statement.span
         self.use_inputs(facts)
         shown = unit.shown, statement.description, statement.span
         self.parts["definitions"].append(m.Definition(item.name, None, None, value, *shown))

@@ -10,8 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...indices import NotAnInteger, integer, of_made
-from ...model import multipliers
+from ...indices import NotAnInteger, integer, multipliers, of_made
 from ...record import record
 from ...source import Span
 from ...tree import AXES, Add, Condition, Expr, Name, Negate, Number, Vector

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...equations import Constraints, Quantity, Rows
 from ...graph.graph import BIT, Kind
 from ...graph.normal import Normal
-from ...model import multiplied, multipliers
+from ...indices import multiplied, multipliers
 from ...source import Diagnostic, ModelError
 from ...tree import Expr, names
 from ..expand.expand import Expander

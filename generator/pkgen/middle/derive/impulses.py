@@ -32,7 +32,8 @@ from ...graph.residues import Varying
 from ...graph.substitute import rebuilt, substituted
 from ...graph.surfaces import Surfaces, argument_of
 from ...graph.wording import wording
-from ...model import Model, multiplied
+from ...indices import multiplied
+from ...model import Model
 from ...source import ModelError, Span
 from ..attitudes import slopes
 from ..quantities import error
