@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from bisect import bisect_right
 from collections.abc import Iterable
-from dataclasses import field
+from dataclasses import field, replace
 
 from .record import record
 
@@ -81,6 +81,11 @@ class Source:
         more = "\n".join((f"scene {scene}", *clauses, "end", ""))
         options = Piece(len(self.text) + 1, "command line")
         return Source(self.path, f"{self.text}\n{more}", (*self.pieces, options))
+
+    def with_words(self, path: str, options: str) -> Source:
+        """Returns the source with another path, and another word for the command line."""
+        pieces = (p if p.part else replace(p, path=options) for p in self.pieces)
+        return replace(self, path=path, pieces=tuple(pieces))
 
     def written(self, span: Span) -> str:
         """Returns the text of a span, on one line."""
