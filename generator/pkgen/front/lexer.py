@@ -260,6 +260,8 @@ class _Lexer:
         if spelt[1:] in MEMBERS:
             return self._add("POINT" if spelt == ".point" else "MEMBER", spelt, at, end)
         help = "a vector has .x, .y and .z"
+        if self.now.tokens and self.now.tokens[0].type == "USE":
+            help = 'the name of a file stands in quotes: use "motor.lag" as left'
         if self.text[:at].endswith(("np", "math", "numpy", "sympy", "sp", "Math", "std")):
             help = f"functions have no prefix: write {spelt[1:]}"
         return self._error(f"'{spelt}' is not a component", at, end, help)

@@ -132,10 +132,11 @@ class _Reader:
 
     def file(self) -> st.File:
         self._end_file()
-        if self.source.parts or any(s.keyword == "set" for s in self.statements):
+        if any(s.keyword in ("use", "set") for s in self.statements):
             parts = Parts(self.source, self.statements)
             self.statements = parts.statements
             self.errors += parts.errors if not self.errors else []
+            self.broken += [st.Broken("use", (), error.span) for error in parts.errors]
         found = self.statements, self.broken, self.errors, self.units
         return st.File(self.source, *map(tuple, found))
 

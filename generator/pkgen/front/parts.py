@@ -66,11 +66,11 @@ class Parts:
     def _used(self, use: st.Use, user: str) -> list[st.Statement]:
         """Returns the statements of a part, with the values that its user gives."""
         part = f"{use.name}."
-        if not self.of.get(part):
+        if part not in self.of:
             help = 'write it on one line: use "FILE" as NAME, the name in ASCII'
-            self._error("no statement of this part is read", use, help)
+            self._error("this part cannot be read", use, help)
             return []
-        if self.of[part][0].keyword != "model":
+        if [s.keyword for s in self.of[part][:1]] != ["model"]:
             message = f"'{use.file}' is no model: its first statement is 'model NAME'"
             self._error(message, use)
         found = [s for s in map(_of_part, self._spliced(part)) if s is not None]
@@ -80,10 +80,11 @@ class Parts:
             own = left.name.removeprefix(user)
             name, shown = part + own, [n.removeprefix(part) for n in places]
             if name not in places or name in given or left.index or left.range:
-                near = meant(own, shown) or f"it has: {', '.join(shown[:12])}" * bool(shown)
+                help = meant(own, shown) or f"it has: {', '.join(shown[:12])}" * bool(shown)
                 message = f"'{use.file}' has no parameter or size '{own}'"
-                message = f"'{own}' is given already" if name in given else message
-                self._error(message, left, near)
+                if name in given:
+                    message, help = f"'{own}' is given already", "leave one of them out"
+                self._error(message, left, help)
                 continue
             given.add(name)
             what = {"given": value} if found[places[name]].keyword == "param" else {"value": value}
@@ -105,7 +106,7 @@ class Parts:
                 if name in driven:
                     first = self.source.place(driven[name].span)
                     self._error(
-                        f"'{name}' is set already, at {first}", left, "leave one of both out"
+                        f"'{name}' is set already, at {first}", left, "leave one of them out"
                     )
                 elif name not in inputs or not whole:
                     message = f"'set' outside of scenes gives inputs of parts; '{name}' is none"

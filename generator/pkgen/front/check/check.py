@@ -83,11 +83,20 @@ def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
     checker = _Checker(file, dict(sizes))
     model = checker.run()
     found = [*file.diagnostics, *checker.report.errors]
-    unique = {(d.message, d.span.start, d.span.end): d for d in found}
-    errors = sorted(unique.values(), key=lambda d: d.span.start)
-    warnings = sorted(checker.report.warnings, key=lambda d: d.span.start)
     known = checker.names, checker.parts, checker.sizes
-    return Seen(model, *known, tuple(errors), tuple(warnings))
+    findings = (_distinct(file.source, x) for x in (found, checker.report.warnings))
+    return Seen(model, *known, *findings)
+
+
+def _distinct(source: Source, found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Returns the findings by position, without duplicates. In a file that is used as several parts
+    those of the first one count."""
+    unique: dict[object, Diagnostic] = {}
+    for d in sorted(found, key=lambda d: d.span.start):
+        part, at, message = source.piece(d.span.start).part, d.span.start, d.message
+        key = (source.place(d.span), message.replace(part, "")) if part else (at, message)
+        unique.setdefault((*key, d.span.end - at), d)
+    return tuple(unique.values())
 
 
 @lru_cache(maxsize=4)  # A command may compile a file once for each of its scenes.
