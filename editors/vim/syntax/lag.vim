@@ -20,6 +20,10 @@ syn match lagShape /\v%(^\s*%(draw|view)\s+)@<=%(arrow|bob|body|circle|curve|gro
 syn match lagFile /\v%(<%(tableau)\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<=%(tableau)>\s*/ contained
 syn match lagStatement /\v^\s*\zs%(body|draw|fast|gravity|hamiltonian|joint|torque|view)>\s*/
+syn match lagStatement /\v^\s*\zs%(use)>\ze\s+%(\k|")/
+syn match lagFile /"[^"]*"/
+syn match lagJoining /\v%(\k|")@1<=\s+%(as|with)>\s*/ contained
+syn region lagNamed start=/\v^\s*\zs%(use)>\ze\s+%(\k|")/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagFile,lagJoining
 syn region lagDrawing start=/\v^\s*\zs%(draw|view)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagShape,lagPart
 syn region lagBody start=/\v^\s*\zs%(body|joint)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagPart
 syn region lagMethod start=/\v^\s*\zsmethod>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagTableau,lagFile
@@ -38,4 +42,5 @@ hi def link lagMember Identifier
 hi def link lagFile String
 hi def link lagPart lagClause
 hi def link lagTableau lagClause
+hi def link lagJoining lagClause
 let b:current_syntax = 'lag'
