@@ -7,6 +7,7 @@ with `indices.py`.
 
 from __future__ import annotations
 
+from .indices import hidden
 from .methods import Own
 from .record import record
 from .source import Diagnostic, Source, Span
@@ -290,6 +291,11 @@ class Scene:
     expects: tuple[Expect, ...] = ()
     method_span: Span | None = None
     misfits: tuple[Diagnostic, ...] = ()  # errors that sizes from the command line cause
+
+    @property
+    def listed(self) -> bool:
+        """Whether lists show it. Scenes of parts and one made of options are chosen by name."""
+        return not (hidden(self.name) or "." in self.name)
 
 
 @record

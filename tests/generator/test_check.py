@@ -8,7 +8,7 @@ import pytest
 
 from conftest import case
 from pkgen.front.check.check import check_text
-from pkgen.front.read import from_text
+from pkgen.front.read import from_text, read
 from pkgen.source import ModelError
 from pkgen.tree import Multiply, Name, Number, Quantity, children
 
@@ -46,7 +46,7 @@ def nodes(model):
 
 @pytest.mark.parametrize("path", sorted((ROOT / "models").rglob("*.lag")), ids=lambda p: p.stem)
 def test_the_models_are_right(path):
-    model, warnings = check_text(from_text(path.name, path.read_text(encoding="utf-8")))
+    model, warnings = check_text(read(path))
     assert model.name == path.stem
     assert model.description
     assert not warnings

@@ -88,7 +88,7 @@ class Text:
             return self.findings()
         try:
             model, warnings = check_model(self.whole)
-            scenes = [scene_check.wrong(model, {}, scene) for scene in model.scenes]
+            scenes = [scene_check.wrong(model, {}, scene) for scene in model.scenes if scene.listed]
         except ModelError as error:
             return [*map(self._own, (*error.diagnostics, *self.seen.warnings))]
         found = (*warnings, *(finding for found in scenes for finding in found))

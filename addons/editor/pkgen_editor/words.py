@@ -75,9 +75,9 @@ def built_in() -> dict[str, str]:
 def words() -> dict[str, tuple[str, ...]]:
     """Returns the words of the language by class. `statement`: keywords that are reserved
     everywhere. `named`: words that are keywords only before a name or a string at the start of a
-    line, `joining` those between names in such statements. `opening`: words that are keywords only at the start of a statement. `part`:
-    keywords in some statements. `clause`: keywords in any statement. `function`: words that are
-    keywords before a bracket."""
+    line; `joining` stand between names in such statements. `opening`: words that are keywords only
+    at the start of a statement. `part`: keywords in some statements. `clause`: keywords in any
+    statement. `function`: words that are keywords before a bracket."""
     parts = {part for shape in SHAPES.values() for part in shape.parts}
     bodies = {word for words in CLAUSES.values() for word in words} | KINDS.keys()
     found = {

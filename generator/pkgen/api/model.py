@@ -116,7 +116,7 @@ class Model(Kernels):
 
     @property
     def scenes(self) -> tuple[str, ...]:
-        return tuple(s.name for s in self.compilation.declared.scenes)
+        return tuple(s.name for s in self.compilation.declared.scenes if s.listed)
 
     # -- runs ---------------------------------------------------------------------------------
 

@@ -77,7 +77,7 @@ def described(
             {"name": c.name, "holonomic": c.holonomic, "unit": c.unit} for c in model.constraints
         ],
         "methods": list(of.methods()),
-        "scenes": [described_scene(compilation, s) for s in model.scenes if not hidden(s.name)],
+        "scenes": [described_scene(compilation, s) for s in model.scenes if s.listed],
         "drawing": drawing(compilation) if draw else None,
     }
 

@@ -274,7 +274,10 @@ class Names:
         """Reports an unknown name, unless it has been reported. The hint is a similar name, else
         `missing`. With `built_in`, the similar names include built-in ones, such as p_q, the
         momentum of q. With `missing` (in scenes), no hint reads mg as the product m*g."""
-        if name in self.reported or any(name.startswith(f"{body}.") for body in self.loose):
+        of = self.table.get(name.partition(".")[0])
+        if name in self.reported or (of is not None and of.kind == "poisoned"):
+            return
+        if any(name.startswith(f"{body}.") for body in self.loose):
             return
         self.reported.add(name)
         place = self.later.get(name)
