@@ -82,6 +82,8 @@ class Parts:
             if name not in places or name in given or left.index or left.range:
                 help = meant(own, shown) or f"it has: {', '.join(shown[:12])}" * bool(shown)
                 message = f"'{use.file}' has no parameter or size '{own}'"
+                if any(name == other for s in found for other, _ in _inputs(s)):
+                    help = f"an input is given by: set {name} = …"
                 if name in given:
                     message, help = f"'{own}' is given already", "leave one of them out"
                 self._error(message, left, help)

@@ -121,9 +121,8 @@ class Definitions(Checks):
             unit = self.expressions.unit(item.unit.text, item.unit.span) or unit
         target = as_is(item.name, unit.dimension)
         value, facts = self.wanted(statement.value, Scope(PLACES["let"]), target)
-        if facts.vector:
-            self.no_vector(st.Left(item.name, None, None, statement.span), "input")
-        facts = replace(facts, dimension=unit.dimension, bare=False, united=unit is not units.ONE)
+        own = {"dimension": unit.dimension, "bare": False, "united": unit is not units.ONE}
+        facts = UNKNOWN if facts.vector else replace(facts, **own)
         self.names.declare(Entry(item.name, "definition", facts, item.name_span))
         self.shared.driven[item.name] = statement.span
         self.use_inputs(facts)
