@@ -112,6 +112,8 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
             continue
         stem, part = in_parts(item.name)
+        if stem in model.source.parts:
+            stem, part = item.name, ""
         if part and part not in AXES:  # the body's centre of mass is drawn, not its components
             if part == "com":
                 whole = Name(item.name, None, item.span)

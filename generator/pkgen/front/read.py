@@ -86,6 +86,9 @@ def with_parts(source: Source) -> Source:
                 raise wrong("there are no families of parts", span, help)
             if part in chains:
                 raise wrong(f"there is a part '{part[:-1]}' already", span, "choose another name")
+            if len(part) > limits.NAME_LENGTH:
+                message = f"'{part[:-1]}' has {len(part) - 1} characters"
+                raise wrong(f"{message}; the limit is {limits.NAME_LENGTH}", span)
             if len(pieces) > limits.PARTS:
                 raise wrong(f"the model has more than {limits.PARTS:,} parts", span)
             if why:

@@ -126,6 +126,7 @@ class _Checker(Checks):
         known = Names(report, self._line, [*declarations(file.statements)])
         for name in (n for b in file.broken for n in b.names):
             known.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
+        known.parts = file.source.parts
         known.hamiltonian = any(s.keyword == "hamiltonian" for s in file.statements)
         bodies = [s.name for s in file.statements if isinstance(s, st.Body)]
         known.loose = loose(bodies, [s for s in file.statements if isinstance(s, st.Joint)])

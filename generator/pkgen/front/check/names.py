@@ -10,11 +10,11 @@ from fractions import Fraction
 
 from ... import limits
 from ...functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
-from ...indices import indexed, made_of, of_made
+from ...indices import DOTTED, indexed, made_of, of_made
 from ...record import record
 from ...source import Diagnostic, Source, Span
 from ...system.near import meant
-from ...tree import Expr
+from ...tree import COMPONENTS, Expr
 from .. import foreign
 from ..units import Dimension
 from ..words import reserved
@@ -249,10 +249,18 @@ class Names:
             of = f"the momentum of the {what} '{moving}'"
             message = f"'{name}' is {of}; it needs no declaration"
             self.error(message, span, "choose another name")
+        part, _, own = name.rpartition(".")
+        like_member = own in (
+            DOTTED if entry.members else COMPONENTS * (entry.kind == "constraint")
+        )
+        if part in self.parts and like_member:
+            message = f"in a part, no family or constraint can be called '{own}'"
+            self.error(message, span, "choose another name")
         self.table[name] = entry
         return not why
 
     loose: frozenset[str] = NOTHING  # Bodies not connected to the ground.
+    parts: frozenset[str] = NOTHING  # Names of parts.
 
     @property
     def moving(self) -> frozenset[str]:

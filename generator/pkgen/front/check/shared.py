@@ -242,7 +242,7 @@ class Checks:
 
 
 def name_span(left: st.Left) -> Span:
-    return Span(left.span.start, left.span.start + len(left.name))
+    return Span(left.span.start, min(left.span.start + len(left.name), left.span.end))
 
 
 def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
