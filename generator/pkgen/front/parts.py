@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 
 from .. import limits
-from ..source import Diagnostic, Source
+from ..source import Diagnostic, Source, Span
 from ..system.near import meant
 from ..tree import Expr, names
 from . import statements as st
@@ -35,6 +35,10 @@ def prefixed(source: Source, lexed: list[Lexed]) -> list[Lexed]:
         # The name of a method, and the axis in `draw ground y = 0`, are no names of the model.
         no_name = {"method": 1, "draw": 2 if types[3:4] == ["EQUAL"] else 0}.get(statement.keyword)
         for k, token in enumerate(statement.tokens if part else ()):
+            if token.type == "NAME" and token in common & own.get("", set()):
+                message = f"'{token}' is that of the whole model, which declares another '{token}'"
+                at = Span(token.start_pos, token.end_pos)
+                statement.errors.append(Diagnostic(message, at, "give one of them another name"))
             if token.type == "NAME" and token not in common and k != no_name:
                 statement.tokens[k] = token.update(value=part + token)
                 if len(part + token) > limits.NAME_LENGTH:

@@ -41,7 +41,7 @@ class Methods(Checks):
         if why:
             self.error(f"'{name}' {why}", statement.name_span, help)
             return
-        folder = Path(self.source.path).parent
+        folder = Path(self.source.piece(statement.span.start).path).parent
         path = folder / statement.file
         if wrong := refusal(statement.file, path, folder):
             self.error(wrong, statement.file_span, ALLOW)

@@ -250,10 +250,8 @@ class Names:
             message = f"'{name}' is {of}; it needs no declaration"
             self.error(message, span, "choose another name")
         part, _, own = name.rpartition(".")
-        like_member = own in (
-            DOTTED if entry.members else COMPONENTS * (entry.kind == "constraint")
-        )
-        if part in self.parts and like_member:
+        constrains = entry.kind == "constraint" and own in [*COMPONENTS]
+        if part in self.parts and (constrains or (entry.members and own in DOTTED)):
             message = f"in a part, no family or constraint can be called '{own}'"
             self.error(message, span, "choose another name")
         self.table[name] = entry
