@@ -63,7 +63,7 @@ class Source:
     @property
     def parts(self) -> frozenset[str]:
         """The names of all parts, such as "left" and "left.gear"."""
-        return frozenset(piece.part[:-1] for piece in self.pieces)
+        return frozenset(piece.part[:-1] for piece in self.pieces if piece.part)
 
     def piece(self, offset: int) -> Piece:
         """The piece that has an offset; of the file's own text one from 0 on."""

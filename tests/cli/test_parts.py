@@ -178,3 +178,12 @@ def test_c_has_underscores() -> None:
     text = "".join(files.values())
     assert "car10_x" in text and "p->car3_c" in text
     assert with_parts(Source("m.lag", "model m\n")).text == "model m\n"
+
+
+def test_options_make_no_part(tmp_path: Path) -> None:
+    """Clauses from the command line are a piece of the text, and no part."""
+    path = tmp_path / "m.lag"
+    body = "body arm mass 2 [kg]\njoint slide: ground to arm prismatic [0, 0, 1]\n"
+    path.write_text(f"model m\n{body}let arm_com = 3 [m]\npotential arm_com*(1 [N])\n")
+    ran("run", path, "--until", "1", "--record", "arm.com", "-o", tmp_path / "rows.csv")
+    assert Source("m.lag", "model m\n").with_options("s", ["until 1"]).parts == frozenset()

@@ -160,10 +160,10 @@ class _Lexer:
 
     def _end_of_name(self, name: str, end: int) -> int:
         """Returns the end of a name that begins with names of parts."""
-        part = self.source.piece(end).part
-        while (more := _MORE.match(self.text, end)) and (
-            self.source.dotted or part + name in self.parts
-        ):
+        source = self.source
+        while more := _MORE.match(self.text, end):
+            if not source.dotted and source.piece(end).part + name not in self.parts:
+                break
             name, end = name + more[0], more.end()
         return end
 

@@ -186,14 +186,11 @@ class _Reader:
             return None
         self.nodes, wrong = measure(statement, self.nodes)
         for name, span in _own_names(statement):
-            of = name.removeprefix(self.part).rpartition(".")[0]
-            if of:
-                known = self.part + of in self.source.parts
-                help = (
-                    "what a part has is declared in its file"
-                    if known
-                    else ("what a body has is made by its joint")
-                )
+            of = name.rpartition(".")[0]
+            if "." in name.removeprefix(self.part):
+                of_part = of in self.source.parts
+                help = "declared in its file" if of_part else "made by its joint"
+                help = f"what a {'part' if of_part else 'body'} has is {help}"
                 wrong = Diagnostic(f"'{name}' is no name of your own", span, help)
         if wrong is not None:
             self.errors.append(wrong)
