@@ -39,7 +39,7 @@ READ = {
     "editor": """
         cli.messages compiler front.check.check front.check.names front.check.shared
         front.check.values front.joints front.lexed front.lexer front.parse front.read
-        front.shapes front.statements front.table front.units front.words methods model
+        front.shapes front.statements front.table front.units front.words indices methods
         scenes.check tree
     """,
     "enclose": """
@@ -58,7 +58,7 @@ READ = {
         analysis.chart.chart analysis.chart.table analysis.chart.text analysis.stability.map
         analysis.stability.text compiler equations explain.contents explain.explain
         explain.flat explain.loops explain.rows explain.scenes front.parse front.statements
-        front.words graph.differentiate graph.graph middle.analyze.sympy_bridge
+        front.words graph.differentiate graph.graph indices middle.analyze.sympy_bridge
         middle.loops.indexed_ir middle.loops.loops middle.quantities model plot.compose
         plot.draw plot.names plot.style plot.table plot.view run.diagnostics_text run.named
         tree

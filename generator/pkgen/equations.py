@@ -19,6 +19,7 @@ from dataclasses import replace
 
 from .graph.graph import Graph, Node
 from .graph.solve import Pivots
+from .indices import multiplied
 from .model import Definition, Event, Model
 from .record import record
 from .source import Diagnostic, Span
@@ -164,7 +165,7 @@ class Rows:
     def statement(self, k: int) -> str:
         """Returns the kind and the name of the statement of row k: constraint 'rod'."""
         kind = "constraint" if k < self.holonomic else "rolling"
-        return f"{kind} '{self.names[k].name.removeprefix('lambda_')}'"
+        return f"{kind} '{multiplied(self.names[k].name)}'"
 
 
 @record(kw_only=True)

@@ -6,9 +6,16 @@ import re
 from collections.abc import Iterator, Mapping
 
 from .source import Span
-from .tree import Add, Expr, Multiply, Name, Negate, Number, Range
+from .tree import COMPONENTS, Add, Expr, Multiply, Name, Negate, Number, Range
 
 _MEMBER = re.compile(r"([^\[]+)\[(-?\d+)\](.*)")
+# Behind a dot stand components, quantities of a body, and else the names of a part.
+OF_BODIES = """
+    com origin R omega mass point held place e f g X Y Z
+    lower upper at axis inertia products turn velocity speed field
+"""
+DOTTED = frozenset((*COMPONENTS, *OF_BODIES.split()))
+_TAIL = re.compile(rf"(\.({'|'.join(DOTTED)}))*$|\).*")
 
 
 class NotAnInteger(Exception):
@@ -58,8 +65,40 @@ def indexed(name: str, index: int | str | None) -> str:
     body rate omega(R).x it is omega(R[3]).x."""
     if index is None:
         return name
-    end = re.search(r"[.)]|$", name).start()
+    end = _TAIL.search(name).start()
     return f"{name[:end]}[{index}]{name[end:]}"
+
+
+def in_parts(name: str) -> tuple[str, str]:
+    """Splits a name into that of what is declared and the rest: link.com into link and com."""
+    at = _TAIL.search(name).start()
+    return name[:at], name[at + 1 :]
+
+
+def made_of(form: str, name: str) -> str:
+    """Returns the name of what is made of a name: for "p_{}" and left.x it is left.p_x."""
+    part, dot, own = name.rpartition(".")
+    return part + dot + form.format(own)
+
+
+def of_made(prefix: str, name: str) -> str:
+    """Returns the name of which another is made: for "p_" and left.p_x it is left.x. Returns "" for
+    a name without the prefix."""
+    part, dot, own = name.rpartition(".")
+    return part + dot + own.removeprefix(prefix) if own.startswith(prefix) else ""
+
+
+def multipliers(name: str) -> tuple[str, str]:
+    """Returns two names of a constraint's multiplier: if unique, and if of least norm."""
+    own, vector, axis = name, "", ""
+    if name[-2:-1] == ".":  # A component of a vector.
+        own, vector, axis = name.rpartition(".")
+    return tuple(made_of(form, own) + vector + axis for form in ("lambda_{}", "least_lambda_{}"))
+
+
+def multiplied(name: str) -> str:
+    """Returns the name of the constraint that has the multiplier `name`."""
+    return re.sub(r"(^|\.)lambda_", r"\1", name, count=1)
 
 
 def parted(name: str) -> tuple[str, int | None]:

@@ -10,6 +10,7 @@ FILE_BYTES = 1_000_000  # size of one model file
 TABLE_BYTES = 500_000_000  # size of the data file of a table
 TABLE_NUMBERS = 100_000  # numbers of a table that are written in C
 STATEMENTS = 20_000
+PARTS = 1_000  # parts of a model, and parts of parts
 DEPTH = 100  # nesting depth of brackets, calls, powers, signs and primes
 NODES = 100_000  # nodes of all expressions as written, before unrolling
 NAME_LENGTH = 63  # C99 promises 63 significant characters

@@ -11,6 +11,7 @@ import hashlib
 
 from . import limits
 from .functions.tables import Data
+from .indices import hidden
 from .methods import Own
 from .record import record
 from .source import Diagnostic, Source, Span
@@ -86,11 +87,6 @@ class Rotation:
     momentum_unit: str
     description: str
     span: Span
-
-
-def multipliers(name: str) -> tuple[str, str]:
-    """Returns two names of a constraint's multiplier: if unique, and if of least norm."""
-    return f"lambda_{name}", f"least_lambda_{name}"
 
 
 @record
@@ -330,6 +326,11 @@ class Scene:
     consistent: Span | None = None  # position of `start consistent`
     method_span: Span | None = None
     misfits: tuple[Diagnostic, ...] = ()  # errors that sizes from the command line cause
+
+    @property
+    def listed(self) -> bool:
+        """Whether lists show it. Scenes of parts and one made of options are chosen by name."""
+        return not (hidden(self.name) or "." in self.name)
 
 
 @record

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from bisect import bisect_right
 from collections.abc import Iterable
-from dataclasses import field
+from dataclasses import field, replace
 
 from .record import record
 
@@ -27,15 +27,26 @@ class Span:
 
 
 @record
+class Piece:
+    """A piece of a text that comes from elsewhere than the model's own file: the file of a part, or
+    clauses from the command line, which have no `part`."""
+
+    start: int  # Offset of its first character.
+    path: str  # The file, or what stands in its place in messages.
+    part: str = ""  # What the names of the part begin with, such as "left." or "left.gear.".
+    use: int = 0  # Offset of the statement that uses the part.
+
+
+@record
 class Source:
-    """A model's text, without a byte-order mark and with "\\n" line ends. The first `own`
-    characters are from the file, the rest is from the command line (None: all are from the file).
-    """
+    """A model's text, without a byte-order mark and with "\\n" line ends. Behind the text of
+    its own file stand those of its parts and clauses from the command line, as `pieces`. With
+    `dotted`, a dot always continues a name; else only behind the name of a part."""
 
     path: str
     text: str
-    own: int | None = None
-    options: str = "command line"  # shown as the position of text from the command line
+    pieces: tuple[Piece, ...] = ()
+    dotted: bool = False
     _line_starts: list[int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -45,35 +56,69 @@ class Source:
 
     @property
     def sha256(self) -> str:
-        """The digest of the file's text, by which generated files identify their source."""
-        return hashlib.sha256(self.text[: self.own].encode()).hexdigest()
+        """The digest of the files' text, by which generated files identify their source."""
+        options = (piece.start for piece in self.pieces if not piece.part)
+        return hashlib.sha256(self.text[: next(options, None)].encode()).hexdigest()
+
+    @property
+    def parts(self) -> frozenset[str]:
+        """The names of all parts, such as "left" and "left.gear"."""
+        return frozenset(piece.part[:-1] for piece in self.pieces if piece.part)
+
+    def piece(self, offset: int) -> Piece:
+        """The piece that has an offset; of the file's own text one from 0 on."""
+        at = bisect_right(self.pieces, offset, key=lambda piece: piece.start)
+        return self.pieces[at - 1] if at else Piece(0, self.path)
+
+    def order(self, offset: int) -> tuple[int, ...]:
+        """A key that sorts offsets by the order of statements: those of a part stand where it is
+        used."""
+        piece = self.piece(offset)
+        return (*self.order(piece.use), offset) if piece.part else (offset,)
 
     def with_options(self, scene: str, clauses: Iterable[str]) -> Source:
         """Returns the source with the command line's clauses appended as a scene named `scene`."""
-        more = "\n".join(("", f"scene {scene}", *clauses, "end", ""))
-        return Source(self.path, self.text + more, len(self.text))
+        more = "\n".join((f"scene {scene}", *clauses, "end", ""))
+        options = Piece(len(self.text) + 1, "command line")
+        return Source(self.path, f"{self.text}\n{more}", (*self.pieces, options))
+
+    def with_words(self, path: str, options: str) -> Source:
+        """Returns the source with another path, and another word for the command line."""
+        pieces = (p if p.part else replace(p, path=options) for p in self.pieces)
+        return replace(self, path=path, pieces=tuple(pieces))
 
     def written(self, span: Span) -> str:
         """Returns the text of a span, on one line."""
         return " ".join(self.text[span.start : span.end].split())
 
     def is_option(self, offset: int) -> bool:
-        return self.own is not None and offset > self.own
+        piece = self.piece(offset)
+        return piece.start > 0 and not piece.part
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column of an offset, both counted from 1; columns count characters."""
+        """Line and column of an offset in its file, both counted from 1; columns count
+        characters."""
         line = bisect_right(self._line_starts, offset)
-        return line, offset - self._line_starts[line - 1] + 1
+        first = bisect_right(self._line_starts, self.piece(offset).start)
+        return line - first + 1, offset - self._line_starts[line - 1] + 1
 
     def place(self, span: Span) -> str:
         if self.is_option(span.start):
-            return self.options
+            return self.piece(span.start).path
         line, column = self.position(span.start)
-        return f"{self.path}:{line}:{column}"
+        return f"{self.piece(span.start).path}:{line}:{column}"
 
-    def line(self, number: int) -> str:
-        """The text of a line (counted from 1), without its newline."""
-        start = self._line_starts[number - 1]
+    def uses(self, offset: int) -> list[str]:
+        """The places where the part that has an offset is used, the innermost first."""
+        piece = self.piece(offset)
+        if not piece.part:
+            return []
+        name = piece.part[:-1].rpartition(".")[2]
+        return [f"{self.place(Span(piece.use, piece.use))} as {name}", *self.uses(piece.use)]
+
+    def line(self, offset: int) -> str:
+        """The text of the line that has an offset, without its newline."""
+        start = self._line_starts[bisect_right(self._line_starts, offset) - 1]
         end = self.text.find("\n", start)
         return self.text[start:] if end < 0 else self.text[start:end]
 
@@ -90,7 +135,7 @@ class Diagnostic:
     def text(self, source: Source) -> str:
         """Returns the text for a person: position, message, the line with a caret, the hint."""
         line, column = source.position(self.span.start)
-        shown, caret_at = _clip(_printable(source.line(line)), column - 1)
+        shown, caret_at = _clip(_printable(source.line(self.span.start)), column - 1)
         length = max(1, min(self.span.end - self.span.start, len(shown) - caret_at))
         number = "" if source.is_option(self.span.start) else line
         lines = [
@@ -100,18 +145,22 @@ class Diagnostic:
         ]
         if self.help:
             lines.append(f"   help: {self.help}")
+        lines += [f"   used at {place}" for place in source.uses(self.span.start)]
         return "\n".join(lines)
 
     def record(self, source: Source) -> dict[str, object]:
         """Returns the diagnostic as JSON data for `--json`."""
         line, column = source.position(self.span.start)
+        piece = source.piece(self.span.start)
+        uses = {"used_at": source.uses(self.span.start)} if piece.part else {}
         return {
             "severity": self.severity,
             "message": self.message,
-            "file": source.path,
+            "file": piece.path if piece.part else source.path,
             "line": line,
             "column": column,
             "help": self.help,
+            **uses,
         }
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from conftest import case
 from pkgen.front.check.check import check_text
-from pkgen.front.read import from_text
+from pkgen.front.read import from_text, read
 from pkgen.source import ModelError
 from pkgen.tree import Multiply, Name, Number, Quantity, children
 
@@ -46,7 +46,7 @@ def nodes(model):
 
 @pytest.mark.parametrize("path", sorted((ROOT / "models").rglob("*.lag")), ids=lambda p: p.stem)
 def test_the_models_are_right(path):
-    model, warnings = check_text(from_text(path.name, path.read_text(encoding="utf-8")))
+    model, warnings = check_text(read(path))
     assert model.name == path.stem
     assert model.description
     assert not warnings
@@ -254,7 +254,8 @@ def test_the_examples_of_the_manual():
     examples = re.findall(r"```lag\n(.*?)```", manual.read_text(encoding="utf-8"), re.DOTALL)
     assert len(examples) >= 2
     for example in examples:
-        model_of(example)
+        if "\ntable " not in example:  # Its data are beside it: tests/test_docs.py.
+            model_of(example)
 
 
 def test_places_of_names_stay():

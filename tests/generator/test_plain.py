@@ -11,8 +11,7 @@ from c_harness import ROOT, STRICT, run
 
 from pkgen.back.kernels import PLAIN
 from pkgen.compiler import compile_model
-from pkgen.front.read import from_text
-from pkgen.source import Source
+from pkgen.front.read import from_text, read
 
 PATHS = sorted((ROOT / "models").rglob("*.lag"))
 QUICK = {"double_pendulum", "heavy_top", "rattleback", "kepler", "free_body", "coupled_oscillators"}
@@ -24,8 +23,7 @@ class Loaded:
 
     def __init__(self, path: Path, folder: Path, plain: bool):
         how = {"plain": True, "kernels": PLAIN} if plain else {}
-        text = path.read_text(encoding="utf-8")
-        made = compile_model(Source(path.name, text), unroll=None, **how)
+        made = compile_model(read(path), unroll=None, **how)
         self.name = made.model.name
         self.n = int(re.search(r"_N = (\d+)", made.files[f"{self.name}.h"])[1])
         self.inputs = len(made.equations.inputs)

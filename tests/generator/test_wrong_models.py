@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 
 from pkgen.compiler import check_model
-from pkgen.front.read import from_text
+from pkgen.front.read import from_text, read
 from pkgen.source import ModelError
 
 MODELS = sorted(Path(__file__).with_name("wrong").glob("*.lag"))
+USERS = sorted(Path(__file__).with_name("wrong").glob("parts/*.lag"))
 
 
 def said_about(path: Path) -> str:
@@ -34,6 +35,20 @@ def test_message(path: Path):
     if os.environ.get("PKGEN_UPDATE"):
         expected.write_text(said, encoding="utf-8")
     assert said == expected.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", USERS, ids=lambda path: path.stem)
+def test_message_of_parts(path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The files of the parts are in `wrong/parts/files`."""
+    monkeypatch.chdir(path.parent)
+    with pytest.raises(ModelError) as caught:
+        check_model(read(path.name))
+    said, expected = caught.value.text() + "\n", path.with_suffix(".txt")
+    if os.environ.get("PKGEN_UPDATE"):
+        expected.write_text(said, encoding="utf-8")
+    assert said == expected.read_text(encoding="utf-8")
+    places = [caught.value.source.place(d.span) + d.message for d in caught.value.diagnostics]
+    assert len(set(places)) == len(places)
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)

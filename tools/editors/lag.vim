@@ -22,6 +22,10 @@ syn match lagShape /\v%(^\s*%(draw|view)\s+)@<={{ either('shape') }}>\s*/ contai
 syn match lagFile /\v%(<{{ either('method') }}\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<={{ either('method') }}>\s*/ contained
 syn match lagStatement /\v^\s*\zs{{ either('opening') }}>\s*/
+syn match lagStatement /\v^\s*\zs{{ either('named') }}>\ze\s+%(\k|")/
+syn match lagFile /"[^"]*"/
+syn match lagJoining /\v%(\k|")@1<=\s+{{ either('joining') }}>\s*/ contained
+syn region lagNamed start=/\v^\s*\zs{{ either('named') }}>\ze\s+%(\k|")/ end=/$/ contains={{ value }},lagFile,lagJoining
 syn region lagDrawing start=/\v^\s*\zs%(draw|view)>/ end=/$/ contains={{ value }},lagShape,lagPart
 syn region lagBody start=/\v^\s*\zs%(body|joint)>/ end=/$/ contains={{ value }},lagPart
 syn region lagMethod start=/\v^\s*\zsmethod>/ end=/$/ contains={{ value }},lagTableau,lagFile
@@ -40,4 +44,5 @@ hi def link lagMember Identifier
 hi def link lagFile String
 hi def link lagPart lagClause
 hi def link lagTableau lagClause
+hi def link lagJoining lagClause
 let b:current_syntax = 'lag'

@@ -78,10 +78,18 @@ def grammar(made: str) -> str:
                     *("comment", "clauses", "expression"),
                     kinds=("statement", "name", "clause", "file"),
                 ),
+                region(
+                    rf'^[ \t]*({alternatives("named")})\b[ \t]+(?={NAME}|")',
+                    "$",
+                    *("comment", "strings", "joints", "expression"),
+                    kinds=("statement",),
+                ),
                 captured(rf"^[ \t]*({alternatives('opening')})\b[ \t]*", "statement"),
             ]
         },
         "parts": captured(rf"{behind}({part})\b[ \t]*(?:({part})\b[ \t]*)?", "clause", "clause"),
+        "strings": match("file", r'"[^"]*"'),
+        "joints": captured(rf"(?<=[\w\"])[ \t]+({alternatives('joining')})\b[ \t]*", "clause"),
         "clauses": {
             "patterns": [
                 region(r"\b(in)[ \t]*([\[(])", r"[\])]", *value, kinds=("clause", "operator")),

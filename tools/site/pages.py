@@ -156,7 +156,8 @@ def model_page(path: Path) -> str:
     compilation = compile_model(source, symmetric=True)
     place = path.relative_to(ROOT).as_posix()
     name, title = path.stem, path.stem.replace("_", " ")
-    scenes = [scene_shown(compilation, {}, scene) for scene in compilation.declared.scenes]
+    listed = [scene for scene in compilation.declared.scenes if scene.listed]
+    scenes = [scene_shown(compilation, {}, scene) for scene in listed]
     shown = fragment(compilation, scenes, level=3)
     parts = [
         "---\nhide:\n  - toc\n---\n",

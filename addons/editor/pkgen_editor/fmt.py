@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from pkgen.cli.messages import findings
-from pkgen.front.read import STANDARD, UnreadableModel, read
+from pkgen.front.read import STANDARD, UnreadableModel, read_text
 from pkgen.source import ModelError
 from pkgen.system.exits import DONE, MODEL_WRONG, USAGE
 from pkgen.system.files import replace
@@ -35,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     changed, wrong, code = [], [], DONE
     for name in dict.fromkeys(options.files):
         try:
-            source = read(name)
+            source = read_text(name, "a .lag file")
             text = laid_out(source)
         except ModelError as error:
             code = max(code, USAGE if isinstance(error, UnreadableModel) else MODEL_WRONG)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from lark.lexer import Token
 
@@ -56,6 +56,7 @@ class Line:
 
 def laid_out(source: Source) -> str:
     """Returns the formatted text of a model. Raises ModelError for lexical errors."""
+    source = replace(source, dotted='use "' in source.text)  # Names of parts have dots.
     lexed = statements(source)
     errors = [error for statement in lexed for error in statement.errors]
     if errors:
@@ -75,7 +76,7 @@ def laid_out(source: Source) -> str:
     for block in _commented(lines):
         _align_comments(block)
     text = _joined(lines)
-    if signs(Source(source.path, text)) != signs(source):
+    if signs(replace(source, text=text)) != signs(source):
         raise AssertionError("the layout has changed what the text says")
     return text
 

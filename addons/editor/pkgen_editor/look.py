@@ -7,6 +7,7 @@ checker, even if there are errors elsewhere.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -20,12 +21,12 @@ from pkgen.front.joints import KINDS, joint_names
 from pkgen.front.lexed import Lexed
 from pkgen.front.lexer import statements
 from pkgen.front.parse import parse_all
-from pkgen.front.read import from_text
+from pkgen.front.read import from_text, with_parts
 from pkgen.front.statements import Joint
 from pkgen.front.table import STATEMENTS
 from pkgen.front.units import UnitError, described, parse_unit, si_text
+from pkgen.indices import made_of, multipliers
 from pkgen.methods import known
-from pkgen.model import multipliers
 from pkgen.scenes import check as scene_check
 from pkgen.source import Diagnostic, ModelError, Source, Span
 
@@ -40,17 +41,23 @@ class Text:
     def __init__(self, path: str, text: str) -> None:
         self.wrong: tuple[Diagnostic, ...] = ()
         try:
-            self.source = from_text(path, text)
+            self.source = self.whole = from_text(path, text)
         except ModelError as error:  # the text has a NUL character
-            self.source, self.wrong = Source(path, ""), tuple(error.diagnostics)
+            self.source = self.whole = Source(path, "")
+            self.wrong = tuple(error.diagnostics)
+        try:
+            self.whole = with_parts(self.source)
+        except ModelError as error:
+            self.wrong = tuple(self._own(d, error.source) for d in error.diagnostics)
 
     @cached_property
     def lexed(self) -> list[Lexed]:
-        return statements(self.source)
+        own = len(self.source.text)
+        return [s for s in statements(self.whole) if s.span.start <= own]
 
     @cached_property
     def seen(self) -> Seen:
-        return see(parse_all(self.source))
+        return see(parse_all(self.whole))
 
     @cached_property
     def names(self) -> dict[str, Entry]:
@@ -58,7 +65,21 @@ class Text:
 
     def findings(self) -> list[Diagnostic]:
         """Returns the errors and warnings that are found without deriving equations."""
-        return list(self.wrong or (*self.seen.errors, *self.seen.warnings))
+        return list(self.wrong or map(self._own, (*self.seen.errors, *self.seen.warnings)))
+
+    def _own(self, d: Diagnostic, source: Source | None = None) -> Diagnostic:
+        """Returns a finding in a part as one at the statement that uses it."""
+        source = source or self.whole
+        if not source.piece(d.span.start).part:
+            return d
+        return replace(
+            d, message=f"{source.place(d.span)}: {d.message}", span=self._here(d.span, source)
+        )
+
+    def _here(self, span: Span, source: Source | None = None) -> Span:
+        """Returns a span in this text: of one in a part, the statement that uses it."""
+        own, *in_part = (source or self.whole).order(span.start)
+        return Span(own, own + len("use")) if in_part else span
 
     def all_findings(self) -> list[Diagnostic]:
         """Returns all errors and warnings, like `pkgen check`: also those found in equations
@@ -66,11 +87,12 @@ class Text:
         if self.wrong or self.seen.errors:
             return self.findings()
         try:
-            model, warnings = check_model(self.source)
-            scenes = [scene_check.wrong(model, {}, scene) for scene in model.scenes]
+            model, warnings = check_model(self.whole)
+            scenes = [scene_check.wrong(model, {}, scene) for scene in model.scenes if scene.listed]
         except ModelError as error:
-            return [*error.diagnostics, *self.seen.warnings]
-        return [*warnings, *(finding for found in scenes for finding in found)]
+            return [*map(self._own, (*error.diagnostics, *self.seen.warnings))]
+        found = (*warnings, *(finding for found in scenes for finding in found))
+        return [*map(self._own, found)]
 
     # ---- places
 
@@ -121,7 +143,7 @@ class Text:
         found: dict[str, tuple[str, str]] = {}
         for name, entry in self.names.items():
             if entry.kind in ("coordinate", "rotation"):
-                found[f"p_{name}"] = name, f"the momentum of {name}"
+                found[made_of("p_{}", name)] = name, f"the momentum of {name}"
             elif entry.kind == "constraint":
                 for made in multipliers(name):
                     found[made] = name, f"a multiplier of {name}: the force that keeps it"
@@ -130,7 +152,7 @@ class Text:
             for name, what in joint_names(joint):
                 if name != own and name.startswith(own) and not self._is_written(name):
                     found[name] = own, f"the {what} of the joint {own}"
-                    found[f"p_{name}"] = own, f"the momentum of {name}"
+                    found[made_of("p_{}", name)] = own, f"the momentum of {name}"
         return found
 
     def _is_written(self, name: str) -> bool:
@@ -140,7 +162,7 @@ class Text:
 
     @property
     def joints(self) -> list[Joint]:
-        known = parse_all(self.source).statements
+        known = parse_all(self.whole).statements
         return [s for s in known if isinstance(s, Joint) and s.kind[0] in KINDS]
 
     def base(self, name: str) -> str:
@@ -152,7 +174,8 @@ class Text:
         the statement that uses the variable."""
         entry = self.names.get(self.base(name))
         if entry is not None and entry.span.end:
-            return Span(entry.span.start, entry.span.start + self._length(entry.span.start))
+            here = self._here(entry.span).start
+            return Span(here, here + self._length(here))
         for tokens in (s.tokens for s in self.scope(name, statement)):
             for token, after in pairwise(tokens):
                 if token.type == "NAME" and str(token) == name and after.type == "EQUAL":
@@ -203,7 +226,7 @@ class Text:
         found: dict[str, object] = dict(self.seen.sizes)
         sizes = {n: v for n, v in self.seen.sizes.items() if isinstance(v, int)}
         items = [*self.seen.parts.get("definitions", ()), *self.seen.parts.get("parameters", ())]
-        for item in sorted(items, key=lambda item: item.span.start):
+        for item in sorted(items, key=lambda item: self.whole.order(item.span.start)):
             value = getattr(item, "default", None) or getattr(item, "value", None)
             if item.name in found or getattr(item, "range", None) is not None:
                 continue
@@ -266,7 +289,7 @@ class Text:
         lines = [" ".join(said)]
         if description := getattr(item, "description", ""):
             lines.append(description)
-        line = self.source.line(self.source.position(entry.span.start)[0])
+        line = self.whole.line(entry.span.start)
         lines.append(f"```lag\n{line.partition('#')[0].strip()}\n```")
         return "\n\n".join(lines)
 

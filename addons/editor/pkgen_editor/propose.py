@@ -158,7 +158,7 @@ def repairs(text: Text, finding: Diagnostic) -> Iterator[tuple[Span, str]]:
 def _mends(text: Text, finding: Diagnostic, other: Text) -> bool:
     if any((d.message, d.span.start) == _named(finding) for d in other.findings()):
         return False
-    syntax, before = (parse_all(one.source).diagnostics for one in (other, text))
+    syntax, before = (parse_all(one.whole).diagnostics for one in (other, text))
     if len(syntax) > len(before):
         return False
     line = text.source.position(finding.span.start)[0]

@@ -81,14 +81,17 @@ def built_in() -> dict[str, str]:
 @cache
 def words() -> dict[str, tuple[str, ...]]:
     """Returns the words of the language by class. `statement`: keywords that are reserved
-    everywhere. `opening`: words that are keywords only at the start of a statement. `part`:
-    keywords in some statements. `clause`: keywords in any statement. `function`: words that are
-    keywords before a bracket."""
+    everywhere. `named`: words that are keywords only before a name or a string at the start of a
+    line; `joining` stand between names in such statements. `opening`: words that are keywords only
+    at the start of a statement. `part`: keywords in some statements. `clause`: keywords in any
+    statement. `function`: words that are keywords before a bracket."""
     parts = {part for shape in SHAPES.values() for part in shape.parts}
     bodies = {word for words in CLAUSES.values() for word in words} | KINDS.keys()
     found = {
         "statement": {word for word, row in STATEMENTS.items() if not row.soft},
-        "opening": {word for word, row in STATEMENTS.items() if row.soft},
+        "opening": {w for w, row in STATEMENTS.items() if row.soft and not row.before_name},
+        "named": {word for word, row in STATEMENTS.items() if row.before_name},
+        "joining": {"as", "with"},
         "clause": CLAUSE_WORDS,
         "shape": SHAPES.keys(),
         "part": parts | FORMS.keys() | bodies | {TO},

@@ -22,6 +22,7 @@ TYPES = {
     **{word.upper(): "clause" for word in CLAUSE_WORDS},
     **{"WORD": "clause", "TABLEAU": "clause", "SHAPE": "shape", "NUMBER": "number"},
     **{"UNIT": "unit", "FILE": "file", "SUM": "function"},
+    **{"STRING": "file", "AS": "clause", "WITH": "clause"},
 }
 SIGNS = ("LPAREN", "RPAREN", "LINDEX", "LVECTOR", "LEND", "RBRACKET", "REND")
 
@@ -152,7 +153,8 @@ FACES = {
     "font-lock-comment-face": "comment",
     "font-lock-comment-delimiter-face": "comment",
 }
-GROUPS = {"Tableau": "clause", "Part": "clause", "Indexed": "", "Bracket": "", "Bounds": ""}
+GROUPS = {"Tableau": "clause", "Part": "clause", "Joining": "clause"}
+GROUPS |= {"Indexed": "", "Bracket": "", "Bounds": "", "Named": ""}
 GROUPS |= {"Drawing": "", "Body": "", "Method": ""}
 
 

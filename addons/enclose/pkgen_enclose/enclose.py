@@ -14,6 +14,7 @@ from fractions import Fraction
 from math import ceil, floor, log, log10
 from typing import Any
 
+from pkgen.indices import multiplied
 from pkgen.record import record
 from pkgen.system.exits import UsageError
 
@@ -151,7 +152,7 @@ def _refuse_off(given: Given, flow: Flow) -> None:
         what = "itself" if k < rows.holonomic else "in its rate"
         raise UsageError(
             f"--enclose: the start is off the constraint "
-            f"'{rows.names[of].name.removeprefix('lambda_')}' {what}, by {float(x.mid()):.3g}, and "
+            f"'{multiplied(rows.names[of].name)}' {what}, by {float(x.mid()):.3g}, and "
             "bounds are of the numbers as they are written: give a start that meets it exactly, "
             "by a formula in the model's 'start'"
         )

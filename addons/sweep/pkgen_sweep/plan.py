@@ -13,7 +13,7 @@ from dataclasses import field
 from typing import Any
 
 from pkgen.defaults import ITERATIONS
-from pkgen.front.read import ALLOW, read, refusal
+from pkgen.front.read import ALLOW, read_text, refusal
 from pkgen.record import record
 from pkgen.source import Diagnostic, Source, Span
 from pkgen.system.exits import UsageError
@@ -80,7 +80,7 @@ class Plan:
 
 def read_plan(path: str) -> Plan:
     """Reads a plan from a file. Raises UsageError or ModelError with the position of an error."""
-    return of_text(read(path, "a plan in TOML"))
+    return of_text(read_text(path, "a plan in TOML"))
 
 
 def of_text(source: Source) -> Plan:

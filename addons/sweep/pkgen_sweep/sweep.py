@@ -51,6 +51,11 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
     path = place(options.directory)
     known = shards.known(path)
     plan, source = read_plan(options.plan), read(options.model)
+    if source.parts:
+        raise UsageError(
+            f"{options.model}: a sweep keeps its model in one file, and this one has parts; write"
+            " them out in one file, or run members by: pkgen run --ensemble"
+        )
     made = _made(plan, source, options, compiled, known)
     job, _ = made
     if known is None:

@@ -176,7 +176,7 @@ def in_words() -> Iterator[None]:
     try:
         yield
     except ModelError as error:
-        error.source = replace(error.source, path=worded(error.source.path), options="arguments")
+        error.source = error.source.with_words(worded(error.source.path), "arguments")
         error.diagnostics = [
             replace(d, message=worded(d.message), help=worded(d.help)) for d in error.diagnostics
         ]

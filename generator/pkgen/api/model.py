@@ -96,7 +96,7 @@ class Model(Kernels):
     def _compiled(self, options: argparse.Namespace, **how: Any) -> Compilation:
         source = read(self.path)
         own = own_methods(options)
-        key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"), own)
+        key = (source, repr(sorted(vars(options).items())), how.get("kernels"), own)
         if key not in self._made:
             with allowing(*self._allowed), self.tables.brought():
                 made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
@@ -129,7 +129,7 @@ class Model(Kernels):
 
     @property
     def scenes(self) -> tuple[str, ...]:
-        return tuple(s.name for s in self.compilation.declared.scenes)
+        return tuple(s.name for s in self.compilation.declared.scenes if s.listed)
 
     # -- runs ---------------------------------------------------------------------------------
 

@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
         unroll = 0 if options.unroll is None else lengths.unroll(options)
         model, warnings = check_model(source, sizes=sizes, unroll=unroll)
         # A scene that --size makes invalid is an error only in commands that run this scene.
-        scenes = [item for item in model.scenes if not item.misfits]
+        scenes = [item for item in model.scenes if item.listed and not item.misfits]
         wrong = [d for item in scenes for d in scene_check.wrong(model, sizes, item)]
     if wrong:
         raise ModelError(source, wrong)

@@ -65,7 +65,7 @@ def _scenes(
     options: argparse.Namespace, compilation: Compilation, only: str | None = None
 ) -> list[SceneShown]:
     """Compiles each scene, or only the scene `only`; limits of time apply to each."""
-    scenes = [s for s in compilation.declared.scenes if only in (None, s.name)]
+    scenes = [s for s in compilation.declared.scenes if only == s.name or (s.listed and not only)]
     made = []
     for scene in scenes:
         with within_limits(options):

@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from ..front.read import read
+from ..front.read import read_text
 from ..own.given import given
 from ..own.made import facts, fit
 from ..own.tableau import read_tableau
@@ -45,7 +45,7 @@ def _own(options: argparse.Namespace) -> list[dict[str, object]]:
     describes only their coefficients."""
     found, run = [], []
     for path in options.tableau:
-        tableau = read_tableau(read(path, "a tableau file"))
+        tableau = read_tableau(read_text(path, "a tableau file"))
         if tableau.kind == "explicit":
             run.append(path)
         else:

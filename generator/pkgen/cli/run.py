@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from ..api.prepare import Prepared, prepare
-from ..indices import hidden
 from ..model import Model
 from ..run import diagnostics, diagnostics_text
 from ..run.library import load
@@ -160,7 +159,7 @@ def _pictures(
 
 def _hint(options: argparse.Namespace, model: Model) -> None:
     """Prints the names of the model's scenes if no scene is chosen."""
-    names = ", ".join(item.name for item in model.scenes if not hidden(item.name))
+    names = ", ".join(item.name for item in model.scenes if item.listed)
     if options.scene is None and names and not options.json:
         print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
 

@@ -17,6 +17,7 @@ from ..analysis.stability.orbits import Orbit
 from ..analysis.stability.predict import Prediction
 from ..analysis.stability.steps import MapOptions
 from ..compiler import Compilation
+from ..indices import multiplied
 from ..own.given import given
 from ..plot.style import Look
 from ..scenes import run_settings as parsing
@@ -88,7 +89,7 @@ def _refuse_unmapped(compilation: Compilation) -> None:
         )
     bound = getattr(compilation.equations, "constraints", None)
     if bound is not None and bound.redundant is not None:
-        name = bound.redundant.names[0].name.removeprefix("lambda_")
+        name = multiplied(bound.redundant.names[0].name)
         raise UsageError(
             f"{model.source.path}: '{name}' follows from other constraints, and 'pkgen stability' "
             "takes none that do: leave it out"

@@ -10,7 +10,7 @@ from contextlib import suppress
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..front.check.scene_numbers import Values, WrongValue
-from ..indices import hidden, parted
+from ..indices import hidden, made_of, parted
 from ..methods import Method, known, provides
 from ..middle.loops.switches import switch_count
 from ..middle.quantities import single_rotations
@@ -83,7 +83,7 @@ def described(
             {"name": c.name, "holonomic": c.holonomic, "unit": c.unit} for c in model.constraints
         ],
         "methods": list(of.methods()),
-        "scenes": [described_scene(compilation, s) for s in model.scenes if not hidden(s.name)],
+        "scenes": [described_scene(compilation, s) for s in model.scenes if s.listed],
         "drawing": drawing(compilation) if draw else None,
     }
 
@@ -165,7 +165,7 @@ class _Description:
                 **_named(quantity, flat),
                 "rate": rate,
                 "rate_unit": units.get(rate, own.rate_unit if own else ""),
-                "momentum": f"p_{quantity.name}",
+                "momentum": made_of("p_{}", quantity.name),
                 "momentum_unit": own.momentum_unit if own else "",
                 "q": _number(self.given["q"], flat),
                 "v": _number(self.given["v"], flat),
@@ -265,7 +265,7 @@ def _following(model: Model) -> Callable[[str, int], bool]:
     of its rate (order 1) depends on parameters. If several statements set a start, the last one
     counts."""
     moving = {p.name for p in model.parameters}
-    for item in sorted(model.definitions, key=lambda d: d.span.start):
+    for item in model.definitions:
         if names(item.value) & moving:
             moving.add(item.name)
     found: dict[tuple[str, int | None, int], bool] = {}

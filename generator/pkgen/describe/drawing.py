@@ -14,7 +14,7 @@ from fractions import Fraction
 from .. import limits
 from ..compiler import Compilation
 from ..graph.graph import Op
-from ..indices import indexed
+from ..indices import in_parts, indexed
 from ..middle.particles.bodies import keys, lengths, places
 from ..middle.quantities import ends
 from ..model import Definition, Drawing, Model
@@ -111,7 +111,9 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
     for item in (*model.coordinates, *model.definitions, *model.observed):
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
             continue
-        stem, _, part = item.name.partition(".")
+        stem, part = in_parts(item.name)
+        if stem in model.source.parts:
+            stem, part = item.name, ""
         if part and part not in AXES:  # the body's centre of mass is drawn, not its components
             if part == "com":
                 whole = Name(item.name, None, item.span)

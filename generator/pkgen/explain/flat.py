@@ -13,6 +13,7 @@ from ..back.facts import found
 from ..compiler import Compilation
 from ..equations import Equations, Quantity, Structure
 from ..graph.graph import BIT, ZERO, Kind, Node
+from ..indices import multiplied
 from ..middle.analyze import sympy_bridge
 from .contents import Contents
 
@@ -176,7 +177,7 @@ def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
     c = equations.constraints
     if c is None:
         return
-    names = [q.name.removeprefix("lambda_") for q in c.names]
+    names = [multiplied(q.name) for q in c.names]
     for name, node in zip(names, (*c.positions, *c.residual[c.holonomic :]), strict=True):
         yield name, node
     for name, node in zip(names[: c.holonomic], c.residual, strict=False):
@@ -188,4 +189,4 @@ def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
 def redundant_names(equations: Equations) -> list[str]:
     c = equations.constraints
     names = c.redundant.names if c is not None and c.redundant else ()
-    return [q.name.removeprefix("lambda_") for q in names]
+    return [multiplied(q.name) for q in names]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..indices import parted
+from ..indices import OF_BODIES, parted
 from ..record import record
 from ..tree import Name
 
@@ -32,8 +32,7 @@ TURNING = ("R", "held", "turn")  # Quantities that are rotations.
 # End of a joint's range -> direction in which the event crosses zero, sign of the infinity that
 # means no limit.
 LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}
-_OWN = (*LIMITS, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
-MEMBERS = frozenset((*SHOWN, *HELD, *COLUMNS, *_OWN))
+MEMBERS = frozenset(OF_BODIES.split())
 
 # Columns: kind of joint, whether it has an axis, coordinates (suffix of the joint's name, a colon,
 # kind of coordinate), Q, r, w, v.

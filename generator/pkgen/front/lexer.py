@@ -37,6 +37,7 @@ _PATTERN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
+_MORE = re.compile(r"\.([^\W\d]\w*)")
 _PATH = re.compile(r"[ \t]*([^\s#]+)")
 _NAMED = re.compile(r"""[ \t]+([^\W\d]\w*|")""")
 _UNIT = re.compile(r"\[([^\[\]\n#]*)\]")
@@ -51,6 +52,7 @@ _VALUE_ENDS = frozenset(
 )
 _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.syntax == "draw")
 _OF_BODIES = ("BODY", "JOINT")
+_USE = {2: "as", 4: "with"}  # The words of `use`, by the number of tokens before them.
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
 _TOKENS = 4 * limits.NODES  # Most tokens of a model; enough for limits.NODES nodes of expressions.
@@ -58,15 +60,16 @@ _TOKENS = 4 * limits.NODES  # Most tokens of a model; enough for limits.NODES no
 
 def statements(source: Source, before: Iterable[Token] = ()) -> list[Lexed]:
     """Returns the non-empty statements of a text, the first with the tokens `before` put first."""
-    lexer = _Lexer(source.text)
+    lexer = _Lexer(source)
     lexer.now.tokens += before
     lexer.run()
     return lexer.done
 
 
 class _Lexer:
-    def __init__(self, text: str) -> None:
-        self.text = text
+    def __init__(self, source: Source) -> None:
+        self.source, self.text, self.parts = source, source.text, source.parts
+        self.ends = {piece.start for piece in source.pieces}  # The ends of files, after newlines.
         self.done: list[Lexed] = []
         self.now = Lexed()
         # The unclosed brackets: the bracket, the token type of its closing bracket, its offset.
@@ -102,8 +105,8 @@ class _Lexer:
         return at + len(spelt)
 
     def _newline(self, _: str, at: int) -> int:
-        if not self.open:
-            self._end_statement("")
+        if not self.open or at + 1 in self.ends:
+            self._end_statement("the file ends before it")
         self.at_line_start = True
         return at + 1
 
@@ -127,7 +130,8 @@ class _Lexer:
         self.too_deep = False
 
     def _name(self, spelt: str, at: int) -> int:
-        end = at + len(spelt)
+        end = self._end_of_name(spelt, at + len(spelt))
+        spelt = self.text[at:end]
         name = spelt if spelt.isascii() else self._spell_out(spelt, at)
         if len(name) > limits.NAME_LENGTH:
             self._error(
@@ -135,6 +139,8 @@ class _Lexer:
             )
             name = name[: limits.NAME_LENGTH]
         first = self.now.tokens[0].type if self.now.tokens else ""
+        if first == "USE" and not self.open and name == _USE.get(len(self.now.tokens)):
+            return self._add(name.upper(), name, at, end)
         if first in _OF_BODIES and not self.open and self._is_clause(name):
             return self._add("WORD", name, at, end)
         if name in STATEMENTS and self._is_keyword(STATEMENTS[name], end):
@@ -152,6 +158,15 @@ class _Lexer:
         if called:
             return self._add("SUM" if name == "sum" else "FUNCTION", name, at, end)
         return self._add("NAME", name, at, end)
+
+    def _end_of_name(self, name: str, end: int) -> int:
+        """Returns the end of a name that begins with names of parts."""
+        source = self.source
+        while more := _MORE.match(self.text, end):
+            if not source.dotted and source.piece(end).part + name not in self.parts:
+                break
+            name, end = name + more[0], more.end()
+        return end
 
     def _is_keyword(self, row: Statement, end: int) -> bool:
         if row.before_name:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
+from collections.abc import Iterator
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from .lexed import Lexed
 from .lexer import statements
 from .parse_build import Build
 from .parse_errors import declared_names, explain, misplaced
+from .parts import Parts, prefixed
 from .table import BOTH, MODEL, SCENE, STATEMENTS, grammar
 
 GRAMMAR = Path(__file__).with_name("grammar.lark")
@@ -79,7 +81,7 @@ def parse_all(source: Source) -> st.File:
         hint = "a model begins with a line such as 'model pendulum'"
         return st.File(source, (), (), (Diagnostic(message, Span(0, 0), hint),))
     reader = _Reader(source)
-    for number, lexed in enumerate(statements(source)):
+    for number, lexed in enumerate(prefixed(source, statements(source))):
         if number == limits.STATEMENTS:
             reader.errors.append(
                 Diagnostic(f"more than {limits.STATEMENTS} statements", lexed.span)
@@ -100,12 +102,17 @@ class _Reader:
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
         self.scene: st.Head | None = None
+        self.part = ""
         self.headless = False  # Whether the first line of the current scene did not parse.
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
 
     def read(self, lexed: Lexed) -> None:
+        part = self.source.piece(lexed.span.start).part
+        if part != self.part:
+            self._end_file()
+        self.part = part
         self._place(lexed)
         statement = self._parse(lexed)
         if self.scene is None:
@@ -124,10 +131,19 @@ class _Reader:
             self.statements.append(statement)
 
     def file(self) -> st.File:
-        if self.scene is not None:
-            self._unended_scene("the file ends before it")
+        self._end_file()
+        if any(s.keyword in ("use", "set") for s in self.statements):
+            parts = Parts(self.source, self.statements)
+            self.statements = parts.statements
+            self.errors += parts.errors if not self.errors else []
+            self.broken += [st.Broken("use", (), error.span) for error in parts.errors]
         found = self.statements, self.broken, self.errors, self.units
         return st.File(self.source, *map(tuple, found))
+
+    def _end_file(self) -> None:
+        self.headless = False
+        if self.scene is not None:
+            self._unended_scene("the file ends before it")
 
     def _place(self, lexed: Lexed) -> None:
         """Reports a scene's clause outside of scenes, or a model's statement in a scene."""
@@ -169,14 +185,28 @@ class _Reader:
                 self.errors.append(explain(self.source, lexed, error))
             return None
         self.nodes, wrong = measure(statement, self.nodes)
-        left = getattr(statement, "left", None)
-        if left is not None and "." in left.name and not isinstance(statement, st.Force):
-            help = "what a body has is made by its joint"
-            wrong = Diagnostic(f"'{left.name}' is no name of your own", left.span, help)
+        for name, span in _own_names(statement):
+            of = name.rpartition(".")[0]
+            if "." in name.removeprefix(self.part):
+                of_part = of in self.source.parts
+                help = "declared in its file" if of_part else "made by its joint"
+                help = f"what a {'part' if of_part else 'body'} has is {help}"
+                wrong = Diagnostic(f"'{name}' is no name of your own", span, help)
         if wrong is not None:
             self.errors.append(wrong)
             return None
         return statement
+
+
+def _own_names(statement: object) -> Iterator[tuple[str, Span]]:
+    """Yields the names that a statement declares and that its author writes."""
+    for item in statement.items if isinstance(statement, st.Declare) else ():
+        yield item.name, item.name_span
+    if isinstance(statement, st.Event | st.Head | st.Use):
+        yield statement.name, statement.name_span
+    left = getattr(statement, "left", None)
+    if left is not None and not isinstance(statement, st.Force):
+        yield left.name, left.span
 
 
 def _stands_in(word: str) -> str:

@@ -265,6 +265,11 @@ class Build(Transformer):
             return st.StartAt((), _over(word, items[0]), str(items[0]))
         return st.StartAt(items, _over(word, items[-1].value))
 
+    def use(self, word, file, _, name, *rest):
+        given = tuple(x for x in rest if isinstance(x, tuple))
+        over = _over(word, given[-1][1] if given else name)
+        return st.Use(str(file), str(name), _span(name), given, over)
+
     def end_of_scene(self, word):
         return st.EndOfScene(_span(word))
 

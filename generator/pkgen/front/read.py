@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import sys
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from difflib import get_close_matches
 from functools import cache
 
 from .. import limits
-from ..source import Diagnostic, ModelError, Source, Span
+from ..source import Diagnostic, ModelError, Piece, Source, Span
 
 READ: dict[str, None] = {}  # The files read so far, in order. Output files depend on them.
 _ALLOWED: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
@@ -31,7 +32,12 @@ class UnreadableModel(ModelError):
         return "\n".join(lines)
 
 
-def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
+def read(path: str | os.PathLike[str]) -> Source:
+    """Returns the text of a model with those of its parts, else as read_text()."""
+    return with_parts(read_text(path, "a .lag file"))
+
+
+def read_text(path: str | os.PathLike[str], what: str) -> Source:
     """Returns the text of a UTF-8 file, or of standard input for "-", without byte-order mark and
     with normalized line ends; `what` says in messages which file is needed. Raises UnreadableModel,
     or ModelError for an error in the text."""
@@ -53,6 +59,63 @@ def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
             message, help = "the file is UTF-16 text", "save it with the encoding UTF-8"
         raise _unreadable(shown, message, help) from None
     return from_text(shown, text)
+
+
+_USE = re.compile(r'^[ \t]*use[ \t]*"([^"\n]*)"[ \t]*as[ \t]+([a-z_]\w*)(\[)?', re.A | re.I | re.M)
+
+
+def with_parts(source: Source) -> Source:
+    """Returns the text of a model followed by the texts of the parts that it uses, and of theirs.
+    Raises ModelError for a part that cannot be read."""
+    texts, pieces = [source.text], [Piece(0, source.path)]
+    chains = {"": [source.path]}  # name of a part -> its file, before it those that use it
+    size = len(source.text)
+
+    def wrong(message: str, span: Span, help: str = "") -> ModelError:
+        known = Source(source.path, "\n".join(texts), tuple(pieces[1:]))
+        return ModelError(known, [Diagnostic(message, span, help)])
+
+    for piece, text in zip(pieces, texts, strict=False):  # Both grow.
+        for found in _USE.finditer(text):
+            name, at = found[1], piece.start + found.start(1)
+            named, span = Span(at - 1, at + len(name) + 1), Span(at - 1, piece.start + found.end(2))
+            part, chain = f"{piece.part}{found[2]}.", chains[piece.part]
+            path, why = beside(piece.path, name)
+            if found[3]:
+                help = f'write them out: use "{name}" as {found[2]}1, then as {found[2]}2, …'
+                raise wrong("there are no families of parts", span, help)
+            if part in chains:
+                raise wrong(f"there is a part '{part[:-1]}' already", span, "choose another name")
+            if len(part) > limits.NAME_LENGTH:
+                message = f"'{part[:-1]}' has {len(part) - 1} characters"
+                raise wrong(f"{message}; the limit is {limits.NAME_LENGTH}", span)
+            if len(pieces) > limits.PARTS:
+                raise wrong(f"the model has more than {limits.PARTS:,} parts", span)
+            if why:
+                raise wrong(why, named, "copy it there, and name it from there")
+            if os.path.realpath(path) in map(os.path.realpath, chain):
+                raise wrong(f"'{name}' uses itself: {' uses '.join((*chain, path))}", named)
+            try:
+                texts.append(read_text(path, "a .lag file").text)
+            except ModelError as error:
+                (cause,) = error.diagnostics
+                raise wrong(f"{path}: {cause.message}", named, cause.help) from None
+            pieces.append(Piece(size + 1, path, part, piece.start + found.start(0)))
+            chains[part] = [*chain, path]
+            size += 1 + len(texts[-1])
+            if size > limits.FILE_BYTES:
+                raise wrong(f"the model and its parts are larger than {limits.FILE_BYTES:,}", span)
+    return Source(source.path, "\n".join(texts), tuple(pieces[1:]))
+
+
+def beside(user: str, name: str) -> tuple[str, str]:
+    """Returns the path of the file that the model file `user` calls `name`, and why it may not use
+    this file, or "". It may use files in its own folder and in those below."""
+    folder = os.path.dirname(user)
+    path = os.path.join(folder, name)
+    if os.path.isabs(name) or not inside(path, folder):
+        return path, f"'{name}' lies outside of the folder of the file that names it"
+    return path, ""
 
 
 @contextmanager

@@ -60,6 +60,7 @@ class Param:
     interval: Interval | None
     description: str
     span: Span
+    given: Expr | None = None  # The value that the user of a part gives in place of `value`.
 
 
 @record
@@ -268,6 +269,29 @@ class StartAt:
 
 
 @record
+class Use:
+    """`use "FILE" as NAME with PARAMETER = EXPR, …`"""
+
+    keyword: ClassVar[str] = "use"
+    file: str
+    name: str
+    name_span: Span
+    given: tuple[tuple[Left, Expr], ...]
+    span: Span
+
+
+@record
+class Drive:
+    """An input of a part and the value that a `set` outside of scenes gives it."""
+
+    keyword: ClassVar[str] = "set"
+    input: Declared
+    value: Expr
+    description: str
+    span: Span
+
+
+@record
 class Method:
     keyword: ClassVar[str] = "method"
     name: str
@@ -370,6 +394,8 @@ Statement = (
     | Table
     | Method
     | StartAt
+    | Use
+    | Drive
     | Scene
 )
 

@@ -35,6 +35,7 @@ SYNTAX = {
     "swarm": "range",
     "expect": "item relation item [within] [at]",
     "end_of_scene": "",
+    "use": "STRING AS NAME [WITH pair (_COMMA pair)*]",
 }
 
 # Columns: keyword, key of SYNTAX, method that checks, field of Model, names that are declared,
@@ -70,6 +71,8 @@ event       event    dynamics.event      events      first -      NAME: EXPRESSI
 body        body     bodies.body         definitions first -      NAME mass m inertia [Ix, Iy, Iz]
 joint       joint    bodies.joint        definitions first -      NAME: A to B revolute [0, 1, 0]
 gravity     single   bodies.gravity      definitions -     -      [0, 0, -g]
+use         use      definitions.use     definitions first -      "FILE" as NAME with p = VALUE
+set         pairs    definitions.set     definitions -     -      INPUT = EXPRESSION
 draw        draw     drawings.draw       drawings    -     -      bob P radius 0.1 [m]
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]
 method      method   methods.declare     methods     -     -      NAME tableau FILE

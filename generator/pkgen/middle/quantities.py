@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ..equations import Quantity
 from ..graph.graph import VARIABLE, Graph, Kind, Node, Symbol
-from ..indices import indexed, integer
+from ..indices import indexed, integer, made_of
 from ..model import Coordinate, Input, Model, Parameter, Rotation, State
 from ..record import record
 from ..source import Diagnostic, ModelError, Span
@@ -141,7 +141,7 @@ def quantities(
         found[c.name].flat(i): Quantity(
             indexed(getattr(c, own), i)
             if own and getattr(c, own)
-            else form.format(indexed(c.name, i)),
+            else made_of(form, indexed(c.name, i)),
             getattr(c, unit),
             c.description,
         )

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
-from ..indices import integer
+from ..indices import integer, of_made
 from ..model import Coordinate, Definition, End, Force, Hold, Model, Rate, Scene, Start, State
 from ..tree import Add, Expr, Name, Number, names, of_member, within
 from .quantities import Family, ends, error, families, indexed, sizes
@@ -91,7 +91,11 @@ def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -
     """Raises ModelError if the scene uses the momentum of a held coordinate: it has none."""
     known = sizes(model)
     for part in _asked(scene):
-        if not isinstance(part, Name) or part.id != f"p_{name}" or names(part) - {*known, part.id}:
+        if (
+            not isinstance(part, Name)
+            or of_made("p_", part.id) != name
+            or names(part) - {*known, part.id}
+        ):
             continue  # an index with a loop variable is checked when the sum is expanded
         if (None if part.index is None else integer(part.index, known)) == index:
             momentum, held = indexed(part.id, index), indexed(name, index)

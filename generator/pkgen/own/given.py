@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..front.read import UnreadableModel, read, unquoted
+from ..front.read import UnreadableModel, read_text, unquoted
 from ..methods import Own
 from ..source import ModelError
 from ..system.exits import UsageError
@@ -17,7 +17,7 @@ def given(options: argparse.Namespace) -> tuple[Own, ...]:
     found: dict[str, Own] = {}
     for path in getattr(options, "tableau", None) or ():
         try:
-            own = of_text(fit(Path(path).stem), read(path, "a tableau file"))
+            own = of_text(fit(Path(path).stem), read_text(path, "a tableau file"))
         except ModelError as wrong:
             if path not in getattr(options, "unquoted", ()) or isinstance(wrong, UnreadableModel):
                 raise

@@ -123,18 +123,19 @@ def states(compilation: Compilation) -> frozenset[str]:
     return frozenset(q.name for q in compilation.equations.states)
 
 
-def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
+def places(compilation: Compilation) -> dict[str, tuple[int, tuple[int, ...]]]:
     """Returns keys by which names are sorted: coordinates and rotations come first, then rates,
     each in the order of declarations. The components of a quaternion come where its rotation is
     declared, although they are states."""
     model, e = compilation.declared, compilation.equations
-    spans = {item.name: item.span.start for item in model.coordinates}
+    order = model.source.order
+    spans = {item.name: order(item.span.start) for item in model.coordinates}
     found = {}
     for q, rate in zip(e.coordinates, e.rates, strict=True):
         start = spans[parted(q.name)[0]]
         found |= {q.name: (0, start), rate.name: (1, start)}
     for rotation in single_rotations(model):
-        found |= dict.fromkeys(rotation.quaternion, (0, rotation.span.start))
+        found |= dict.fromkeys(rotation.quaternion, (0, order(rotation.span.start)))
     return found
 
 

@@ -11,21 +11,10 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ..front.check.options_text import LeftSide, OptionError, left_side
-from ..indices import indexed, integer, parted
+from ..indices import indexed, integer, made_of, multipliers, of_made, parted
 from ..middle.quantities import ends, sizes
 from ..middle.specialise import with_definitions
-from ..model import (
-    Constraint,
-    Coordinate,
-    Definition,
-    Load,
-    Model,
-    Record,
-    Scene,
-    Start,
-    State,
-    multipliers,
-)
+from ..model import Constraint, Coordinate, Definition, Load, Model, Record, Scene, Start, State
 from ..tree import AXES, Call, Expr, Name, Number, Prime, names, of_member, replaced
 from . import expects
 
@@ -95,7 +84,7 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
             continue
         unit = _unit(model, side)
         name = indexed(side.name, side.index)
-        if unit is None or (name.startswith("p_") and name[2:] in held):
+        if unit is None or of_made("p_", name) in held:
             continue
         index = None if side.index is None else Number(Fraction(side.index), scene.span)
         value = _power(model, side) or Name(side.name, index, scene.span)
@@ -136,7 +125,7 @@ def _unit(model: Model, side: LeftSide) -> str | None:
             case Coordinate() | State():
                 units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
                 if isinstance(item, Coordinate):
-                    units[f"p_{item.name}", 0] = item.momentum_unit
+                    units[made_of("p_{}", item.name), 0] = item.momentum_unit
             case Constraint(name=name):
                 units = {(found, 0): item.unit for found in multipliers(name)}
             case Definition(name=name):

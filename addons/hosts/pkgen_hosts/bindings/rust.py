@@ -58,7 +58,7 @@ def fields(parameters: list[dict[str, Any]]) -> list[dict[str, Any]]:
         rows = list(members)
         first = rows[0]
         family = first["name"] != stem
-        word = stem + "_" if stem in WORDS else stem
+        word = (stem + "_" if stem in WORDS else stem).replace(".", "_")
         values = [None if p["follows"] else p["value"] for p in rows]
         about = ", ".join(w for w in (first["description"], first["unit"]) if w)
         entry = {"name": word, "count": len(rows) if family else 0, "doc": _doc(about)}

@@ -12,6 +12,7 @@ from pkgen.explain.contents import Contents
 from pkgen.explain.flat import canonical_rows, constraint_rows, rates_title
 from pkgen.front.statements import Interval
 from pkgen.graph.graph import ZERO, Node
+from pkgen.indices import in_parts
 from pkgen.middle.quantities import single_rotations
 from pkgen.model import Event
 from pkgen.tree import Expr, names
@@ -276,7 +277,7 @@ class EquationSections:
 def _of_constraint(name: str) -> str:
     """Returns the label of a constraint for a reader. The constraint joint.z gets "joint z"; the
     constraint joint' gets "rate of joint"."""
-    own, _, axis = name.rstrip("'").partition(".")
+    own, axis = in_parts(name.rstrip("'"))
     shown = f"{escape(own)} {mathml.inline(mathml.name(axis))}" if axis else escape(own)
     return f"rate of {shown}" if name.endswith("'") else shown
 

@@ -12,8 +12,9 @@ from fractions import Fraction
 
 from pkgen.front import parse
 from pkgen.front import statements as st
+from pkgen.indices import made_of, multipliers
 from pkgen.middle.quantities import single_rotations
-from pkgen.model import Model, multipliers
+from pkgen.model import Model
 from pkgen.source import Span
 from pkgen.tree import (
     COMPONENTS,
@@ -65,7 +66,7 @@ class Written:
         rotations = [r.name for r in model.rotations]
         self.lone = rotations[0] if rotations and len(single_rotations(model)) == 1 else ""
         self.kinds = dict.fromkeys(rotations, TURN)
-        self.kinds |= {f"p_{r}": VECTOR for r in rotations}
+        self.kinds |= {made_of("p_{}", r): VECTOR for r in rotations}
         self.lets: dict[str, st.Define] = {}
         for s in self.statements:
             if isinstance(s, st.Define) and s.keyword in _NAMING:

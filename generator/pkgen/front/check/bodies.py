@@ -20,7 +20,7 @@ from .. import statements as st
 from ..joints import CLAUSES, COLUMNS, GROUND, KINDS, SHOWN, TURNING, joint_names
 from ..units import ACCELERATION
 from .body_families import with_number
-from .body_joints import BodyJoints, parsed
+from .body_joints import BodyJoints
 from .names import UNKNOWN, Entry, Members
 from .scope import PLACES, Scope
 from .shared import Shared
@@ -42,7 +42,7 @@ class Bodies(BodyJoints):
         self.waiting: list[st.Joint] = []  # Joints whose parent's position is not known yet.
         self.placed: list[str] = []
         self.bad: set[str] = set()  # Names of bodies that have an error or whose ancestor has one.
-        self.gravity_at: Span | None = None
+        self.gravity_at: dict[str, Span] = {}  # what names of a part begin with -> its `gravity`
 
     # statements
 
@@ -88,13 +88,14 @@ class Bodies(BodyJoints):
         return True
 
     def gravity(self, statement: st.Single) -> None:
-        if self.gravity_at is not None:
-            line = self.names.line_of(self.gravity_at)
+        part = self.source.piece(statement.span.start).part
+        if part in self.gravity_at:
+            line = self.names.line_of(self.gravity_at[part])
             self.error(f"there is gravity already, in line {line}", statement)
             return
-        self.gravity_at = statement.span
+        self.gravity_at[part] = statement.span
         needs = "gravity is a vector of an acceleration [m/s^2]"
-        self.given("gravity.field", statement.value, needs, ACCELERATION, place="joint")
+        self.given(f"{part}gravity.field", statement.value, needs, ACCELERATION, place="joint")
 
     def joint(self, statement: st.Joint) -> None:
         before = self.report.count
@@ -191,8 +192,9 @@ class Bodies(BodyJoints):
     def finish(self) -> None:
         """Reports errors of the tree of bodies, and adds the energies."""
         self._tree()
-        if self.gravity_at is not None and not self.bodies:
-            self.error("gravity acts on bodies, and there is none", self.gravity_at)
+        if self.gravity_at and not self.bodies:
+            first, *_ = self.gravity_at.values()
+            self.error("gravity acts on bodies, and there is none", first)
         if self.report.errors:
             return
         parents = {joint.parent[0] for joint in self.joints.values()}
@@ -215,12 +217,15 @@ class Bodies(BodyJoints):
             moved = [f"{name}.mass/2*dot({speed}, {speed})"] * self.massive(name)
             terms = (*moved, *self.turning_energy(name))
         yield from (("kinetic", text) for text in terms)
-        if self.massive(name) and self.gravity_at is not None:
-            yield "potential", f"-{name}.mass*dot(gravity.field, {name}.com)"
+        part = self.source.piece(self.bodies[name].span.start).part
+        while part and part not in self.gravity_at:  # A part without gravity has its user's.
+            part = part[: part.rfind(".", 0, -1) + 1]
+        if self.massive(name) and part in self.gravity_at:
+            yield "potential", f"-{name}.mass*dot({part}gravity.field, {name}.com)"
 
     def _say(self, what: str, text: str, span: Span) -> None:
         """Adds a term to an energy, or defines the name `what`."""
-        value = parsed(text, span)
+        value = self.parsed_text(text, span)
         if what in ("kinetic", "potential"):
             self.run(st.Single(what, value, span))
             return

@@ -168,16 +168,18 @@ class BodyJoints(BodyParts):
             return ()
         return items
 
+    def parsed_text(self, text: str, span: Span) -> Expr:
+        """Returns an expression whose text may have names of all parts."""
+        text = f"let made = {text}\n"
+        parts = tuple(replace(piece, start=len(text) + 1) for piece in self.source.pieces)
+        made = parse_all.__wrapped__(Source("", text, parts)).statements
+        return _moved(made[0].value, span)
+
     def _limit(self, of: st.Joint, own: str, name: str, end: str, span: Span) -> None:
         event = "_".join(filter(None, (*re.split(r"[\[\]]", name), end)))
-        made = parsed(f"{own} - {name}.{end}", span)
+        made = self.parsed_text(f"{own} - {name}.{end}", span)
         said = f"the {end} limit of the joint {name}"
         self.run(st.Event(event, span, made, LIMITS[end][0], True, said, span, limit=True))
-
-
-def parsed(text: str, span: Span) -> Expr:
-    made = parse_all.__wrapped__(Source("", f"let made = {text}\n")).statements
-    return _moved(made[0].value, span)
 
 
 def _infinite(value: Expr) -> int:

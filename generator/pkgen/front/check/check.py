@@ -7,7 +7,7 @@ folder check the statements, `check/expr.py` expressions, `check/indices.py` ind
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 
@@ -17,7 +17,8 @@ from ...record import record
 from ...source import Diagnostic, ModelError, Source, Span
 from ...tree import names
 from .. import statements as st
-from ..joints import SHOWN, joint_names, loose
+from ..declarations import declarations
+from ..joints import loose
 from ..parse import parse_all
 from ..table import STATEMENTS
 from ..units import NONE, UnitError, over, parse_unit, si_text
@@ -83,11 +84,20 @@ def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
     checker = _Checker(file, dict(sizes))
     model = checker.run()
     found = [*file.diagnostics, *checker.report.errors]
-    unique = {(d.message, d.span.start, d.span.end): d for d in found}
-    errors = sorted(unique.values(), key=lambda d: d.span.start)
-    warnings = sorted(checker.report.warnings, key=lambda d: d.span.start)
     known = checker.names, checker.parts, checker.sizes
-    return Seen(model, *known, tuple(errors), tuple(warnings))
+    findings = (_distinct(file.source, x) for x in (found, checker.report.warnings))
+    return Seen(model, *known, *findings)
+
+
+def _distinct(source: Source, found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Returns the findings by position, without duplicates. In a file that is used as several parts
+    those of the first one count."""
+    unique: dict[object, Diagnostic] = {}
+    for d in sorted(found, key=lambda d: d.span.start):
+        part, at, message = source.piece(d.span.start).part, d.span.start, d.message
+        key = (source.place(d.span), message.replace(part, "")) if part else (at, message)
+        unique.setdefault((*key, d.span.end - at), d)
+    return tuple(unique.values())
 
 
 @lru_cache(maxsize=4)  # A command may compile a file once for each of its scenes.
@@ -110,13 +120,14 @@ class _Checker(Checks):
         counted = (expr for s in file.statements for expr in indices(s))
         # Names that occur in indices of bodies or joints.
         self.counting = frozenset().union(*map(names, counted))
-        taken = {*(name for name, *_ in _declarations(file.statements)), *CONSTANTS}
+        taken = {*(name for name, *_ in declarations(file.statements)), *CONSTANTS}
         self.file = file = written_out(file, given, taken, report.error)
         self.broken = {b.keyword for b in file.broken}
         self.dimensionless = all(_has_no_dimension(text) for text in file.units)
-        known = Names(report, self._line, [*_declarations(file.statements)])
+        known = Names(report, self._line, [*declarations(file.statements)])
         for name in (n for b in file.broken for n in b.names):
             known.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
+        known.parts = file.source.parts
         known.hamiltonian = any(s.keyword == "hamiltonian" for s in file.statements)
         bodies = [s.name for s in file.statements if isinstance(s, st.Body)]
         known.loose = loose(bodies, [s for s in file.statements if isinstance(s, st.Joint)])
@@ -141,10 +152,13 @@ class _Checker(Checks):
             "scenes": self.scenes,
         }
 
-    def _line(self, span: Span) -> int:
-        return self.file.source.position(span.start)[0]
+    def _line(self, span: Span) -> int | str:
+        source = self.file.source
+        line, piece = source.position(span.start)[0], source.piece(span.start)
+        return f"{line} of {piece.path}" if piece.part else line
 
     def run(self) -> m.Model:
+        self._clashes()
         for statement in self.file.statements:
             self._check(statement)
         if not self.broken & {"", "body", "joint"}:
@@ -164,6 +178,7 @@ class _Checker(Checks):
             [d for d in parts["definitions"] if d.span in self.sound],
             self.sizes,
             self.report,
+            self.file.source.order,
         )
         if not self.broken & {"", "let", "coord", "body", "joint", *_INERTIA}:
             required.inertia()
@@ -180,18 +195,32 @@ class _Checker(Checks):
         return replace(model, scenes=tuple(scenes))
 
     def _misfits(self) -> dict[str, list[Diagnostic]]:
-        """If the command line sets sizes, removes the errors of scenes from the report and returns
-        them by name of scene: a scene may be wrong with these sizes alone. The errors of a scene
-        are reported if the scene is run."""
+        """Removes the errors of scenes of parts from the report and, if the command line sets
+        sizes, those of all scenes. Returns them by name of scene: a scene may be wrong with these
+        sizes or this user alone. The errors of a scene are reported if the scene is run."""
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
-        for scene in scenes if self.given_sizes else ():
+        for scene in scenes:
+            if not (self.given_sizes or self.file.source.piece(scene.span.start).part):
+                continue
             start, end = scene.span.start, scene.span.end
             mine = [e for e in self.report.errors if start <= e.span.start < end]
             if mine:
                 found[scene.name] = mine
                 self.report.errors = [e for e in self.report.errors if e not in mine]
         return found
+
+    def _clashes(self) -> None:
+        """Reports names that are the same in C as those of parts, such as left_x and left.x."""
+        parts, found = self.file.source.parts, {}
+        for name, span, _ in declarations(self.file.statements) if parts else ():
+            part = name.rpartition(".")[0]
+            found.setdefault(name.replace(".", "_"), {}).setdefault(name, (part in parts, span))
+        for same in found.values():
+            if len(same) > 1 and any(of_part for of_part, _ in same.values()):
+                name, other, *_ = sorted(same, key=lambda name: name.count("."))
+                message = f"'{name}' and '{other}' have the same name in C"
+                self.error(message, same[name][1], "rename one of them")
 
     def _check(self, statement: st.Statement) -> None:
         if isinstance(statement, st.Accumulate):
@@ -231,33 +260,6 @@ class _Checker(Checks):
 
 
 _UNUSED = ("table", "parameter", "constant", "size", "input", "definition")
-
-
-def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span, str]]:
-    """Yields every name that the statements declare, with its source position, and the keyword of
-    its declaration if that is `coord`, `state` or `rotation`, for a joint's coordinates too."""
-    for statement in statements:
-        match statement:
-            case st.Define(keyword="rate"):
-                pass  # `rate` declares no name.
-            case st.Force(left=left, place=place) if place is not None and left is not None:
-                yield left.name, left.span, ""
-            case st.Param(left=left) | st.Define(left=left) | st.Body(left=left):
-                yield left.name, left.span, ""
-            case st.Declare(keyword=keyword, items=items):
-                yield from ((item.name, item.name_span, keyword) for item in items)
-            case st.Joint(left=left, ends=(_, child)):
-                yield left.name, left.span, ""
-                for coordinate, what in joint_names(statement):
-                    yield coordinate, left.span, "rotation" if what == "rotation" else "coord"
-                yield from ((f"{child.id}.{member}", left.span, "") for member in SHOWN)
-            case st.Accumulate(left=left):
-                yield left.name, left.span, "state"
-            case st.Event(name=name, name_span=span) | st.Table(name=name, name_span=span):
-                yield name, span, ""
-            case st.Equation(left=left):
-                names = left.name, *m.multipliers(left.name)
-                yield from ((name, left.span, "") for name in names)
 
 
 def _has_no_dimension(text: str) -> bool:

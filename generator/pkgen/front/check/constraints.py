@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ... import model as m
+from ...indices import multipliers
 from ...source import Span
 from ...tree import AXES, Add, Expr
 from .. import statements as st
@@ -49,7 +50,7 @@ class Constraints(Checks):
         multiplier.vector = facts.vector
         place = name_span(left)
         if self.names.declare(Entry(left.name, "constraint", facts, place, members)):
-            for name in m.multipliers(left.name):
+            for name in multipliers(left.name):
                 self.names.declare(Entry(name, "multiplier", multiplier, place, members))
         if self.report.count > before or not facts.known:
             return

@@ -64,6 +64,10 @@ class Definitions(Checks):
         before = self.report.count
         scope, members = self.left_scope(left, "param")
         value, facts = self.checked(statement.value, scope)
+        if statement.given is not None and facts.known:
+            target = as_is(left.name, facts.dimension)
+            value, given = self.wanted(statement.given, scope, target)
+            facts = replace(facts, value=given.value, known=given.known)
         if facts.vector:
             self.no_vector(left, "parameter")
         bounds = self._bounds(statement.interval, left.name, facts)
@@ -105,6 +109,25 @@ class Definitions(Checks):
         target = as_is(name, of.dimension)
         value, facts = self.wanted(end, Scope(PLACES["bound"]), target)
         return value if facts.known else Name(_UNKNOWN, None, end.span)
+
+    def use(self, statement: st.Use) -> None:
+        new = Entry(statement.name, "part", UNKNOWN, statement.name_span, used=True)
+        self.names.declare(new)
+
+    def set(self, statement: st.Drive) -> None:
+        """Checks an input of a part that its user gives: it is a definition."""
+        item, unit = statement.input, units.ONE
+        if item.unit is not None:
+            unit = self.expressions.unit(item.unit.text, item.unit.span) or unit
+        target = as_is(item.name, unit.dimension)
+        value, facts = self.wanted(statement.value, Scope(PLACES["let"]), target)
+        own = {"dimension": unit.dimension, "bare": False, "united": unit is not units.ONE}
+        facts = UNKNOWN if facts.vector else replace(facts, **own)
+        self.names.declare(Entry(item.name, "definition", facts, item.name_span))
+        self.shared.driven[item.name] = statement.span
+        self.use_inputs(facts)
+        shown = unit.shown, statement.description, statement.span
+        self.parts["definitions"].append(m.Definition(item.name, None, None, value, *shown))
 
     def define(self, statement: st.Define) -> None:
         keyword, left = statement.keyword, statement.left

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ... import model as m
+from ...indices import made_of, of_made
 from ...source import Span
 from ...tree import Call, Condition, Expr, Multiply, Name, Negate, Prime, names, within
 from .. import statements as st
@@ -123,11 +124,11 @@ class Dynamics(Checks):
     def _momentum(self, item: st.StartItem, around: Scope) -> tuple[m.Start, ...]:
         """Checks the start of a momentum, in a model with `hamiltonian`. Returns () for a start of
         something else."""
-        left, name = item.left, item.left.name.removeprefix("p_")
+        left, name = item.left, of_made("p_", item.left.name)
         entry = self.names.table.get(name)
-        if name == left.name or entry is None or entry.kind != "coordinate":
+        if entry is None or entry.kind != "coordinate":
             if item.order:
-                help = f"start p_{left.name} = …"
+                help = f"start {made_of('p_{}', left.name)} = …"
                 self.error("a model with 'hamiltonian' starts with momenta, not rates", item, help)
             return ()
         scope = self.member_scope(replace(left, name=name), entry, around) or around

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...indices import NotAnInteger, integer
+from ...indices import NotAnInteger, integer, multipliers, of_made
 from ...record import record
 from ...source import Span
 from ...tree import AXES, Add, Condition, Expr, Name, Negate, Number, Vector
@@ -168,11 +168,12 @@ class Expressions(Operators, Calls, Quantities):
         if name == "inf":
             self._once(name, "'inf' stands only in bounds, e.g. in (0, inf)", expr.span)
             return None
-        if name in BUILT_IN or (name.startswith("p_") and name[2:] in self.names.moving):
+        moving = of_made("p_", name)
+        if name in BUILT_IN or moving in self.names.moving:
             return self._built_in(name, expr)
-        if name.startswith("p_") and name[2:] in self.names.states:
-            message = f"'{name}': {name[2:]} is a state, and only coordinates have momenta"
-            self._once(name, message, expr.span, f"its rate is {name[2:]}'")
+        if moving in self.names.states:
+            message = f"'{name}': {moving} is a state, and only coordinates have momenta"
+            self._once(name, message, expr.span, f"its rate is {moving}'")
             return None
         built_in = "built-in" in scope.place.kinds
         self.names.unknown(name, expr.span, missing=scope.place.missing, built_in=built_in)
@@ -189,7 +190,7 @@ class Expressions(Operators, Calls, Quantities):
             return None
         everything = self.names.moving
         facts = Facts(self.energy_dimension, united=True, coordinates=everything, rates=everything)
-        of = self.names.table.get(name[2:]) if name.startswith("p_") else None
+        of = self.names.table.get(of_made("p_", name))
         if of is not None and of.facts.dimension is None:
             facts = replace(facts, dimension=None, known=False)
         elif of is not None:
@@ -219,7 +220,7 @@ class Expressions(Operators, Calls, Quantities):
             name = self.text(expr)
             help = f"its places are {name}.com, {name}.origin, {name}.point([x, y, z])"
         elif entry.kind == "constraint":
-            help = f"its multiplier is lambda_{expr.id}, in outputs and events"
+            help = f"its multiplier is {multipliers(expr.id)[0]}, in outputs and events"
         else:
             help = f"{place.what} may use {place.may_use}"
         return Wrong(f"'{expr.id}' is {KIND_TEXT[entry.kind]}: {place.what} cannot use it", help)

@@ -111,7 +111,8 @@ class Forces(Checks):
         self, left: st.Left, power: Expr, parts: list[Facts], members: Members | None
     ) -> None:
         """Declares the name of a force, so that power(NAME) is known."""
-        if left.index is not None or "." in left.name:
+        part = self.source.piece(left.span.start).part
+        if left.index is not None or "." in left.name.removeprefix(part):
             message = "a force is named by NAME or NAME[i = lo..hi]"
             self.error(message, left, f"force {left.name} at P = …")
         facts = joined(self.power_dimension, False, parts)

@@ -155,6 +155,10 @@ class Given(Checks):
                 self.assignments.append(checked)
 
     def _assignment(self, left: st.Left, value: Expr) -> m.Assignment | None:
+        if first := self.shared.driven.get(left.name):
+            message = f"'{left.name}' is set already, at {self.source.place(first)}"
+            self.error(message, left, "leave one of them out")
+            return None
         kinds, message = ("parameter", "input"), "'set' gives parameters and inputs"
         entry = self.assigned(left, kinds, message, DECLARED)
         if entry is None or entry.kind == "poisoned":

@@ -8,7 +8,7 @@ from ...methods import METHODS
 from ...own.made import of_text
 from ...source import ModelError
 from .. import statements as st
-from ..read import ALLOW, UnreadableModel, inside, read, refusal, unquoted
+from ..read import ALLOW, UnreadableModel, inside, read_text, refusal, unquoted
 from ..words import reserved
 from .shared import Checks
 
@@ -41,13 +41,13 @@ class Methods(Checks):
         if why:
             self.error(f"'{name}' {why}", statement.name_span, help)
             return
-        folder = Path(self.source.path).parent
+        folder = Path(self.source.piece(statement.span.start).path).parent
         path = folder / statement.file
         if wrong := refusal(statement.file, path, folder):
             self.error(wrong, statement.file_span, ALLOW)
             return
         try:
-            own = of_text(name, read(path, "a tableau file"))
+            own = of_text(name, read_text(path, "a tableau file"))
         except UnreadableModel as wrong:
             (found,) = wrong.diagnostics
             self.error(f"{path}: {found.message}", statement.file_span, found.help)

@@ -10,11 +10,11 @@ from fractions import Fraction
 
 from ... import limits
 from ...functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
-from ...indices import indexed
+from ...indices import DOTTED, indexed, made_of, of_made
 from ...record import record
 from ...source import Diagnostic, Source, Span
 from ...system.near import meant
-from ...tree import Expr
+from ...tree import COMPONENTS, Expr
 from .. import foreign
 from ..units import Dimension
 from ..words import reserved
@@ -172,6 +172,7 @@ KIND_TEXT = {
     "force": "a force",
     "body": "a body",
     "joint": "a joint",
+    "part": "a part",
     "loop variable": "a loop variable",
     "poisoned": "a name with an error",
     "time": "the time",
@@ -245,15 +246,21 @@ class Names:
             at = f"{KIND_TEXT[before.kind]} in line {self.line_of(before.span)}"
             self.error(f"'{name}' is declared already: {at}", span, "choose another name")
             return False
-        elif name.startswith("p_") and name[2:] in self.moving:
-            what = "coordinate" if name[2:] in self.coordinates else "rotation"
-            of = f"the momentum of the {what} '{name[2:]}'"
+        elif (moving := of_made("p_", name)) in self.moving:
+            what = "coordinate" if moving in self.coordinates else "rotation"
+            of = f"the momentum of the {what} '{moving}'"
             message = f"'{name}' is {of}; it needs no declaration"
+            self.error(message, span, "choose another name")
+        part, _, own = name.rpartition(".")
+        constrains = entry.kind == "constraint" and own in [*COMPONENTS]
+        if part in self.parts and (constrains or (entry.members and own in DOTTED)):
+            message = f"in a part, no family or constraint can be called '{own}'"
             self.error(message, span, "choose another name")
         self.table[name] = entry
         return not why
 
     loose: frozenset[str] = NOTHING  # Bodies not connected to the ground.
+    parts: frozenset[str] = NOTHING  # Names of parts.
 
     @property
     def moving(self) -> frozenset[str]:
@@ -275,7 +282,10 @@ class Names:
         """Reports an unknown name, unless it has been reported. The hint is a similar name, else
         `missing`. With `built_in`, the similar names include built-in ones, such as p_q, the
         momentum of q. With `missing` (in scenes), no hint reads mg as the product m*g."""
-        if name in self.reported or name.partition(".")[0] in self.loose:
+        of = self.table.get(name.partition(".")[0])
+        if name in self.reported or (of is not None and of.kind == "poisoned"):
+            return
+        if any(name.startswith(f"{body}.") for body in self.loose):
             return
         self.reported.add(name)
         place = self.later.get(name)
@@ -308,7 +318,7 @@ class Names:
             return rate
         known = sorted(callable_names() | {"sum"}) if called else [*self.table, "t", "pi"]
         if built_in:
-            known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.moving))]
+            known += [*BUILT_IN, *(made_of("p_{}", name) for name in sorted(self.moving))]
         if not called and name in _UNITS:
             return f"a unit stands in square brackets after a value: 2 [{name}]"
         near = meant(name, known)
@@ -317,6 +327,9 @@ class Names:
             return f"did you mean {product}? a product needs its *"
         if near:
             return near
+        part = self.table.get(name.rpartition(".")[0])
+        if part is not None and part.kind == "part":
+            return f"the file of the part '{part.name}' declares no such name"
         if "." in name:
             return f"declare it: body {name.partition('.')[0]} mass …, and its joint"
         if called:

@@ -98,7 +98,7 @@ def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
     if component:
         side = left_side(component[1] + component[3], sizes)
         return replace(side, name=side.name + component[2])
-    source = _source(text)
+    source = replace(_source(text), dotted=True)
     end = len(source.text)
     tail = [
         Token("EQUAL", "=", start_pos=end, end_pos=end),

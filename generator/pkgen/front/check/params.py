@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from fractions import Fraction
 
@@ -18,10 +18,11 @@ def check_bounds(
     definitions: list[m.Definition],
     sizes: Mapping[str, int],
     report: Report,
+    order: Callable[[int], tuple[int, ...]],
 ) -> None:
     """Reports defaults that are not finite or out of bounds, and bounds that admit no value."""
     values: dict[object, object] = {}
-    items = sorted([*parameters, *definitions], key=lambda x: x.span.start)
+    items = sorted([*parameters, *definitions], key=lambda x: order(x.span.start))
     for item in items:
         if isinstance(item, m.Definition):
             _constant(item, values, sizes)

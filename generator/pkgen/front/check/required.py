@@ -35,7 +35,7 @@ class Required(Checks):
             self.error("the model has no name", at, "the first statement is 'model NAME'")
         elif parts["name"] and first is not parts["name"][0]:
             self.error("'model' must be the first statement", at)
-        if "" in broken:  # A line without a known keyword may be the missing statement.
+        if broken & {"", "use"}:  # The missing statement may be in this line or in a part.
             return
         names = self.names
         if not names.moving | names.states and not broken & {

@@ -11,6 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ... import model as m
+from ...indices import made_of
 from ...tree import AXES, Expr, Number
 from .. import statements as st
 from .. import units
@@ -38,7 +39,7 @@ class Rotations(Checks):
             return
         time, energy = self.time_dimension, self.energy_dimension
         per_time, action = units.over(NONE, time), units.times(energy, time)
-        momenta = tuple(f"p_{item.name}.{axis}" for axis in AXES)
+        momenta = tuple(f"{made_of('p_{}', item.name)}.{axis}" for axis in AXES)
         names = *(f(item.name) for f in (quaternion_names, rate_names, turn_names)), momenta
         texts = si_text(per_time, 1 if time != NONE else 0), si_text(per_time), si_text(action)
         rotation = m.Rotation(item.name, found[0], *names, *texts, description, item.span)

@@ -79,7 +79,7 @@ class Values:
         given = {**more, **self.given}
         self.values.clear()
         items = (*self.model.parameters, *self.model.definitions)
-        for item in sorted(items, key=lambda x: x.span.start):
+        for item in sorted(items, key=lambda x: self.model.source.order(x.span.start)):
             if isinstance(item, Parameter):
                 self._parameter(item, given)
             elif item.range is None and item.index is None:

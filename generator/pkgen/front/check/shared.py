@@ -52,6 +52,7 @@ class Shared:
         self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
         self.energies: list[Facts] = []  # The facts of each energy statement.
         self.inputs: dict[str, int] = {}  # name of an input -> order of its highest derivative
+        self.driven: dict[str, Span] = {}  # name of an input -> the `set` that gives it
         # Source positions of parameters and constants without an error.
         self.sound: set[Span] = set()
 
@@ -241,7 +242,7 @@ class Checks:
 
 
 def name_span(left: st.Left) -> Span:
-    return Span(left.span.start, left.span.start + len(left.name))
+    return Span(left.span.start, min(left.span.start + len(left.name), left.span.end))
 
 
 def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:

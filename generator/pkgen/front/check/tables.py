@@ -89,7 +89,7 @@ class Tables(Checks):
     def _read(
         self, statement: st.Table, units: list[Unit], kind: str, outside: str
     ) -> tuple[Path, Data] | None:
-        folder = Path(self.source.path).parent
+        folder = Path(self.source.piece(statement.span.start).path).parent
         path = data.brought().get(statement.name)
         if path is None:
             path = folder / statement.file

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...equations import Constraints, Quantity, Rows
 from ...graph.graph import BIT, Kind
 from ...graph.normal import Normal
+from ...indices import multiplied, multipliers
 from ...source import Diagnostic, ModelError
 from ...tree import Expr, names
 from ..expand.expand import Expander
@@ -44,7 +45,7 @@ def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
                     help = "hold what it ties as it says" if held else help
                     raise error(x.model, message, item.span, help)
                 rate = x.derivative(node) if item.holonomic else node
-                quantity = Quantity(f"lambda_{name}", item.unit, item.description)
+                quantity = Quantity(multipliers(name)[0], item.unit, item.description)
                 found[item.holonomic].append((quantity, node, rate, item.span))
     rows = [*found[True], *found[False]]
     if not rows:
@@ -90,13 +91,13 @@ def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
         for k, (q, node) in enumerate(zip(c.names, c.multipliers, strict=True))
         if k not in c.shared
     }
-    because = " and ".join(q.name.removeprefix("lambda_") for q in names[len(c.names) :])
+    because = " and ".join(multiplied(q.name) for q in names[len(c.names) :])
     for item in x.model.constraints:
         for index, _ in x.unrolled(item.index, item.range):
-            name = f"lambda_{item.name}"
+            name, least_name = multipliers(item.name)
             full = indexed(name, index)
             if full in least:
-                x.define(f"least_{name}", index, least[full])
+                x.define(least_name, index, least[full])
             if full in own:
                 x.define(name, index, own[full])
             elif any(q.name == full for q in names):

@@ -15,6 +15,7 @@ from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
+from ...indices import of_made
 from ...model import Model, Parameter
 from ...source import Diagnostic, ModelError, Span
 from ..expand.expand import Expander
@@ -217,7 +218,7 @@ def _starts(x: Expander) -> tuple[Row, Row, Row]:
         is_state, order = item.name in x.states, item.order
         family = (x.states if is_state else x.coordinates).get(item.name)
         if family is None:  # a momentum
-            family, order = x.coordinates[item.name.removeprefix("p_")], 3
+            family, order = x.coordinates[of_made("p_", item.name)], 3
         if not family.has(index):
             what = "state" if is_state else "coordinate"
             raise error(x.model, f"no {what} '{indexed(item.name, index)}'", item.span)

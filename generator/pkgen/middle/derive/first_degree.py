@@ -16,6 +16,7 @@ from ...graph.differentiate import gradient, symbols_in
 from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.substitute import substituted
+from ...indices import made_of
 from ...model import Model, State
 from ..expand.expand import Expander
 from ..expand.names import entered
@@ -81,7 +82,7 @@ def rates_of_first_degree(x: Expander, lagrangian: Node) -> tuple[dict[int, Node
     with x.statement(model.span):
         for (family, index, _), coordinate, rate in zip(own, q, v, strict=True):
             momentum = by.get(rate, ZERO)
-            x.define(f"p_{family.name}", index, momentum)
+            x.define(made_of("p_{}", family.name), index, momentum)
             residual = g.subtract(x.derivative(momentum), by.get(coordinate, ZERO))
             slopes = gradient(g, residual, BIT[Kind.STATE])
             rows.append([slopes.get(other, ZERO) for other in v])

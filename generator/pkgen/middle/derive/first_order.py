@@ -11,6 +11,7 @@ from ...graph.differentiate import gradient
 from ...graph.graph import ZERO, Kind, Node, Symbol
 from ...graph.normal import Normal
 from ...graph.substitute import substituted
+from ...indices import made_of
 from ...source import Span
 from ..expand.expand import Expander
 from ..motion import STATE, Energies
@@ -91,4 +92,4 @@ def define_built_in(
         if name not in own:
             x.define(name, None, node)
     for (item, index), momentum in zip(x.members, momenta, strict=True):
-        x.define(item.momentum or "p_" + item.name, index, momentum)
+        x.define(item.momentum or made_of("p_{}", item.name), index, momentum)

@@ -33,6 +33,7 @@ from ...graph.residues import Varying
 from ...graph.substitute import rebuilt, substituted
 from ...graph.surfaces import Surfaces, argument_of
 from ...graph.wording import wording
+from ...indices import multiplied
 from ...model import Model
 from ...source import ModelError, Span
 from ..attitudes import slopes
@@ -221,7 +222,7 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
             "a step or a sign of a rate may stand in a force or a dissipation, not in an energy",
         )
     for k in range(len(c.residual) if c is not None else 0):
-        row, span = c.names[k].name.removeprefix("lambda_"), c.spans[k]
+        row, span = multiplied(c.names[k].name), c.spans[k]
         holonomic = k < c.holonomic
         at = f"where {text} vanishes"
         jump = across.jump(c.positions[k], argument) if holonomic else ZERO

@@ -15,6 +15,7 @@ from ...equations import Row
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node, Symbol
 from ...graph.substitute import substituted
+from ...indices import made_of
 from ...model import Coordinate, Model
 from ...tree import Add, Expr, Multiply, Name, Prime, Sum
 from ..expand.expand import Expander
@@ -38,7 +39,9 @@ def in_pairs(model: Model) -> Model:
     terms = (*pairs, *model.hamiltonian)
     signs = (*(1 for _ in pairs), *(-1 for _ in model.hamiltonian))
     momenta = (
-        replace(c, name=f"p_{c.name}", unit=c.momentum_unit, rate_unit=_rate_unit(model, c))
+        replace(
+            c, name=made_of("p_{}", c.name), unit=c.momentum_unit, rate_unit=_rate_unit(model, c)
+        )
         for c in model.coordinates
     )
     whole = Add(terms, signs, span)
@@ -56,7 +59,7 @@ def _pair(c: Coordinate) -> Expr:
     span = c.span
     index = None if c.range is None else Name(c.range.variable, None, span)
     rate = Prime(Name(c.name, index, span), span)
-    product = Multiply((Name(f"p_{c.name}", index, span), rate), (1, 1), span)
+    product = Multiply((Name(made_of("p_{}", c.name), index, span), rate), (1, 1), span)
     return product if c.range is None else Sum(product, (c.range,), span)
 
 
@@ -72,7 +75,7 @@ def hamiltonian_of(x: Expander) -> Node:
     """Returns H, with the symbols MOMENTA for the momenta. The definitions must be known."""
     g, total = x.graph, ZERO
     for k, (item, index) in enumerate(x.members):
-        x.define(f"p_{item.name}", index, symbols(g, Kind.ACCELERATION, k + 1)[k])
+        x.define(made_of("p_{}", item.name), index, symbols(g, Kind.ACCELERATION, k + 1)[k])
     for expr in x.model.hamiltonian:
         with x.statement(expr.span):
             total = g.add(total, x.scalar(expr))

@@ -14,7 +14,8 @@ from dataclasses import replace
 from ...graph.differentiate import gradient
 from ...graph.graph import ZERO, Node
 from ...graph.rounding import sizes
-from ...model import Constraint, multipliers
+from ...indices import multipliers
+from ...model import Constraint
 from .expand import LoopExpander
 from .indexed_ir import Bound, Group, Part, Row, Total, Unrolled
 from .pair_sums import RATES, M

@@ -47,6 +47,8 @@ def _derive(x: LoopExpander) -> LoopEquations:
         for group in x.coordinates.values()
     ):
         raise Unrolled("no family of coordinates has a length that depends on a size")
+    if model.source.parts:
+        raise Unrolled("the model has parts")
     for field, why in _UNROLLED.items():
         if getattr(model, field):
             raise Unrolled(why)
