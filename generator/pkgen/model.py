@@ -150,13 +150,17 @@ class End:
 
 @record
 class Input:
-    """An input, set by the embedding program; its derivatives up to `order` (0..2) are used."""
+    """An input, set by the embedding program; its derivatives up to `order` (0..2) are used. An
+    input that is held between samples is set by the sample block `by`: this may be a memory cell,
+    which begins at `start`, or a value NAME.k that the input NAME has k samples later."""
 
     name: str
     order: int
     units: tuple[str, ...]  # units of the input and of its derivatives up to `order`
     description: str
     span: Span
+    by: str = ""
+    start: Expr | None = None
 
 
 @record
@@ -188,6 +192,20 @@ class Load(Given):
     ""."""
 
     velocity: Expr
+
+
+@record
+class Sample:
+    """`sample NAME every T offset T0 delay K`. `steps` are its definitions, which only later steps
+    see, and its assignments to inputs and memory cells, in order."""
+
+    name: str
+    every: Expr
+    offset: Expr | None
+    delay: int
+    steps: tuple[Given, ...]
+    description: str
+    span: Span
 
 
 @record
@@ -332,3 +350,4 @@ class Model:
     fast: tuple[Expr, ...] = ()  # terms of the potential that the model names fast
     loads: tuple[Load, ...] = ()
     methods: tuple[Own, ...] = ()  # methods that the model defines
+    samples: tuple[Sample, ...] = ()

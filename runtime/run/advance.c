@@ -36,26 +36,59 @@ enum pk_run_code pk_run_begin(struct pk_run *run)
     return run->code;
 }
 
-int pk_run_advance(struct pk_run *run, double t, int one_step, const double *u, double *state)
+static enum pk_status steps(struct pk_run *run, pk_real t, int one_step)
+{
+    struct pk_integrator *it = &run->it;
+    if (one_step)
+        return run->crossed ? pk_events_step(&run->events, it, t) : pk_integrator_step(it, t);
+    return run->crossed ? pk_events_to(&run->events, it, t) : pk_integrator_to(it, t);
+}
+
+static enum pk_status sample(struct pk_run *run) { return pk_sampler_run(&run->sampler, &run->it); }
+
+/* Integrates to t, or one step towards it, and calls `sampled` at the times of sample blocks. */
+static enum pk_status advance(struct pk_run *run, pk_real t, int one_step,
+                              enum pk_status (*sampled)(struct pk_run *run))
+{
+    struct pk_integrator *it = &run->it;
+    if (!run->bare.samples.n)
+        return steps(run, t, one_step);
+    if (t < it->t) {
+        run_say(run, "a model with sample blocks goes forward in time");
+        return PK_BAD_ARGUMENT;
+    }
+    enum pk_status status = sampled(run);
+    do {
+        if (status == PK_DONE)
+            status = steps(run, pk_sampler_limit(&run->sampler, t), one_step);
+        if (status == PK_DONE)
+            status = sampled(run);
+    } while (status == PK_DONE && it->t < t && !one_step);
+    return status;
+}
+
+enum pk_status run_to(struct pk_run *run, pk_real t) { return advance(run, t, 0, sample); }
+
+int pk_run_advance(struct pk_run *run, double t, int one_step, double *u, double *state)
 {
     struct pk_integrator *it = &run->it;
     struct settings *s = &run->settings;
     enum pk_status status = run->begun ? PK_DONE : PK_BAD_ARGUMENT;
     int anew = 0;
     for (size_t i = 0; run->begun && i < s->system->n_inputs; i++) {
+        if (s->system->samples.n && s->system->samples.held[i])
+            continue;
         anew |= (double)s->u[i] < u[i] || (double)s->u[i] > u[i];
         s->u[i] = (pk_real)u[i];
     }
     if (anew && it->count.steps)
         status = pk_integrator_reset(it, it->t, it->q, it->v);
-    if (status == PK_DONE && one_step)
-        status = run->crossed ? pk_events_step(&run->events, it, (pk_real)t)
-                              : pk_integrator_step(it, (pk_real)t);
-    else if (status == PK_DONE)
-        status = run->crossed ? pk_events_to(&run->events, it, (pk_real)t)
-                              : pk_integrator_to(it, (pk_real)t);
+    if (status == PK_DONE)
+        status = advance(run, (pk_real)t, one_step, crossings_sample);
     if (!run->begun)
         return status;
+    for (size_t i = 0; i < s->system->n_inputs; i++)
+        u[i] = (double)s->u[i];
     if (status < 0)
         tell(run);
     *state++ = (double)it->t;

@@ -41,6 +41,8 @@ def needed_kernels(
         asked |= known & _OF_IMPULSES if equations.impulsive else set()
     if "acceleration" in asked and equations.acceleration is None:
         asked |= {"mass", "force"}
+    if equations.sampled:
+        asked |= {"sampling", *(f"{block.name}_sample" for block in equations.model.samples)}
     return frozenset(asked)
 
 
@@ -210,6 +212,23 @@ _SPECS = (
         given=("a",),
         copies=True,
     ),
+    KernelSpec(
+        "sampling",
+        "T and T0 of each sample block, and what the inputs are at the start",
+        lambda e: e.sampled and {"times": e.sample_times, "held": e.held_start},
+    ),
     KernelSpec("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
 )
 KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}
+
+
+def kernel(name: str) -> KernelSpec:
+    """Returns the specification of a kernel. BLOCK_sample, of a sample block, is in no table."""
+
+    def following(e: Equations) -> Mapping[str, Row]:
+        k = [f"{block.name}_sample" for block in e.model.samples].index(name)
+        n = len(e.inputs)
+        return {"next": e.sampled[k * n : (k + 1) * n]}
+
+    says = "a sample: all inputs after it, from those before it; u = next is left to the caller"
+    return KERNELS.get(name) or KernelSpec(name, says, following)

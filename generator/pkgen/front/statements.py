@@ -315,6 +315,21 @@ class Scene:
     span: Span
 
 
+@record
+class Sample:
+    """`sample NAME every T offset T0 delay K`; parse adds the statements up to `end`."""
+
+    keyword: ClassVar[str] = "sample"
+    name: str
+    name_span: Span
+    every: Expr
+    offset: Expr | None
+    delay: Expr | None
+    description: str
+    span: Span
+    clauses: tuple[Define | Pairs, ...] = ()
+
+
 Statement = (
     Head
     | Param
@@ -330,6 +345,7 @@ Statement = (
     | Method
     | StartAt
     | Scene
+    | Sample
 )
 
 

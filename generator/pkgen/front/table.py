@@ -8,6 +8,7 @@ from __future__ import annotations
 from ..record import record
 
 MODEL, SCENE, BOTH = "a model", "a scene", "a model or a scene"
+SAMPLE = "a sample block"
 FIRST, ALL = "first", "all"
 
 # The grammar after a statement's keyword. A key is also the name of a method of parse_build.Build.
@@ -31,6 +32,7 @@ SYNTAX = {
     "method": "NAME [TABLEAU FILE] [STEP item] [RTOL item]",
     "record": "item (_COMMA item)* [every] [at]",
     "swarm": "range",
+    "sample": "NAME every [offset] [delay]",
     "expect": "item relation item [within] [at]",
     "end_of_scene": "",
 }
@@ -69,10 +71,14 @@ joint       joint    bodies.joint        definitions first -      NAME: A to B r
 gravity     single   bodies.gravity      definitions -     -      [0, 0, -g]
 draw        draw     drawings.draw       drawings    -     -      bob P radius 0.1 [m]
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]
+sample      sample   samples.sample      samples     first -      NAME every 0.01 [s]
+memory      define   -                   samples     -     -      NAME = VALUE [unit]
 method      method   methods.declare     methods     -     -      NAME tableau FILE
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE
 scene       head     scenes.head         scenes      first -      NAME
 """
+# The statements of a sample block, besides the `end` that closes it.
+IN_SAMPLE = frozenset(("memory", "let", "set"))
 # These words are keywords only at the start of a statement; elsewhere they are names.
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque", "hamiltonian"))
 # These words are keywords only at the start of a line, and only before a name or a string.
@@ -107,6 +113,8 @@ class Statement:
 
     @property
     def stands_in(self) -> str:
+        if not self.check and not self.clause:
+            return SAMPLE
         return BOTH if self.check and self.clause else SCENE if self.clause else MODEL
 
 
@@ -114,7 +122,8 @@ def _statements() -> dict[str, Statement]:
     rows: dict[str, dict] = {}
     for line in _MODEL.strip().split("\n"):
         word, syntax, check, fills, declares, needs, form = line.split(maxsplit=6)
-        rows[word] = {"syntax": syntax, "check": check, "fills": fills, "form": f"{word} {form}"}
+        rows[word] = {"syntax": syntax, "fills": fills, "form": f"{word} {form}"}
+        rows[word] |= {"check": check.strip("-")}
         rows[word] |= {"declares": declares.strip("-"), "needs": needs.strip("-")}
         rows[word] |= {"soft": word in _SOFT | _BEFORE_NAME, "before_name": word in _BEFORE_NAME}
     for line in _SCENE.strip().split("\n"):

@@ -113,3 +113,33 @@ enum pk_status crossings_step(struct pk_run *run, pk_real limit)
         note_leaving(run);
     return status;
 }
+
+enum pk_status crossings_sample(struct pk_run *run)
+{
+    const struct pk_part_events *events = &run->problem.system->events;
+    const struct settings *s = &run->settings;
+    struct pk_integrator *it = &run->it;
+    const size_t m = it->t > 0 && run->crossed ? events->n : 0;
+    pk_real *before = run->event_values, *after = before + m;
+    if (m)
+        events->values(s->params, it->t, it->q, it->v, s->u, before);
+    enum pk_status status = pk_sampler_run(&run->sampler, it);
+    if (m && status >= 0)
+        events->values(s->params, it->t, it->q, it->v, s->u, after);
+    for (size_t k = 0; k < m && status >= 0; k++) {
+        const int rises = !(before[k] > 0) && after[k] > 0, falls = !(before[k] < 0) && after[k] < 0;
+        if (!(rises && events->table[k].direction >= 0) &&
+            !(falls && events->table[k].direction <= 0))
+            continue;
+        observe_crossing(run, k, run_moment(run));
+        run->at_event = s->asked.at == k + 1;
+        if (run->at_event)
+            observe_row(run, run_moment(run));
+        run->at_event = 0;
+        if (events->table[k].stop == 1) {
+            it->event = k + 1;
+            status = it->status = PK_STOPPED_EVENT;
+        }
+    }
+    return status;
+}

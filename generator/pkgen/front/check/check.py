@@ -35,6 +35,7 @@ from .methods import Methods
 from .names import UNKNOWN, Entry, Names, Report
 from .params import check_bounds
 from .required import Required
+from .samples import Samples, check_times
 from .rotation_statements import coordinates_of, identity, states_of
 from .scene_values import check_scene_values
 from .scenes import Scenes
@@ -135,6 +136,7 @@ class _Checker(Checks):
             "bodies": self.bodies,
             "drawings": Drawings(self.shared),
             "methods": self.methods,
+            "samples": Samples(self.shared),
             "scenes": self.scenes,
         }
 
@@ -170,6 +172,7 @@ class _Checker(Checks):
         if model is None:
             return None
         check_scene_values(model, self.report)
+        check_times(model, self.report)
         for name, errors in self._misfits().items():
             misfits.setdefault(name, []).extend(errors)
         scenes = (replace(s, misfits=tuple(misfits.get(s.name, ()))) for s in model.scenes)
@@ -211,10 +214,15 @@ class _Checker(Checks):
         parts["coordinates"] += tuple(c for r in rotations for c in coordinates_of(r))
         parts["states"] = (*(s for r in rotations for s in states_of(r)), *parts["states"])
         parts["starts"] = (*map(identity, rotations), *parts["starts"])
-        parts["inputs"] = tuple(self._input(*i) for i in parts["inputs"])
+        parts["inputs"] = self._inputs(parts["inputs"])
         said = {"name": head.name, "description": head.description, "span": head.span}
         source, dimensionless = self.file.source, self.dimensionless
         return m.Model(source=source, dimensionless=dimensionless, **said, **parts)
+
+    def _inputs(self, declared) -> tuple[m.Input, ...]:
+        found = [x if isinstance(x, m.Input) else self._input(*x) for x in declared]
+        inputs = {x.name: replace(x, by=self.held.get(x.name, "")) for x in found}
+        return *inputs.values(), *(replace(inputs[of], name=name) for of, name in self.queues)
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:
         order = self.inputs.get(item.name, 0)
@@ -246,6 +254,10 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
                 for coordinate, what in joint_names(statement):
                     yield coordinate, left.span, "rotation" if what == "rotation" else "coord"
                 yield from ((f"{child.id}.{member}", left.span, "") for member in SHOWN)
+            case st.Sample(name=name, name_span=span, clauses=clauses):
+                yield name, span, ""
+                cells = (c.left for c in clauses if c.keyword == "memory")
+                yield from ((left.name, left.span, "") for left in cells)
             case st.Accumulate(left=left):
                 yield left.name, left.span, "state"
             case st.Event(name=name, name_span=span):

@@ -164,6 +164,8 @@ KIND_TEXT = {
     "multiplier": "the multiplier of a constraint",
     "definition": "a definition",
     "input": "an input",
+    "memory cell": "a memory cell",
+    "sample": "a sample block",
     "output": "an output",
     "scene": "a scene",
     "event": "an event",

@@ -27,6 +27,7 @@ from .terms import Term, terms
 _UNROLLED = {
     "fast": "a part of the potential is named fast",
     "hamiltonian": "the model has a Hamiltonian",
+    "samples": "the model has a sample block",
     "loads": "a force acts at a point, or a torque in space",
 }
 
