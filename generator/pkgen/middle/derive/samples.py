@@ -40,11 +40,11 @@ def _next(x: Expander, block: Sample, count: int, solved: Callable[..., Node]) -
     values = [*before]
     place = {name: input_index(x.orders, k) for name, k in x.inputs.items()}
     queues = {
-        name: [place[f"{name}.{k + 1}"] for k in range(block.delay)]
-        for name in place
-        if f"{name}.1" in place
+        item.name: [place[f"{item.name}.{k + 1}"] for k in range(block.delay)]
+        for item in x.model.inputs
+        if item.by == block.name and f"{item.name}.1" in place
     }
-    x.assigned = {name: before[queue[-1]] for name, queue in queues.items() if queue}
+    x.assigned = {name: before[queue[-1]] for name, queue in queues.items()}
     for step in block.steps:
         with x.statement(step.span):
             found = x.value(step.value, x.sizes)
