@@ -205,7 +205,7 @@ class Sample:
     delay: int
     steps: tuple[Given, ...]
     description: str
-    span: Span
+    head: Span  # position of the first line
 
 
 @record

@@ -326,6 +326,7 @@ class Sample:
     offset: Expr | None
     delay: Expr | None
     description: str
+    head: Span
     span: Span
     clauses: tuple[Define | Pairs, ...] = ()
 

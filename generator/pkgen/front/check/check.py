@@ -221,7 +221,7 @@ class _Checker(Checks):
 
     def _inputs(self, declared) -> tuple[m.Input, ...]:
         found = [x if isinstance(x, m.Input) else self._input(*x) for x in declared]
-        inputs = {x.name: replace(x, by=self.held.get(x.name, "")) for x in found}
+        inputs = {x.name: replace(x, by=self.sampled.get(x.name, "")) for x in found}
         return *inputs.values(), *(replace(inputs[of], name=name) for of, name in self.queues)
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:

@@ -156,8 +156,8 @@ class Given(Checks):
         entry = self.assigned(left, kinds, message, DECLARED)
         if entry is None or entry.kind == "poisoned":
             return None
-        if left.name in self.held:
-            message = f"'{left.name}' is set by the sample block '{self.held[left.name]}'"
+        if left.name in self.sampled:
+            message = f"'{left.name}' is set by the sample block '{self.sampled[left.name]}'"
             self.error(message, name_span(left), "set a parameter of the block")
             return None
         place = PLACES["setting" if entry.kind == "parameter" else "driving"]

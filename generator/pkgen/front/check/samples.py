@@ -46,7 +46,7 @@ class Samples(Checks):
             self.error(message, block.name_span, "say what it sets, e.g. set u = -k*x")
         inputs = [n for n, e in self.set_here.items() if e.kind == "input"]
         self.queues += [(name, f"{name}.{k + 1}") for name in inputs for k in range(delay or 0)]
-        given = block.name, *times, delay or 0, tuple(steps), block.description, block.span
+        given = block.name, *times, delay or 0, tuple(steps), block.description, block.head
         self.parts["samples"].append(m.Sample(*given))
 
     def _memory(self, block: st.Sample, clause: st.Define) -> tuple[()]:
@@ -60,7 +60,7 @@ class Samples(Checks):
         own = Facts(facts.dimension or NONE, False, united=facts.united, inputs={left.name: 0})
         self.names.declare(Entry(left.name, "memory cell", own, name_span(left)))
         self.own.add(left.name)
-        self.held[left.name] = block.name
+        self.sampled[left.name] = block.name
         cell = left.name, 0, (shown,), clause.description, clause.span, block.name, value
         self.parts["inputs"].append(m.Input(*cell))
         return ()
@@ -81,7 +81,7 @@ class Samples(Checks):
         if entry is None:
             return []
         entry.used = True
-        by = self.held.setdefault(left.name, block.name)
+        by = self.sampled.setdefault(left.name, block.name)
         if by != block.name:
             message = f"'{left.name}' is set by the sample block '{by}' already"
             help = "an input has one block that sets it, a memory cell the block that declares it"
