@@ -67,7 +67,7 @@
     (,(concat "^[ \t]*" (lag--words "body" "joint"))
      (1 'font-lock-keyword-face)
      (lag--part (lag--end) nil (1 'font-lock-builtin-face)))
-    (,(concat "^[ \t]*" (lag--words "body" "draw" "fast" "gravity" "hamiltonian" "joint" "torque" "view")) (1 'font-lock-keyword-face))
+    (,(concat "^[ \t]*" (lag--words "body" "draw" "fast" "gravity" "hamiltonian" "joint" "memory" "sample" "torque" "view")) (1 'font-lock-keyword-face))
     (,(concat (lag--words "abs" "acos" "asin" "atan" "atan2" "ceil" "clamp" "cos" "cosh" "cross" "dot" "drift" "euler" "exp" "floor" "if" "integral" "inverse" "ln" "log" "max" "min" "mod" "norm" "omega" "power" "rot" "round" "sign" "sin" "sinh" "sqrt" "step" "sum" "tait_bryan" "tan" "tanh" "time") "[ \t]*(") (1 'font-lock-function-name-face))
     (,(lag--words "accuracy" "conserve" "const" "constraint" "coord" "dissipation" "end" "event" "expect" "fixed" "force" "free" "hold" "input" "kinetic" "lagrangian" "let" "method" "model" "observe" "param" "periodic" "potential" "rate" "record" "rolling" "rotation" "scene" "set" "size" "start" "state" "swarm" "until") (1 'font-lock-keyword-face))
     (,(lag--words "and" "at" "either" "every" "falling" "in" "not" "or" "rising" "rtol" "step" "stop" "while" "within") (1 'font-lock-builtin-face))

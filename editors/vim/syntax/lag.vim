@@ -19,7 +19,7 @@ syn match lagPart /\v%(%(\k|['\])])\s+)@<=%(at|box|coord|cylinder|disk|ellipsoid
 syn match lagShape /\v%(^\s*%(draw|view)\s+)@<=%(arrow|bob|body|circle|curve|ground|level|line|plane|rod|space|spring|trail)>\s*/ contained
 syn match lagFile /\v%(<%(tableau)\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<=%(tableau)>\s*/ contained
-syn match lagStatement /\v^\s*\zs%(body|draw|fast|gravity|hamiltonian|joint|torque|view)>\s*/
+syn match lagStatement /\v^\s*\zs%(body|draw|fast|gravity|hamiltonian|joint|memory|sample|torque|view)>\s*/
 syn region lagDrawing start=/\v^\s*\zs%(draw|view)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagShape,lagPart
 syn region lagBody start=/\v^\s*\zs%(body|joint)>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagPart
 syn region lagMethod start=/\v^\s*\zsmethod>/ end=/$/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator,lagTableau,lagFile
