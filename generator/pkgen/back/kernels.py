@@ -214,7 +214,7 @@ _SPECS = (
     ),
     KernelSpec(
         "sampling",
-        "T and T0 of each sample block, and what the inputs are at the start",
+        "T and T0 of each sample block, and the inputs at the start of a motion",
         lambda e: e.sampled and {"times": e.sample_times, "held": e.held_start},
     ),
     KernelSpec("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
@@ -230,5 +230,5 @@ def kernel(name: str) -> KernelSpec:
         n = len(e.inputs)
         return {"next": e.sampled[k * n : (k + 1) * n]}
 
-    says = "a sample: all inputs after it, from those before it; u = next is left to the caller"
+    says = "a sample, which gives all inputs new values: next, with which the caller replaces u"
     return KERNELS.get(name) or KernelSpec(name, says, following)

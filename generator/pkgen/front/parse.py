@@ -151,8 +151,9 @@ class _Reader:
 
     def _unended(self, why: str) -> None:
         block = self.block
-        help = f"close the {block.keyword} with a line that says 'end'"
-        message = f"{block.keyword} '{block.name}' has no 'end': {why}"
+        what = "scene" if block.keyword == "scene" else "sample block"
+        help = f"close the {what} with a line that says 'end'"
+        message = f"{what} '{block.name}' has no 'end': {why}"
         self.errors.append(Diagnostic(message, block.span, help))
         self._close_block(block.span)
 

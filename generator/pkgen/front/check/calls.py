@@ -152,7 +152,8 @@ class Calls(RotationCalls):
         for part in within(condition):
             if isinstance(part, Condition) and part.operator == "==":
                 kinds = {name: e.kind for name, e in self.names.table.items()}
-                used = {kinds.get(name, "") for name in names(part) - scope.variables}
+                ahead = self.names.later.keys() - kinds.keys()  # this is reported elsewhere
+                used = {kinds.get(n, "") for n in names(part) - scope.variables - ahead}
                 cells = {"constant"} if "memory cell" in used else set()
                 if used - {"size", "memory cell"} - cells:
                     help = "a quantity equals a value for an instant only: use < or >"

@@ -25,7 +25,7 @@ class Samples(Checks):
         times = [self.settings.time(n, getattr(block, n)) for n in ("every", "offset")]
         entry = Entry(block.name, "sample", UNKNOWN, block.name_span, used=True)
         self.names.declare(entry)
-        delay = 0
+        delay, count = 0, self.report.count
         if block.delay is not None:
             delay = self.indices.value(block.delay, Scope(PLACES["size"]))
             if delay is not None and not 0 <= delay <= MOST:
@@ -41,8 +41,8 @@ class Samples(Checks):
                 steps += [s for left, value in clause.items for s in self._set(block, left, value)]
         for name in {*self.names.table} - before - self.own:
             del self.names.table[name]  # a `let` of the block
-        if not block.clauses:
-            message = f"the sample block '{block.name}' is empty"
+        if not self.set_here and self.report.count == count:
+            message = f"the sample block '{block.name}' sets nothing"
             self.error(message, block.name_span, "say what it sets, e.g. set u = -k*x")
         inputs = [n for n, e in self.set_here.items() if e.kind == "input"]
         self.queues += [(name, f"{name}.{k + 1}") for name in inputs for k in range(delay or 0)]
@@ -80,6 +80,8 @@ class Samples(Checks):
         new, _ = self.wanted(value, Scope(PLACES["sample"]), target)
         if entry is None:
             return []
+        if left.index is not None or left.range is not None:
+            self.error(f"'{left.name}' is no family: it takes no index", left)
         entry.used = True
         by = self.sampled.setdefault(left.name, block.name)
         if by != block.name:
