@@ -36,39 +36,6 @@ enum pk_run_code pk_run_begin(struct pk_run *run)
     return run->code;
 }
 
-static enum pk_status steps(struct pk_run *run, pk_real t, int one_step)
-{
-    struct pk_integrator *it = &run->it;
-    if (one_step)
-        return run->crossed ? pk_events_step(&run->events, it, t) : pk_integrator_step(it, t);
-    return run->crossed ? pk_events_to(&run->events, it, t) : pk_integrator_to(it, t);
-}
-
-static enum pk_status sample(struct pk_run *run) { return pk_sampler_run(&run->sampler, &run->it); }
-
-/* Integrates to t, or one step towards it, and calls `sampled` at the times of sample blocks. */
-static enum pk_status advance(struct pk_run *run, pk_real t, int one_step,
-                              enum pk_status (*sampled)(struct pk_run *run))
-{
-    struct pk_integrator *it = &run->it;
-    if (!run->bare.samples.n)
-        return steps(run, t, one_step);
-    if (t < it->t) {
-        run_say(run, "a model with sample blocks goes forward in time");
-        return PK_BAD_ARGUMENT;
-    }
-    enum pk_status status = sampled(run);
-    do {
-        if (status == PK_DONE)
-            status = steps(run, pk_sampler_limit(&run->sampler, t), one_step);
-        if (status == PK_DONE)
-            status = sampled(run);
-    } while (status == PK_DONE && it->t < t && !one_step);
-    return status;
-}
-
-enum pk_status run_to(struct pk_run *run, pk_real t) { return advance(run, t, 0, sample); }
-
 int pk_run_advance(struct pk_run *run, double t, int one_step, double *u, double *state)
 {
     struct pk_integrator *it = &run->it;
@@ -84,7 +51,7 @@ int pk_run_advance(struct pk_run *run, double t, int one_step, double *u, double
     if (anew && it->count.steps)
         status = pk_integrator_reset(it, it->t, it->q, it->v);
     if (status == PK_DONE)
-        status = advance(run, (pk_real)t, one_step, crossings_sample);
+        status = crossings_to(run, (pk_real)t, one_step, 1);
     if (!run->begun)
         return status;
     for (size_t i = 0; i < s->system->n_inputs; i++)

@@ -28,7 +28,8 @@ def exact(until: float, every: float) -> np.ndarray:
     x, v, y, w = 1.0, 0.0, 0.5, 0.0
     table, mode, waiting, now, n, found = 0.0, 0.5, [0.0, 0.0], 0.0, 0, []
     rows = [every * k for k in range(round(until / every) + 1)]
-    for t in sorted({*(0.05 + 0.1 * k for k in range(round(10 * until))), *rows}):
+    samples = (0.05 + 0.1 * k for k in range(round(10 * until)))
+    for t in sorted({round(t, 9) for t in (*samples, *rows)}):
         middle, cos, sin = (table + (1 if mode == 1 else -1)) / 4, *turn(2, t - now)
         x, v = middle + (x - middle) * cos + v / 2 * sin, v * cos - 2 * (x - middle) * sin
         cos, sin = turn(6**0.5, t - now)
@@ -84,7 +85,7 @@ def test_members_are_single_runs(tmp_path: Path) -> None:
             r = one.run(1, every=0.25, start={"a": given["a"][k]}, record=["a", "u1", "s2"], **how)
             for c in ("a", "u1", "s2"):
                 assert (e.by_member(c)[k] == r[c]).all()
-    with pytest.raises(pkgen.RunError, match="1 of 2 members failed, .*the sample block pid"):
+    with pytest.raises(pkgen.RunError, match=r"1 of 2 members failed, .*the sample block pid"):
         m.ensemble({"T": [0.01, 1e-30]}, 1, every=1, method="dop853")
 
 
@@ -154,7 +155,10 @@ def test_samples_are_cheap() -> None:
         (("run", "--set", "u1=3"), "--set u1: the sample block 'pid' sets it"),
         (("run", "--set", "u1=(3 [N*m/s])*t"), "'u1' is set by the sample block 'pid'"),
         (("run", "--set", "T=0"), "T is outside its bounds"),
-        (("run", "--set", "T=1e-300"), "the sample block pid: its period, 1e-300, must be positive"),
+        (
+            ("run", "--set", "T=1e-300"),
+            "the sample block pid: its period, 1e-300, must be positive",
+        ),
         (("run", "--diagnose", "modes"), "'spectrum' and 'area' alone are of its rows"),
         (("stability",), "pkgen stability runs no sample block"),
         pytest.param(("run", "--enclose"), "--enclose runs", marks=pytest.mark.needs_addon),
@@ -196,4 +200,6 @@ def test_a_description_has_the_blocks(modes: Path) -> None:
     assert [u["name"] for u in said["inputs"] if "sampled_by" in u] == [
         "table", "mode", "table.1", "table.2",
     ]  # fmt: skip
-    assert "first every delay offset offset delay 2: sets table, mode" in ran("explain", modes).stdout
+    assert (
+        "first every delay offset offset delay 2: sets table, mode" in ran("explain", modes).stdout
+    )

@@ -72,7 +72,11 @@ class Drawn:
         steps += [("set", f"u{k}", set_u)]
         steps.insert(int(draw.integers(2, 4)), ("set", f"m{k}", set_m[int(draw.integers(3))]))
         T0 = [Fraction(0), Fraction(13, 1000), T / 2][int(draw.integers(3))]
-        begin = round(float(draw.normal()), 3) if "==" not in dict((s[1], s[2]) for s in steps)[f"m{k}"] else 0
+        begin = (
+            round(float(draw.normal()), 3)
+            if "==" not in dict((s[1], s[2]) for s in steps)[f"m{k}"]
+            else 0
+        )
         return {
             "k": k, "T": T, "T0": T0, "delay": int(draw.integers(0, 4)), "steps": steps,
             "begin": begin,
@@ -140,7 +144,7 @@ class Drawn:
         if waiting:
             known[own] = waiting[-1]
         for _, name, value in b["steps"]:
-            known[name] = eval(value.replace("'", "_").replace("if(", "iff("), {}, known)  # noqa: S307
+            known[name] = eval(value.replace("'", "_").replace("if(", "iff("), {}, known)
         u[f"m{b['k']}"] = known[f"m{b['k']}"]
         waiting.append(known[own])
         u[own] = waiting.pop(0)

@@ -156,7 +156,9 @@ class _Description:
                 "every": values.number("every", block.every),
                 "offset": 0.0 if block.offset is None else values.number("offset", block.offset),
                 "delay": block.delay,
-                "sets": [x.name for x in self.declared.inputs if x.by == block.name and "." not in x.name],
+                "sets": [
+                    x.name for x in self.declared.inputs if x.by == block.name and "." not in x.name
+                ],
                 "description": block.description,
             }
 

@@ -71,7 +71,7 @@ joint       joint    bodies.joint        definitions first -      NAME: A to B r
 gravity     single   bodies.gravity      definitions -     -      [0, 0, -g]
 draw        draw     drawings.draw       drawings    -     -      bob P radius 0.1 [m]
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]
-sample      sample   samples.sample      samples     first -      NAME every 0.01 [s] offset 0 [s] delay 0
+sample      sample   samples.sample      samples     first -      NAME every 0.01 [s] delay 1
 memory      define   -                   samples     -     -      NAME = VALUE [unit]
 method      method   methods.declare     methods     -     -      NAME tableau FILE
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE

@@ -28,7 +28,8 @@ struct pk_sampler {
     int (*replace)(void *context, size_t block, pk_real t, const pk_real *q, const pk_real *v,
                    pk_real *next);
     void *context;
-    pk_real *next, *times, *done; /* times: period and first time of each block; done: its samples */
+    pk_real *next, *times,
+        *done; /* times: period and first time of each block; done: its samples */
 };
 
 size_t pk_sampler_reals(const struct pk_system *system);

@@ -127,7 +127,8 @@ enum pk_status crossings_sample(struct pk_run *run)
     if (m && status >= 0)
         events->values(s->params, it->t, it->q, it->v, s->u, after);
     for (size_t k = 0; k < m && status >= 0; k++) {
-        const int rises = !(before[k] > 0) && after[k] > 0, falls = !(before[k] < 0) && after[k] < 0;
+        const int rises = !(before[k] > 0) && after[k] > 0,
+                  falls = !(before[k] < 0) && after[k] < 0;
         if (!(rises && events->table[k].direction >= 0) &&
             !(falls && events->table[k].direction <= 0))
             continue;
@@ -141,5 +142,28 @@ enum pk_status crossings_sample(struct pk_run *run)
             status = it->status = PK_STOPPED_EVENT;
         }
     }
+    return status;
+}
+
+enum pk_status crossings_to(struct pk_run *run, pk_real t, int one_step, int seen)
+{
+    struct pk_integrator *it = &run->it;
+    enum pk_status status = PK_DONE;
+    if (run->bare.samples.n && t < it->t) {
+        run_say(run, "a model with sample blocks goes forward in time");
+        return PK_BAD_ARGUMENT;
+    }
+    do {
+        if (run->bare.samples.n)
+            status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);
+        const pk_real end = run->bare.samples.n ? pk_sampler_limit(&run->sampler, t) : t;
+        if (status == PK_DONE && one_step)
+            status = run->crossed ? pk_events_step(&run->events, it, end)
+                                  : pk_integrator_step(it, end);
+        else if (status == PK_DONE)
+            status = run->crossed ? pk_events_to(&run->events, it, end) : pk_integrator_to(it, end);
+    } while (status == PK_DONE && it->t < t && !one_step);
+    if (run->bare.samples.n && status == PK_DONE)
+        status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);
     return status;
 }

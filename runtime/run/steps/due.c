@@ -100,7 +100,8 @@ pk_real run_limit(const struct pk_run *run)
         return stop(run, s->asked.land ? run_wanted(run, run->it.t, s->until)
                                        : expect_limit(run, run->it.t, s->until));
     const pk_real wanted = stop(run, run_wanted(run, run->it.t, s->until));
-    return pk_integrator_limit(&run->it, wanted, run->bare.samples.n ? stop(run, s->until) : s->until);
+    return pk_integrator_limit(&run->it, wanted,
+                               run->bare.samples.n ? stop(run, s->until) : s->until);
 }
 
 int run_due(struct pk_run *run, pk_real end)

@@ -76,8 +76,9 @@ static unsigned long unseen(const struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const struct settings *s = &run->settings;
     const unsigned long steps = it->count.steps;
-    if (steps < ALL || !run_fixed(run) || s->asked.compute || run->bare.samples.n || run->crossed || s->asked.diagnose ||
-        s->asked.n_drifts || s->asked.n_expected || s->n_parts || (by_time(run) && !(s->every > 0)))
+    if (steps < ALL || !run_fixed(run) || s->asked.compute || run->bare.samples.n || run->crossed ||
+        s->asked.diagnose || s->asked.n_drifts || s->asked.n_expected || s->n_parts ||
+        (by_time(run) && !(s->every > 0)))
         return 1;
     const pk_real left = run_wanted(run, it->t, s->until) - it->t;
     const unsigned long most = LOOK - steps % LOOK;

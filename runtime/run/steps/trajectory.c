@@ -59,7 +59,8 @@ static enum pk_run_code start(struct pk_run *run)
                                        .context = s};
     if (run->bare.samples.n &&
         pk_sampler_start(&run->sampler, &run->it, s->until,
-                         memory_take(&run->memory, pk_sampler_reals(&run->bare), sizeof(pk_real))) < 0)
+                         memory_take(&run->memory, pk_sampler_reals(&run->bare), sizeof(pk_real))) <
+            0)
         return PK_RUN_FAILED;
     /* Without a given step size, steps are as long as the interval between rows, which may be too
      * long to detect events. method->resolved() returns an upper limit; for steps of half this

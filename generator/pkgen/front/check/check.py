@@ -35,8 +35,8 @@ from .methods import Methods
 from .names import UNKNOWN, Entry, Names, Report
 from .params import check_bounds
 from .required import Required
-from .samples import Samples, check_times
 from .rotation_statements import coordinates_of, identity, states_of
+from .samples import Samples, check_times
 from .scene_values import check_scene_values
 from .scenes import Scenes
 from .shared import Checks, Shared

@@ -4,6 +4,7 @@ as functions of the state and of the values until then."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 from ...equations import Row
 from ...graph.graph import ZERO, Kind, Node
@@ -51,7 +52,7 @@ def _next(x: Expander, block: Sample, count: int, solved: Callable[..., Node]) -
             x.assigned[step.name] = _each(found, solved, step.span)
     for name in {step.name for step in block.steps} & place.keys():
         queue = [place[name], *queues.get(name, ())]
-        for k, after in zip(queue, queue[1:], strict=False):
+        for k, after in pairwise(queue):
             values[k] = before[after]
         values[queue[-1]] = x.assigned[name]
     x.assigned = {}
