@@ -27,6 +27,12 @@ ROOT = Path(__file__).resolve().parent
 os.environ.setdefault("PKGEN_SEEDS_DATE", date.today().isoformat())  # workers have it too
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 MODELS = sorted((ROOT / "models").glob("*.lag"))
+# Models that live pages and other hosts run: they refuse sample blocks.
+HOSTED = [
+    path
+    for path in sorted((ROOT / "models").rglob("*.lag"))
+    if "\nsample " not in path.read_text(encoding="utf-8")
+]
 STRICT = [
     "-std=c99",
     "-Wall",

@@ -51,7 +51,8 @@ def main(words: list[str]) -> int:
     options = parser.parse_args(words)
     kept = OUTPUT / "exports.json"
     found: Found = json.loads(kept.read_text()) if kept.exists() else {}
-    paths = sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem)
+    every = sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem)
+    paths = [path for path in every if "\nsample " not in path.read_text(encoding="utf-8")]
     for model, row in _read().items():
         if any(path.stem == model for path in paths):
             found[model] = row | found.get(model, {})

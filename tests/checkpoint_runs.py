@@ -4,6 +4,7 @@ import argparse
 import random
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import patch
 
 import tomllib
 
@@ -27,7 +28,8 @@ def of(name: str, folder: Path, *words: str) -> Prepared:
     """A model's run, compiled; without words, for every method."""
     path = folder / f"{name}.lag"
     path.write_text(text(name))
-    what = prepared(options(path, *(words or ("--diagnose", "modes"))))
+    with patch("pkgen.run.diagnostics.refuse_diagnostics"):  # none is made, below
+        what = prepared(options(path, *(words or ("--diagnose", "modes"))))
     return replace(what, settings=replace(what.settings, diagnose=()))
 
 

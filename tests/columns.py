@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from conftest import ROOT, case, run_pkgen
+from conftest import HOSTED, case, run_pkgen
 
-MODELS = sorted((ROOT / "models").rglob("*.lag"))
+MODELS = HOSTED
 
 
 # A parameter and a start that follow others, an input, a state.

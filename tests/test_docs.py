@@ -192,7 +192,21 @@ def test_the_readme_shows_the_c_that_its_model_becomes(tmp_path: Path) -> None:
 
 
 def test_the_embedding_example_is_shown_as_it_is() -> None:
-    assert (ROOT / "docs/embed.c").read_text() in (ROOT / "docs/embedding.md").read_text()
+    for name in ("embed.c", "embed_controller.c"):
+        assert (ROOT / "docs" / name).read_text() in (ROOT / "docs/embedding.md").read_text()
+
+
+def test_the_controller_for_firmware_is_that_of_a_run(tmp_path: Path) -> None:
+    model, program = ROOT / "models/controlled/two_joint_pid.lag", tmp_path / "firmware"
+    run_pkgen(model, "-o", tmp_path)
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{tmp_path}"]
+    sources = [ROOT / "docs/embed_controller.c", tmp_path / "two_joint_pid.c"]
+    subprocess.run(["gcc", *flags, *sources, "-o", program, "-lm"], check=True)
+    said = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
+    done = run_pkgen("run", model, "--until", "2", "--every", "2", "--record", "a,b")
+    exact = [float(x) for x in done.stdout.splitlines()[-1].split(",")]
+    assert [float(x) for x in said] == pytest.approx(exact[1:], abs=1e-3)  # steps of order 1
+    assert abs(exact[1] - 1) > 3e-3  # and it has not arrived
 
 
 def test_the_readme_is_short_and_its_python_runs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,7 +220,12 @@ def test_the_readme_is_short_and_its_python_runs(monkeypatch: pytest.MonkeyPatch
 
 
 def test_the_controller_in_the_docs_balances(tmp_path: Path) -> None:
-    model, _ = blocks(ROOT / "docs/control.md", "lag")
+    sampled, model, _ = blocks(ROOT / "docs/control.md", "lag")
+    (tmp_path / "position.lag").write_text(sampled)
+    for period in ("0.6", "0.7"):  # 2 m/kd is 0.667 s
+        run = "run", tmp_path / "position.lag", "--until", "200", "--every", "200"
+        x = run_pkgen(*run, "--set", f"T={period}").stdout.splitlines()[-1].split(",")[1]
+        assert (abs(float(x) - 1) < 1e-6) == (period == "0.6")
     (tmp_path / "cart_pole.lag").write_text(model)
     done = run_pkgen("run", tmp_path / "cart_pole.lag", "--scene", "balances")
     assert done.returncode == 0 and "expected: 1 of 1 met" in done.stderr

@@ -232,6 +232,11 @@ class Equations:
     observed: Row
     conserved: Row
     events: Row  # event functions; model.events has their directions
+    # For each sample block, the next values of all inputs; then, of constants and parameters: the
+    # period and the offset of each block; the initial values of all inputs.
+    sampled: Row
+    sample_times: Row
+    held_start: Row
     start_q: Row
     start_v: Row
     left_out: tuple[Diagnostic, ...] = ()  # warnings: constraints dropped as 0 = 0

@@ -150,13 +150,17 @@ class End:
 
 @record
 class Input:
-    """An input, set by the embedding program; its derivatives up to `order` (0..2) are used."""
+    """An input, set by the embedding program; its derivatives up to `order` (0..2) are used. An
+    input that is held between samples is set by the sample block `by`: this may be a memory cell,
+    which begins at `start`, or a value NAME.k that the input NAME has k samples later."""
 
     name: str
     order: int
     units: tuple[str, ...]  # units of the input and of its derivatives up to `order`
     description: str
     span: Span
+    by: str = ""
+    start: Expr | None = None
 
 
 @record
@@ -209,6 +213,25 @@ class Load(Given):
     ""."""
 
     velocity: Expr
+
+
+@record
+class Sample:
+    """`sample NAME every T offset T0 delay K`. `steps` are its definitions, which only later steps
+    see, and its assignments to inputs and memory cells, in order."""
+
+    name: str
+    every: Expr
+    offset: Expr | None
+    delay: int
+    steps: tuple[Given, ...]
+    description: str
+    head: Span  # position of the first line
+
+    @property
+    def kernel(self) -> str:
+        """The name of its C function, without the model's in front."""
+        return f"{self.name.replace('.', '_')}_sample"
 
 
 @record
@@ -371,6 +394,7 @@ class Model:
     methods: tuple[Own, ...] = ()  # methods that the model defines
     exacts: tuple[Exact, ...] = ()
     consistent: Span | None = None  # position of `start consistent`
+    samples: tuple[Sample, ...] = ()
 
     @property
     def sha256(self) -> str:

@@ -36,26 +36,26 @@ enum pk_run_code pk_run_begin(struct pk_run *run)
     return run->code;
 }
 
-int pk_run_advance(struct pk_run *run, double t, int one_step, const double *u, double *state)
+int pk_run_advance(struct pk_run *run, double t, int one_step, double *u, double *state)
 {
     struct pk_integrator *it = &run->it;
     struct settings *s = &run->settings;
     enum pk_status status = run->begun ? PK_DONE : PK_BAD_ARGUMENT;
     int anew = 0;
     for (size_t i = 0; run->begun && i < s->system->n_inputs; i++) {
+        if (s->system->samples.n && s->system->samples.held[i])
+            continue;
         anew |= (double)s->u[i] < u[i] || (double)s->u[i] > u[i];
         s->u[i] = (pk_real)u[i];
     }
     if (anew && it->count.steps)
         status = pk_integrator_reset(it, it->t, it->q, it->v);
-    if (status == PK_DONE && one_step)
-        status = run->crossed ? pk_events_step(&run->events, it, (pk_real)t)
-                              : pk_integrator_step(it, (pk_real)t);
-    else if (status == PK_DONE)
-        status = run->crossed ? pk_events_to(&run->events, it, (pk_real)t)
-                              : pk_integrator_to(it, (pk_real)t);
+    if (status == PK_DONE)
+        status = crossings_to(run, (pk_real)t, one_step, 1);
     if (!run->begun)
         return status;
+    for (size_t i = 0; i < s->system->n_inputs; i++)
+        u[i] = (double)s->u[i];
     if (status < 0)
         tell(run);
     *state++ = (double)it->t;

@@ -210,8 +210,9 @@ double pk_run_laps(struct pk_run *run, double seconds)
         const double began = run_processor();
         for (unsigned long k = 0; k < block; k++)
             if (run_ending(NULL) || pk_integrator_reset(&run->it, 0, s->q, s->v) < 0 ||
-                (run->crossed ? pk_events_to(&run->events, &run->it, s->until)
-                              : pk_integrator_to(&run->it, s->until)) < 0)
+                (run->bare.samples.n &&
+                 pk_sampler_start(&run->sampler, &run->it, s->until, run->sampler.next) < 0) ||
+                crossings_to(run, s->until, 0, 0) < 0)
                 return 0;
         const double took = run_processor() - began;
         total += took;

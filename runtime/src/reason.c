@@ -182,6 +182,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
 
     switch (it->status) {
     case PK_BAD_ARGUMENT:
+        if (it->reason.kind == BAD_PERIOD)
+            return snprintf(text, size,
+                            "the sample block %s: its period, %.6g, must be positive and above the "
+                            "round-off of the time, and its offset not negative",
+                            it->problem.system->samples.table[it->reason.index].name,
+                            (double)it->reason.value);
         if (it->reason.kind == BAD_SCALE)
             return snprintf(text, size,
                             "%s: da/dq vanishes at the start, so it gives no step: give a largest "

@@ -15,6 +15,7 @@ from . import (
     pendulum,
     resonance,
     rounding,
+    sampled,
     scaling,
     stiff,
     tops,
@@ -23,7 +24,19 @@ from . import (
 from .prediction import Missing
 
 LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops, ends)
-OWN = (modified, maps, scaling, driven, beyond, located, rounding, stiff, waves, maps_drawn)
+OWN = (
+    modified,
+    maps,
+    scaling,
+    driven,
+    beyond,
+    located,
+    rounding,
+    stiff,
+    waves,
+    maps_drawn,
+    sampled,
+)
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]
 

@@ -2,9 +2,9 @@
 
 Line breaks are kept. There are no spaces around the operators of products; there is one on each
 side of the operators of sums and relations. Lines within a bracket are indented to the content of
-the bracket; the clauses of a scene are indented. In a block of lines, comments are aligned; in a
-scene, the texts after the leading keywords of lines are aligned too. Other columns that the author
-aligned stay aligned.
+the bracket; what a scene or a sample block contains is indented. In a block of lines, comments are
+aligned; in a scene, the texts after the leading keywords of lines are aligned too. Other columns
+that the author aligned stay aligned.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "UNIT"
 # Tokens without a space before them (NONE_BEFORE) or after them (NONE_BEHIND).
 NONE_BEFORE = CLOSERS | TIGHT | {"_COMMA", "PRIME", "COMPONENT", "MEMBER", "POINT", "LINDEX"}
 NONE_BEHIND = OPENERS | TIGHT | {"FUNCTION", "SUM", "POINT"}
-INDENT = 2  # Indentation in a scene.
+INDENT = 2  # Indentation in a scene or a sample block.
 HANGING = 4  # Indentation after a bracket that is the last token of its line.
 NEAR = 4
 NEAR_COMMENT = 8
@@ -45,7 +45,7 @@ class Line:
     column: int = 0  # Original column of the comment.
     first: bool = False  # Whether it is the first line of its statement.
     last: bool = False
-    inside: bool = False  # in a scene
+    inside: str = ""  # keyword of the block around the line
     indent: int = 0
     pieces: list[str] = field(default_factory=list)  # text of a token, with the space before it
 
@@ -62,7 +62,7 @@ def laid_out(source: Source) -> str:
     if errors:
         raise ModelError(source, errors)
     lines = _lines(source, lexed)
-    _scenes(lines)
+    _nested(lines)
     tight = set().union(*(_tight_signs(statement.tokens) for statement in lexed))
     before = None
     for line in lines:
@@ -112,13 +112,12 @@ def _lines(source: Source, lexed: Iterable) -> list[Line]:
     return lines
 
 
-def _scenes(lines: list[Line]) -> None:
-    inside = False
+def _nested(lines: list[Line]) -> None:
+    inside = ""
     for line in lines:
         word = line.tokens[0].type if line.first else ""
-        inside = inside and word != "END"
-        line.inside = inside
-        inside = inside or word == "SCENE"
+        line.inside = inside = "" if word == "END" else inside
+        inside = inside or (word if word in ("SCENE", "SAMPLE") else "")
 
 
 def _tight_signs(tokens: list[Token]) -> set[int]:
@@ -182,7 +181,7 @@ def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
     its statements."""
     block: list[Line] = []
     for line in lines:
-        heads = line.first and line.tokens[0].type in ("SCENE", "END")
+        heads = line.first and line.tokens[0].type in ("SCENE", "SAMPLE", "END")
         if line.first and not heads and (not block or line.inside == block[-1].inside):
             block.append(line)
         elif line.tokens and not line.first:
@@ -202,7 +201,7 @@ def _align_words(block: list[Line]) -> None:
         widths = [len(one.pieces[0]) for one in (*run, line)]
         # None if the line does not begin with a statement's keyword.
         row = STATEMENTS.get(line.tokens[0].type.lower())
-        alone = row is not None and (line.inside or row.syntax == "single")
+        alone = row is not None and (line.inside == "SCENE" or row.syntax == "single")
         behind = len(line.pieces) > 1 and alone
         if not behind or max(widths) - min(widths) > NEAR:
             _pad(run)
@@ -275,7 +274,7 @@ def _indented(lines: list[Line]) -> None:
     """Sets the indentation of every line; lines within a bracket are indented to its content."""
     opened: list[int] = []
     for line in lines:
-        base = INDENT * line.inside
+        base = INDENT * bool(line.inside)
         if line.first:
             opened = []
         closes = bool(line.tokens) and line.tokens[0].type in CLOSERS

@@ -9,7 +9,7 @@ from pkgen.front.joints import CLAUSES, KINDS, SHOWN, TO
 from pkgen.front.lexer import statements
 from pkgen.front.parse import parse_all
 from pkgen.front.shapes import SHAPES, shapes_of
-from pkgen.front.table import BOTH, MODEL, SCENE, STATEMENTS, SYNTAX
+from pkgen.front.table import BOTH, IN_SAMPLE, MODEL, SCENE, STATEMENTS, SYNTAX
 from pkgen.front.units import known_units
 from pkgen.front.words import CLAUSE_WORDS, TABLEAU, reserved
 from pkgen.methods import known
@@ -71,12 +71,14 @@ def proposals(text: Text, offset: int) -> list[Proposal]:
 
 
 def _statements(text: Text, offset: int) -> Iterator[Proposal]:
-    inside = False
+    inside = ""
     for statement in text.lexed:
         if statement.tokens and statement.tokens[-1].end_pos < offset:
-            inside = statement.keyword == "scene" or (inside and statement.keyword != "end")
+            starts = statement.keyword if statement.keyword in ("scene", "sample") else inside
+            inside = "" if statement.keyword == "end" else starts
     for word, row in STATEMENTS.items():
-        if row.stands_in in (BOTH, SCENE if inside else MODEL):
+        here = row.stands_in in (BOTH, SCENE if inside else MODEL)
+        if word in (*IN_SAMPLE, "end") if inside == "sample" else here:
             yield Proposal(word, "statement", row.form)
 
 

@@ -257,7 +257,7 @@ def _symbols(params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
             of = _range(text.source, statement.span)
             at = _range(text.source, Span(name.start_pos, name.end_pos))
             kind = lsp.SymbolKind.Variable
-            if statement.keyword in ("model", "scene", "event", "body", "joint"):
+            if statement.keyword in ("model", "scene", "sample", "event", "body", "joint"):
                 kind = lsp.SymbolKind.Namespace
             elif statement.keyword not in _DECLARE:
                 continue
@@ -266,7 +266,7 @@ def _symbols(params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
 
 
 _DECLARE = ("param", "size", "const", "let", "observe", "conserve", "coord", "input", "state")
-_DECLARE += ("rotation", "constraint", "rolling")
+_DECLARE += ("rotation", "constraint", "rolling", "memory")
 
 
 class _Line(logging.Formatter):

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from columns import RIG
 
-from conftest import ROOT, STRICT, long_but, run_pkgen, table
+from conftest import HOSTED, ROOT, STRICT, long_but, run_pkgen, table
 from pkgen.methods import METHODS
 
-MODELS = sorted((ROOT / "models").rglob("*.lag"))
+MODELS = HOSTED
 PENDULUM = ROOT / "models/double_pendulum.lag"
 KEPLER = ROOT / "models/particles/kepler.lag"
 FREE = ["-ffp-contract=off", "-fno-math-errno"]

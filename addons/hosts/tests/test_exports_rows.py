@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 from columns import RIG
 
-from conftest import ROOT, run_pkgen, table
+from conftest import HOSTED, ROOT, run_pkgen, table
 from pkgen.back.host.data import tables
 from pkgen.back.wasm.build import missing
 from pkgen.methods import METHODS
 
-MODELS = sorted((ROOT / "models").rglob("*.lag"))
+MODELS = HOSTED
 Rows = dict[str, list[float]]
 IN_WHEEL = """import json, {name} as d
 rows = d.Model().run({until!r}, every={every!r})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from bench import exports, machine
-from conftest import ROOT
+from conftest import HOSTED
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def page(tmp_path, monkeypatch):
 def test_it_has_every_model_and_is_written_as_it_is_read(page) -> None:
     before = page.read_text()
     found = exports._read()
-    assert set(found) == {path.stem for path in (ROOT / "models").rglob("*.lag")}
+    assert set(found) == {path.stem for path in HOSTED}
     assert all(set(row) == set(exports.HOSTS) for row in found.values())
     exports._write(found)
     assert page.read_text() == before

@@ -135,6 +135,8 @@ def attach_peers(
         try:
             if jolts:
                 raise Refused(f"rates jump where {jolts[0]} is zero, which it does not locate")
+            if compilation.declared.samples:
+                raise Refused("it runs no sample block: leave it out, the methods of pkgen do")
             for program, measure in starts:
                 motion = Motion(compilation, program, measure.scales)
                 for method, name in zip(peer.charted(), peer.methods, strict=True):

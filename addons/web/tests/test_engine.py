@@ -11,14 +11,14 @@ from pathlib import Path
 import native
 import pytest
 
-from conftest import ROOT, long_but, run_pkgen
+from conftest import HOSTED, ROOT, long_but, run_pkgen
 from pkgen.back.wasm import build
 from pkgen.system.exits import BuildError
 
 RUNNER = Path(__file__).with_name("engine_runner.js")
 NOT_HERE = build.missing() or ([] if shutil.which("node") else ["nodejs"])
 pytestmark = pytest.mark.skipif(bool(NOT_HERE), reason=f"apt-get install {' '.join(NOT_HERE)}")
-MODELS = sorted((ROOT / "models").rglob("*.lag"))
+MODELS = HOSTED
 
 
 @pytest.fixture(scope="module")

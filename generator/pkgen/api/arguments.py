@@ -82,6 +82,7 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     "params": (_named(_is_value), _VALUE),
     "start": (_named(_is_value), "a dictionary of values by name, as {'theta1': 0.5}"),
     "inputs": (_named(_is_input), "a dictionary by name: {'u': 2.5}, {'u': f}, {'u': (t, values)}"),
+    "controllers": (_named(callable), "a dictionary of functions by name: {'ctrl': f}"),
     "iteration": (lambda x: _is_text(x) and x in ITERATIONS, " or ".join(map(repr, ITERATIONS))),
     "tableau": (_some(is_path), "a path, or a list of paths"),
     "composition": (_some(_is_value), "a text of weights, or a list of numbers"),

@@ -18,6 +18,7 @@ from ..front.check.values import NoValue
 from ..front.read import allowing, read
 from ..indices import assignments, indexed, parted
 from ..model import Scene
+from ..middle.sampled import refuse_samples
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
@@ -31,6 +32,7 @@ from ..system.exits import INTERRUPTED, USAGE
 from ..system.near import near
 from . import arguments
 from .arguments import Files, Names, Value, Weights, in_words
+from .controllers import Controller, Controllers
 from .errors import RunError, UsageError
 from .inputs import Computed, Function, Table
 from .integrator import Integrator
@@ -147,6 +149,7 @@ class Model(Kernels):
         inputs: Mapping[str, Value | Function | Table] | None = None,
         hold: float | None = None,
         linear: float | None = None,
+        controllers: Mapping[str, Controller] | None = None,
         record: Names | None = None,
         at: str | None = None,
         diagnose: Names = (),
@@ -166,13 +169,22 @@ class Model(Kernels):
         input is constant in between. With `linear`, f(t, None, None) is called at multiples of
         `linear`, and the input is interpolated linearly.
 
+        `controllers` has a function f(t, q, v, u) for each sample block that it replaces. At the
+        samples of the block it is called with the inputs and memory cells by name, and returns the
+        new values of those that the block sets.
+
         Raises UsageError for invalid arguments, RunError if the numerics fail (its `result` has the
         rows up to the last valid time), and KeyboardInterrupt.
         """
         given = {k: x for k, x in locals().items() if k not in ("self", "hold", "linear")}
-        arguments.checked(inputs=inputs, hold=hold, linear=linear)
+        del given["controllers"]
+        arguments.checked(inputs=inputs, hold=hold, linear=linear, controllers=controllers)
         functions = {k: x for k, x in (inputs or {}).items() if arguments.is_computed(x)}
         computed = Computed(functions, hold, linear) if functions or hold or linear else None
+        if computed is not None:
+            refuse_samples(self.compilation.declared, "inputs")
+        elif controllers:
+            return self._run(arguments.options(self, given), computed=Controllers(controllers))
         if computed is not None and computed.needs_explicit and method is None:
             given["method"] = "dop853"
         return self._run(arguments.options(self, given), computed=computed)
@@ -192,7 +204,10 @@ class Model(Kernels):
 
     @in_words()
     def _run(
-        self, options: argparse.Namespace, table: Any = None, computed: Computed | None = None
+        self,
+        options: argparse.Namespace,
+        table: Any = None,
+        computed: Computed | Controllers | None = None,
     ) -> Result:
         if computed is not None:
             options.no_reduce = "all"  # input functions get q and v of the whole model

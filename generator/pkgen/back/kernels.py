@@ -41,6 +41,8 @@ def needed_kernels(
         asked |= known & _OF_IMPULSES if equations.impulsive else set()
     if "acceleration" in asked and equations.acceleration is None:
         asked |= {"mass", "force"}
+    if equations.sampled:
+        asked |= {"sampling", *(block.kernel for block in equations.model.samples)}
     return frozenset(asked)
 
 
@@ -210,6 +212,23 @@ _SPECS = (
         given=("a",),
         copies=True,
     ),
+    KernelSpec(
+        "sampling",
+        "T and T0 of each sample block, and the inputs at the start of a motion",
+        lambda e: e.sampled and {"times": e.sample_times, "held": e.held_start},
+    ),
     KernelSpec("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
 )
 KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}
+
+
+def kernel(name: str) -> KernelSpec:
+    """Returns the specification of a kernel. BLOCK_sample, of a sample block, is in no table."""
+
+    def following(e: Equations) -> Mapping[str, Row]:
+        k = [block.kernel for block in e.model.samples].index(name)
+        n = len(e.inputs)
+        return {"next": e.sampled[k * n : (k + 1) * n]}
+
+    says = "a sample, which gives all inputs new values: next, with which the caller replaces u"
+    return KERNELS.get(name) or KernelSpec(name, says, following)

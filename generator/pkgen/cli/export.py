@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ..back.exported import Exported, Host
 from ..describe.page_data import describe
+from ..middle.sampled import refuse_samples
 from ..system import addons
 from ..system.exits import DONE, UsageError
 from ..system.files import replace
@@ -72,6 +73,7 @@ def run(options: argparse.Namespace) -> int:
         draw=host.drawing,
     )
     made = found.compilation
+    refuse_samples(made.declared, "pkgen export")
     model = Exported(
         made.model.name,
         found.description,

@@ -14,6 +14,7 @@ from ..indices import hidden, made_of, parted
 from ..methods import Method, known, provides
 from ..middle.loops.switches import switch_count
 from ..middle.quantities import single_rotations
+from ..middle.sampled import block_of
 from ..model import Model, Parameter, Scene
 from ..plan import default_method
 from ..run import named
@@ -59,9 +60,14 @@ def described(
         },
         "parameters": list(of.parameters()),
         "inputs": [
-            {**_named(item.quantity, k), "value": dict(settings.inputs).get(k, 0.0)}
+            {
+                **_named(item.quantity, k),
+                "value": dict(settings.inputs).get(k, 0.0),
+                **({"sampled_by": by} if (by := block_of(model, item.quantity.name)) else {}),
+            }
             for k, item in enumerate(named.inputs(compilation).declared)
         ],
+        **({"samples": list(of.samples())} if model.samples else {}),
         "coordinates": list(of.coordinates()),
         "states": list(of.states()),
         "rotations": list(of.rotations()),
@@ -145,6 +151,22 @@ class _Description:
             if looped:
                 found["place"] = [k, position]
             yield found
+
+    def samples(self) -> Entries:
+        slots = enumerate(self.compilation.program.equations.parameters)
+        given = {slot.quantity.name: self.given["parameters"][k] for k, slot in slots}
+        values = Values(self.declared, {parted(name): x for name, x in given.items()})
+        for block in self.declared.samples:
+            yield {
+                "name": block.name,
+                "every": values.number("every", block.every),
+                "offset": 0.0 if block.offset is None else values.number("offset", block.offset),
+                "delay": block.delay,
+                "sets": [
+                    x.name for x in self.declared.inputs if x.by == block.name and "." not in x.name
+                ],
+                "description": block.description,
+            }
 
     def whole(self) -> bool:
         """Whether every family is short enough to be listed in full."""

@@ -11,7 +11,7 @@ from ..compiler import Compilation
 from ..describe.drawing import shown
 from ..equations import Facts, ParameterSlot, Quantity, Symmetries
 from ..graph.graph import Node, Op
-from ..model import Event
+from ..model import Event, Model
 from . import flat, loops
 from .contents import Contents, section
 
@@ -39,6 +39,7 @@ def explain(compilation: Compilation, costs: bool = False) -> str:
         *(section(title, lines) for title, lines in c.equations),
         section("Outputs", _outputs(c)),
         section("Events", _events(c)),
+        section("Sample blocks", _samples(compilation.declared)),
         section("Drawing", shown(compilation.declared)),
         section("Structure", (f"{name:<16} {text}" for name, text in rows)),
         constants_text(invariants(e, structure), structure.symmetries),
@@ -94,6 +95,14 @@ def _quantities(title: str, quantities: Sequence[Quantity]) -> str:
     width = max((len(q.name) for q in quantities), default=0)
     lines = (f"{q.name:<{width}}  {_unit(q.unit):<10} {q.description}" for q in quantities)
     return section(title, lines)
+
+
+def _samples(model: Model) -> Iterator[str]:
+    text = model.source.text
+    for block in model.samples:
+        line = text[block.head.start : block.head.end].removeprefix("sample").strip()
+        sets = ", ".join(x.name for x in model.inputs if x.by == block.name and "." not in x.name)
+        yield f"{line}: sets {sets}"
 
 
 def _parameters(c: Contents) -> str:

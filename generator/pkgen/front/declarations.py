@@ -28,6 +28,10 @@ def declarations(statements: Iterable[st.Statement]) -> Iterator[tuple[str, Span
                 for coordinate, what in joint_names(statement):
                     yield coordinate, left.span, "rotation" if what == "rotation" else "coord"
                 yield from ((f"{child.id}.{member}", left.span, "") for member in SHOWN)
+            case st.Sample(name=name, name_span=span, clauses=clauses):
+                yield name, span, ""
+                cells = (c.left for c in clauses if c.keyword == "memory")
+                yield from ((left.name, left.span, "") for left in cells)
             case st.Accumulate(left=left):
                 yield left.name, left.span, "state"
             case st.Drive(input=item):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -28,7 +29,7 @@ from .lexer import statements
 from .parse_build import Build
 from .parse_errors import declared_names, explain, misplaced
 from .parts import Parts, prefixed
-from .table import BOTH, MODEL, SCENE, STATEMENTS, grammar
+from .table import BOTH, IN_SAMPLE, MODEL, SAMPLE, STATEMENTS, grammar
 
 GRAMMAR = Path(__file__).with_name("grammar.lark")
 
@@ -93,17 +94,17 @@ def parse_all(source: Source) -> st.File:
 
 
 class _Reader:
-    """Parses statements, and joins the first line of each scene and its clauses into one
-    statement."""
+    """Parses statements, and joins the first line of each block, which is a scene or a sample
+    block, and its clauses into one statement."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
         self.errors: list[Diagnostic] = []
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
-        self.scene: st.Head | None = None
+        self.block: st.Head | st.Sample | None = None
         self.part = ""
-        self.headless = False  # Whether the first line of the current scene did not parse.
+        self.headless = ""  # Keyword of the current block if its first line did not parse.
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
@@ -113,19 +114,20 @@ class _Reader:
         if part != self.part:
             self._end_file()
         self.part = part
-        self._place(lexed)
+        fits = self._place(lexed)
         statement = self._parse(lexed)
-        if self.scene is None:
+        if not isinstance(self.block, st.Head):
             self.units.update((str(t), None) for t in lexed.tokens if t.type == "UNIT")
         if statement is None:
-            self.headless |= lexed.keyword == "scene"
+            if lexed.keyword in ("scene", "sample"):
+                self.headless = lexed.keyword
             self.broken.append(st.Broken(lexed.keyword, declared_names(lexed), lexed.span))
-        elif isinstance(statement, st.Head) and statement.keyword == "scene":
-            self.scene = statement
+        elif lexed.keyword in ("scene", "sample"):
+            self.block = statement
         elif isinstance(statement, st.EndOfScene):
-            self._close_scene(statement.span)
-            self.headless = False
-        elif self.scene is not None:
+            self._close_block(statement.span)
+            self.headless = ""
+        elif self.block is not None and fits:
             self.clauses.append(statement)
         elif _stands_in(lexed.keyword) in (MODEL, BOTH) and not self.headless:
             self.statements.append(statement)
@@ -141,34 +143,46 @@ class _Reader:
         return st.File(self.source, *map(tuple, found))
 
     def _end_file(self) -> None:
-        self.headless = False
-        if self.scene is not None:
-            self._unended_scene("the file ends before it")
+        self.headless = ""
+        if self.block is not None:
+            self._unended("the file ends before it")
 
-    def _place(self, lexed: Lexed) -> None:
-        """Reports a scene's clause outside of scenes, or a model's statement in a scene."""
-        word = lexed.keyword
+    def _place(self, lexed: Lexed) -> bool:
+        """Reports a block's clause outside of such blocks, or a model's statement in a block.
+        Returns whether the statement stands where it may."""
+        word, kind = lexed.keyword, self.block.keyword if self.block else self.headless
         where = _stands_in(word)
-        if self.scene is not None and where == MODEL:
-            self._unended_scene(f"'{word}' cannot stand in a scene")
-        elif self.headless:
-            self.headless = where != MODEL
-        elif self.scene is None and where == SCENE:
+        fits = where in (MODEL, BOTH, "")
+        if kind:
+            fits = where != MODEL if kind == "scene" else word in (*IN_SAMPLE, "end", "")
+        if fits and (where != SAMPLE or kind == "sample"):
+            return True
+        if where == SAMPLE or not kind:
             self.errors.append(misplaced(lexed))
+        elif self.block is not None:
+            self._unended(f"'{word}' cannot stand in a {kind}{' block' * (kind == 'sample')}")
+        else:
+            self.headless = ""
+        return False
 
-    def _unended_scene(self, why: str) -> None:
-        scene, help = self.scene, "close the scene with a line that says 'end'"
-        message = f"scene '{scene.name}' has no 'end': {why}"
-        self.errors.append(Diagnostic(message, scene.span, help))
-        self._close_scene(scene.span)
+    def _unended(self, why: str) -> None:
+        block = self.block
+        what = "scene" if block.keyword == "scene" else "sample block"
+        help = f"close the {what} with a line that says 'end'"
+        message = f"{what} '{block.name}' has no 'end': {why}"
+        self.errors.append(Diagnostic(message, block.span, help))
+        self._close_block(block.span)
 
-    def _close_scene(self, span: Span) -> None:
-        if self.scene is None:
+    def _close_block(self, span: Span) -> None:
+        if self.block is None:
             return
-        head, clauses = self.scene, tuple(self.clauses)
-        said = clauses, head.description, head.span.to(span)
-        self.statements.append(st.Scene(head.name, head.name_span, *said))
-        self.scene, self.clauses = None, []
+        head, clauses = self.block, tuple(self.clauses)
+        if isinstance(head, st.Sample):
+            self.statements.append(replace(head, clauses=clauses, span=head.span.to(span)))
+        else:
+            said = clauses, head.description, head.span.to(span)
+            self.statements.append(st.Scene(head.name, head.name_span, *said))
+        self.block, self.clauses = None, []
 
     def _parse(self, lexed: Lexed) -> object | None:
         if lexed.errors:

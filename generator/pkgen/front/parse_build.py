@@ -283,6 +283,10 @@ class Build(Transformer):
         *items, every, at = parts
         return st.Record(tuple(items), every, at, _over(word, at or every or items[-1]))
 
+    def sample(self, word, name, every, offset, delay):
+        given, span = (every, offset, delay, self.comment), _over(word, delay or offset or every)
+        return st.Sample(str(name), _span(name), *given, span, span)
+
     def swarm(self, word, range_):
         return st.Swarm(range_, _over(word, range_))
 

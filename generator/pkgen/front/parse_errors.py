@@ -16,7 +16,7 @@ from ..source import Diagnostic, Source, Span
 from . import foreign
 from .lexed import Lexed
 from .parse_mistakes import BINARY, RULES, Spot
-from .table import ALL, FIRST, SCENE, STATEMENTS
+from .table import ALL, BOTH, FIRST, MODEL, SAMPLE, STATEMENTS
 
 _ENERGIES = {"L": "lagrangian", "T": "kinetic"} | dict.fromkeys("UV", "potential")
 
@@ -62,12 +62,13 @@ def _leads_to_shift(states, stack: list, kind: str) -> bool:
 
 
 def misplaced(lexed: Lexed) -> Diagnostic:
-    """Returns the error about a scene's clause that is not in a scene."""
+    """Returns the error about a block's clause that is not in such a block."""
     word = lexed.keyword
     if word == "end":
         return Diagnostic("this 'end' ends no scene", lexed.span)
-    message = f"'{word}' stands in a scene only"
-    help = "put it between 'scene NAME' and 'end'"
+    where = STATEMENTS[word].stands_in
+    message = f"'{word}' stands in {where} only"
+    help = f"put it between '{'sample' if where == SAMPLE else 'scene'} NAME' and 'end'"
     return Diagnostic(message, Span(lexed.tokens[0].start_pos, lexed.tokens[0].end_pos), help)
 
 
@@ -106,6 +107,6 @@ def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
     elif first.type in ("NAME", "LINDEX") and "EQUAL" in types:
         help = f"write 'let {shown} = …' for a definition, 'param {shown} = …' for a parameter"
     else:
-        words = (word for word, row in STATEMENTS.items() if row.stands_in != SCENE)
+        words = (word for word, row in STATEMENTS.items() if row.stands_in in (MODEL, BOTH))
         help = f"a statement is one of: {' '.join(words)}"
     return Diagnostic(f"a statement cannot start with '{shown}'", span, help)

@@ -378,6 +378,22 @@ class Scene:
     span: Span
 
 
+@record
+class Sample:
+    """`sample NAME every T offset T0 delay K`; parse adds the statements up to `end`."""
+
+    keyword: ClassVar[str] = "sample"
+    name: str
+    name_span: Span
+    every: Expr
+    offset: Expr | None
+    delay: Expr | None
+    description: str
+    head: Span
+    span: Span
+    clauses: tuple[Define | Pairs, ...] = ()
+
+
 Statement = (
     Head
     | Param
@@ -397,6 +413,7 @@ Statement = (
     | Use
     | Drive
     | Scene
+    | Sample
 )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from ..record import record
 
 MODEL, SCENE, BOTH = "a model", "a scene", "a model or a scene"
+SAMPLE = "a sample block"
 FIRST, ALL = "first", "all"
 
 # The grammar after a statement's keyword. A key is also the name of a method of parse_build.Build.
@@ -33,6 +34,7 @@ SYNTAX = {
     "record": "item (_COMMA item)* [every] [at]",
     "table": "NAME EQUAL STRING column (_COMMA column)* [ARROW column] table_word*",
     "swarm": "range",
+    "sample": "NAME every [offset] [delay]",
     "expect": "item relation item [within] [at]",
     "end_of_scene": "",
     "use": "STRING AS NAME [WITH pair (_COMMA pair)*]",
@@ -75,11 +77,15 @@ use         use      definitions.use     definitions first -      "FILE" as NAME
 set         pairs    definitions.set     definitions -     -      INPUT = EXPRESSION
 draw        draw     drawings.draw       drawings    -     -      bob P radius 0.1 [m]
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]
+sample      sample   samples.sample      samples     first -      NAME every 0.01 [s] delay 1
+memory      define   -                   samples     -     -      NAME = VALUE [unit]
 method      method   methods.declare     methods     -     -      NAME tableau FILE
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE
 exact       exact    exacts.exact        exacts      -     -      x = EXPRESSION of t
 scene       head     scenes.head         scenes      first -      NAME
 """
+# The statements of a sample block, besides the `end` that closes it.
+IN_SAMPLE = frozenset(("memory", "let", "set"))
 # These words are keywords only at the start of a statement; elsewhere they are names.
 _SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity", "torque", "hamiltonian"))
 # These words are keywords only at the start of a line, and only before a name or a string.
@@ -115,6 +121,8 @@ class Statement:
 
     @property
     def stands_in(self) -> str:
+        if not self.check and not self.clause:
+            return SAMPLE
         return BOTH if self.check and self.clause else SCENE if self.clause else MODEL
 
 
@@ -122,7 +130,8 @@ def _statements() -> dict[str, Statement]:
     rows: dict[str, dict] = {}
     for line in _MODEL.strip().split("\n"):
         word, syntax, check, fills, declares, needs, form = line.split(maxsplit=6)
-        rows[word] = {"syntax": syntax, "check": check, "fills": fills, "form": f"{word} {form}"}
+        rows[word] = {"syntax": syntax, "fills": fills, "form": f"{word} {form}"}
+        rows[word] |= {"check": check.strip("-")}
         rows[word] |= {"declares": declares.strip("-"), "needs": needs.strip("-")}
         rows[word] |= {"soft": word in _SOFT | _BEFORE_NAME, "before_name": word in _BEFORE_NAME}
     for line in _SCENE.strip().split("\n"):

@@ -40,6 +40,7 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
+OF_SAMPLE = ("offset", "delay")  # words of `sample`, behind a value
 TABLEAU = "tableau"  # the word before the path of a tableau file
 CONSTANTS = {
     "t": "the time",

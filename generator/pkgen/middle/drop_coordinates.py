@@ -56,7 +56,7 @@ def smaller(
         e,
         **dict(zip(energies, there(energies.values()), strict=True)),
         **{x: pick(getattr(e, x)) for x in picked},
-        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events")},
+        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "sampled")},
         applied=there(pick(e.applied)),
         states=tuple(e.states[i] for i in of_states),
         state_rates=there(e.state_rates[i] for i in of_states),

@@ -10,6 +10,7 @@ import re
 
 from ..compiler import Compilation
 from ..middle.motion import LINEAR_OF_FEW, PARTICLES
+from ..middle.sampled import refuse_diagnostics
 from ..source import Diagnostic
 from ..system.exits import UsageError
 from ..system.near import near
@@ -76,6 +77,7 @@ def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
 def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> None:
     """Raises UsageError for diagnostics of particles if the model has none, and for diagnostics of
     ensembles if there is one trajectory."""
+    refuse_diagnostics(compilation.declared, names)
     if not several and set(OF_MEMBERS).intersection(names):
         raise UsageError(
             "--diagnose area is of a closed loop of starts: of a scene with a swarm, or --ensemble"

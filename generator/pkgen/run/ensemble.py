@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from ..compiler import Compilation
 from ..equations import Quantity
+from ..middle.sampled import block_of
 from ..record import record
 from . import named
 
@@ -81,14 +82,14 @@ class Settable(Mapping[str, Column]):
             "q": named.coordinates(compilation),
             "v": named.coordinates(compilation, rates=True),
         }
-        self._looped = compilation.looped
+        self._looped, self._model = compilation.looped, compilation.model
         starts = compilation.report.starts  # initial values that are parameters in C
         self._starts = {name + "'" * order: x for (name, order), x in starts.items()}
 
     def __getitem__(self, name: str) -> Column:
         of = self._starts.get(name, name)
         for kind, known in self._kinds.items():
-            if of in known:
+            if of in known and not (kind == "input" and block_of(self._model, of)):
                 flat, quantity = known[of]
                 member = 0
                 if kind == "param" and self._looped:

@@ -33,9 +33,9 @@ _SIZED = [
 ]
 _Settings = _SIZED[0]
 _FIELDS = dict(_Settings._fields_)
-COMPUTE = _FIELDS["compute"]
+COMPUTE, SAMPLE = _FIELDS["compute"], _FIELDS["sample"]
 # Fields of pk_run_settings that have no meaning in a standalone program.
-OF_A_CALL = ("poll", "context", "member_values", "compute", "stops", "seen", "computed")
+OF_A_CALL = ("poll", "context", "member_values", "compute", "stops", "seen", "computed", "sample")
 Poll = Callable[[float], bool]  # gets the completed fraction of the run; returns True to stop
 
 

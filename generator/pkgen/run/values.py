@@ -16,6 +16,7 @@ from ..front.check.options_text import OptionError
 from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
 from ..middle.quantities import single_rotations
+from ..middle.sampled import block_of
 from ..model import Model, Parameter
 from ..plan import DEFAULTS, RunNumbers
 from ..system.exits import UsageError
@@ -118,6 +119,8 @@ class Values(Numbers):
             if k is None:
                 known = [*kinds[0], *kinds[1]]
                 raise UsageError(unknown("--set", name, known, "parameter or input"))
+            if by := block_of(self.compilation.model, name):
+                raise UsageError(f"--set {name}: the sample block '{by}' sets it")
             index, quantity = kinds[k][name]
             found[k][index] = self.value("--set", text, quantity.unit, name)
         return found

@@ -36,9 +36,9 @@
 #define PK_STEPPER_N(it) ((void)(it), (size_t)PK_MODEL(N))
 #define PK_STEPPER_COORDINATES(it) ((void)(it), (size_t)PK_MODEL(N) - PK_MODEL_FIRST_ORDER)
 #endif
-#define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->own->u)
+#define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) > 0 ? pk_eval_input(it, t) : (it)->own->u)
 #define PK_STEPPER_FEEDBACK(it, t, q, v) \
-    (PK_MODEL(INPUTS) ? pk_eval_feedback(it, t, q, v) : (it)->own->u)
+    (PK_MODEL(INPUTS) > 0 ? pk_eval_feedback(it, t, q, v) : (it)->own->u)
 #define PK_STEPPER_ACCELERATION(it, t, q, v, u, a) \
     PK_MODEL(acceleration)((const struct PK_MODEL(params) *)(it)->problem.params, t, q, v, u, a)
 #define PK_STEPPER_LANES(it, t, q, v, u, a)                                                       \

@@ -176,6 +176,10 @@ struct pk_run_settings {
     size_t n_stops;
     const double *stops;
     double *seen, *computed;
+    /* Function of the caller in place of sample blocks, or NULL. It finds q and v in `seen`, and in
+     * `computed` the inputs, which it changes; it returns 1. If it returns 0, the block with this
+     * index itself runs; after < 0 the run ends. */
+    int (*sample)(void *context, double t, size_t block);
 
     int csv;    /* file descriptor for rows as CSV; < 0: rows stay in memory */
     int header; /* 1: the CSV begins with a line of names */
@@ -193,10 +197,11 @@ struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_
 enum pk_run_code pk_run_go(struct pk_run *run);
 /* pk_run_begin() and pk_run_advance() are used instead of pk_run_go() if the caller makes the run
  * step by step; such a run stores no rows and no report. pk_run_advance() integrates to t, or one
- * step towards it, with constant inputs u, and writes t, q and v to `state`. It returns an enum
+ * step towards it, with constant inputs u, and writes t, q and v to `state`; in u it replaces those
+ * that sample blocks set. It returns an enum
  * pk_status: negative on failure, PK_STOPPED_EVENT at an event that ends the run. */
 enum pk_run_code pk_run_begin(struct pk_run *run);
-int pk_run_advance(struct pk_run *run, double t, int one_step, const double *u, double *state);
+int pk_run_advance(struct pk_run *run, double t, int one_step, double *u, double *state);
 /* Returns the number of rows in memory, each of *columns numbers, t first. If pk_real has more
  * digits than double, a value is rows[i] + low[i]; otherwise *low is NULL. */
 size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,

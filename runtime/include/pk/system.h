@@ -120,6 +120,21 @@ struct pk_part_particles {
                const pk_real *a, pk_real *m, pk_real *r, pk_real *r_v, pk_real *r_a);
 };
 
+/* A sample block: a controller that runs at the times T0 + k T. next() writes all inputs after a
+ * sample, as functions of those before it. */
+struct pk_sample {
+    const char *name;
+    pk_kernel *next;
+};
+/* start() writes T and T0 of each block, and the inputs at the start of a motion. `held` has a flag
+ * for each input: 1 if a block sets it. */
+struct pk_part_samples {
+    size_t n;
+    const struct pk_sample *table;
+    const unsigned char *held;
+    pk_kernel_2 *start;
+};
+
 struct pk_system {
     unsigned abi;  /* PK_ABI when the model was compiled */
     unsigned size; /* sizeof (struct pk_system) when the model was compiled */
@@ -223,6 +238,7 @@ struct pk_system {
     const size_t *tables;
     size_t n_tables;
     int consistent; /* whether pk_integrator_reset() moves to the nearest state on constraints */
+    struct pk_part_samples samples;
     /* Add new members here, at the end. */
 };
 

@@ -171,6 +171,7 @@ struct pk_run {
     unsigned long reduces; /* number of rows included in these reductions */
     int reduces_rows;      /* whether any reduction reads the rows */
     struct moment now;     /* memory for the result of run_moment() */
+    struct pk_sampler sampler;
     size_t stops;          /* number of times in settings.asked.stops that are past */
     /* Row k is at time k * every. `count`: index of the final row; `next`: of the next one. */
     pk_real count, next;

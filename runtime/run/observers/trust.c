@@ -85,7 +85,7 @@ void trust_judge(struct pk_run *run)
     const int fixed = run_fixed(run), arrived = run->it.status >= 0;
     /* Fixed steps that reach the end of the run with a wrong energy may have passed a point at
      * which the motion ends. */
-    if (run->settings.n_parts ||
+    if (run->settings.n_parts || run->bare.samples.n ||
         !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;
     FILE *file = run_text(run, &run->besides);

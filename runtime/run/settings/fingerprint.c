@@ -72,7 +72,7 @@ void settings_mark(struct settings *s)
 {
     const struct pk_run_settings *x = &s->asked;
     const size_t values = x->members * x->n_member_columns;
-    const int computed = x->compute != NULL;
+    const int computed = x->compute != NULL || x->sample != NULL;
     const struct mark all[MARKS] = {
         {"method", text(FIRST, x->method)},
         ONE(until),

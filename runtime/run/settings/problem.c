@@ -18,15 +18,35 @@ static void constant_input(void *context, pk_real t, pk_real *u)
     memcpy(u, s->u, s->system->n_inputs * sizeof *u);
 }
 
+static void see(const struct settings *s, const pk_real *q, const pk_real *v)
+{
+    const size_t n_q = pk_system_coordinates(s->system, s->params);
+    for (size_t i = 0; q && i < n_q; i++)
+        s->asked.seen[i] = (double)q[i];
+    for (size_t i = 0; v && i < s->n; i++)
+        s->asked.seen[n_q + i] = (double)v[i];
+}
+
+int run_sampled(void *context, size_t block, pk_real t, const pk_real *q, const pk_real *v,
+                pk_real *next)
+{
+    const struct settings *s = context;
+    double *u = s->asked.computed;
+    see(s, q, v);
+    for (size_t i = 0; i < s->system->n_inputs; i++)
+        u[i] = (double)next[i];
+    const int done = s->asked.sample(s->asked.context, (double)t, block);
+    s->control->stop |= done < 0;
+    for (size_t i = 0; i < s->system->n_inputs && done > 0; i++)
+        next[i] = (pk_real)u[i];
+    return done;
+}
+
 void compute_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v,
                     int stop)
 {
     const struct pk_run_settings *x = &s->asked;
-    const size_t n_q = pk_system_coordinates(s->system, s->params);
-    for (size_t i = 0; q && i < n_q; i++)
-        x->seen[i] = (double)q[i];
-    for (size_t i = 0; v && i < s->n; i++)
-        x->seen[n_q + i] = (double)v[i];
+    see(s, q, v);
     if (x->compute(x->context, (double)t, stop))
         s->control->stop = 1;
     for (size_t i = 0; i < s->system->n_inputs; i++)
@@ -77,5 +97,5 @@ long member_number(const struct settings *s, size_t member)
 
 int member_by_one(const struct settings *s)
 {
-    return s->asked.watch > 0 || s->system->switches.n > 0;
+    return s->asked.watch > 0 || s->system->switches.n > 0 || s->system->samples.n > 0;
 }

@@ -222,6 +222,9 @@ static const char *start(struct settings *s)
     const size_t n = s->n;
     unsigned char *const given = s->start_given;
     s->system->start(s->params, s->q, s->v);
+    for (size_t k = 0; s->system->samples.n && k < x->n_inputs; k++)
+        if (x->inputs[k].index < s->system->n_inputs && s->system->samples.held[x->inputs[k].index])
+            return "an input that a sample block sets has no value of its own";
     return take(x->inputs, x->n_inputs, s->u, s->system->n_inputs, NULL) &&
                    take(x->q, x->n_q, s->q, n, given) && take(x->v, x->n_v, s->v, n, given + n)
                ? NULL
@@ -301,8 +304,11 @@ static const char *expectations(struct settings *s)
 static const char *members(struct settings *s)
 {
     const struct pk_run_settings *x = &s->asked;
+    const unsigned char *held = s->system->samples.held;
     for (size_t i = 0; i < x->n_member_columns; i++)
-        if (!strchr("piqv", x->member_columns[i].kind) || !is_column(s, x->member_columns[i]))
+        if (x->member_columns[i].kind == 'i' && held && held[x->member_columns[i].index])
+            return "members have no column of an input that a sample block sets";
+        else if (!strchr("piqv", x->member_columns[i].kind) || !is_column(s, x->member_columns[i]))
             return "members have no such column";
     return NULL;
 }

@@ -26,6 +26,9 @@ struct pk_problem run_problem(struct pk_run *run);
  * so if inputs change at each evaluation. */
 void compute_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v,
                     int stop);
+/* The function `replace` of the run's sampler. */
+int run_sampled(void *context, size_t block, pk_real t, const pk_real *q, const pk_real *v,
+                pk_real *next);
 void refresh_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v);
 /* Sets the default interval between rows, at most `until`. */
 void settle_every(struct settings *s);
@@ -39,7 +42,7 @@ const char *run_method_lack(const char *name);
 /* Returns the number of a member in rows and messages; the index `member` begins at 0. */
 long member_number(const struct settings *s, size_t member);
 /* Returns whether each member is run with a struct pk_run of its own. This is so if events are
- * watched or the system has switches. */
+ * watched or the system has switches or sample blocks. */
 int member_by_one(const struct settings *s);
 
 #endif

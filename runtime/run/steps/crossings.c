@@ -113,3 +113,57 @@ enum pk_status crossings_step(struct pk_run *run, pk_real limit)
         note_leaving(run);
     return status;
 }
+
+enum pk_status crossings_sample(struct pk_run *run)
+{
+    const struct pk_part_events *events = &run->problem.system->events;
+    const struct settings *s = &run->settings;
+    struct pk_integrator *it = &run->it;
+    const size_t m = it->t > 0 && run->crossed ? events->n : 0;
+    pk_real *before = run->event_values, *after = before + m;
+    if (m)
+        events->values(s->params, it->t, it->q, it->v, s->u, before);
+    enum pk_status status = pk_sampler_run(&run->sampler, it);
+    if (m && status >= 0)
+        events->values(s->params, it->t, it->q, it->v, s->u, after);
+    for (size_t k = 0; k < m && status >= 0; k++) {
+        const int rises = !(before[k] > 0) && after[k] > 0,
+                  falls = !(before[k] < 0) && after[k] < 0;
+        if (!(rises && events->table[k].direction >= 0) &&
+            !(falls && events->table[k].direction <= 0))
+            continue;
+        observe_crossing(run, k, run_moment(run));
+        run->at_event = s->asked.at == k + 1;
+        if (run->at_event)
+            observe_row(run, run_moment(run));
+        run->at_event = 0;
+        if (events->table[k].stop == 1) {
+            it->event = k + 1;
+            status = it->status = PK_STOPPED_EVENT;
+        }
+    }
+    return status;
+}
+
+enum pk_status crossings_to(struct pk_run *run, pk_real t, int one_step, int seen)
+{
+    struct pk_integrator *it = &run->it;
+    enum pk_status status = PK_DONE;
+    if (run->bare.samples.n && t < it->t) {
+        run_say(run, "a model with sample blocks goes forward in time");
+        return PK_BAD_ARGUMENT;
+    }
+    do {
+        if (run->bare.samples.n)
+            status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);
+        const pk_real end = run->bare.samples.n ? pk_sampler_limit(&run->sampler, t) : t;
+        if (status == PK_DONE && one_step)
+            status = run->crossed ? pk_events_step(&run->events, it, end)
+                                  : pk_integrator_step(it, end);
+        else if (status == PK_DONE)
+            status = run->crossed ? pk_events_to(&run->events, it, end) : pk_integrator_to(it, end);
+    } while (status == PK_DONE && it->t < t && !one_step);
+    if (run->bare.samples.n && status == PK_DONE)
+        status = seen ? crossings_sample(run) : pk_sampler_run(&run->sampler, it);
+    return status;
+}

@@ -80,10 +80,13 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
     return expect_limit(run, from, row < limit ? row : limit);
 }
 
-/* Returns the next of settings.stops, where inputs are computed, or `limit` if that is earlier. */
+/* Returns the next sample, or the next of settings.stops, where inputs are computed, or `limit` if
+ * that is earlier. */
 static pk_real stop(const struct pk_run *run, pk_real limit)
 {
     const struct pk_run_settings *x = &run->settings.asked;
+    if (run->bare.samples.n)
+        return pk_sampler_limit(&run->sampler, limit);
     const size_t k = run->stops;
     return k < x->n_stops && (pk_real)x->stops[k] < limit ? (pk_real)x->stops[k] : limit;
 }
@@ -97,7 +100,8 @@ pk_real run_limit(const struct pk_run *run)
         return stop(run, s->asked.land ? run_wanted(run, run->it.t, s->until)
                                        : expect_limit(run, run->it.t, s->until));
     const pk_real wanted = stop(run, run_wanted(run, run->it.t, s->until));
-    return pk_integrator_limit(&run->it, wanted, s->until);
+    return pk_integrator_limit(&run->it, wanted,
+                               run->bare.samples.n ? stop(run, s->until) : s->until);
 }
 
 int run_due(struct pk_run *run, pk_real end)

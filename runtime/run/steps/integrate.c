@@ -42,6 +42,17 @@ static void stop(struct pk_run *run)
         pk_integrator_reset(it, it->t, it->q, it->v);
 }
 
+/* Runs the sample blocks that are due at the end of a step. Rows before it show the inputs of that
+ * step. Returns 0 if the run must end. */
+static int sample(struct pk_run *run)
+{
+    const struct pk_integrator *it = &run->it;
+    if (!run->bare.samples.n || !pk_sampler_is_due(&run->sampler, it))
+        return 1;
+    return !(it->t > 0 && !run_due(run, it->t * (1 - 8 * PK_EPSILON))) &&
+           crossings_sample(run) == PK_DONE;
+}
+
 static int fused(const struct pk_run *run)
 {
     if (run->settings.asked.compute)
@@ -65,8 +76,9 @@ static unsigned long unseen(const struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const struct settings *s = &run->settings;
     const unsigned long steps = it->count.steps;
-    if (steps < ALL || !run_fixed(run) || s->asked.compute || run->crossed || s->asked.diagnose ||
-        s->asked.n_drifts || s->asked.n_expected || s->n_parts || (by_time(run) && !(s->every > 0)))
+    if (steps < ALL || !run_fixed(run) || s->asked.compute || run->bare.samples.n || run->crossed ||
+        s->asked.diagnose || s->asked.n_drifts || s->asked.n_expected || s->n_parts ||
+        (by_time(run) && !(s->every > 0)))
         return 1;
     const pk_real left = run_wanted(run, it->t, s->until) - it->t;
     const unsigned long most = LOOK - steps % LOOK;
@@ -96,9 +108,10 @@ static int step(struct pk_run *run)
         run->h_min = before;
     if (h > run->h_max)
         run->h_max = h;
+    const int goes = sample(run);
     if (!run->lean && (!fused(run) || singular(run) || !(it->t < end)))
         observe_step(run, run_moment(run));
-    return status == PK_DONE && !run->write_failed;
+    return status == PK_DONE && goes && !run->write_failed;
 }
 
 /* Saves or restores all state on which the next step depends. */
@@ -111,6 +124,8 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     pk_keep(k, &run->h_min, sizeof run->h_min);
     pk_keep(k, &run->h_max, sizeof run->h_max);
     pk_keep(k, &aside, sizeof aside);
+    if (run->bare.samples.n)
+        pk_sampler_keep(&run->sampler, k);
     k->wrong |= !(run->next >= 0 && run->next <= run->count + 1) ||
                 run->next > PK_F(floor)(run->next);
     enum pk_status status = pk_integrator_keep(&run->it, k);
@@ -140,6 +155,8 @@ int run_starts(struct pk_run *run)
         return 0;
     if (!run->checkpoint.resumed) {
         stop(run);
+        if (!sample(run))
+            return 0;
         /* in other cases, only the final row is written */
         if (by_time(run) && (s->has_every || !s->asked.members))
             observe_row(run, run_moment(run));

@@ -23,6 +23,11 @@ void run_ends(struct pk_run *run);
 /* In crossings.c: starts after pk_integrator_init(); makes one step and handles its crossings. */
 enum pk_run_code crossings_begin(struct pk_run *run);
 enum pk_status crossings_step(struct pk_run *run, pk_real limit);
+/* Runs the sample blocks that are due. An event whose function jumps across zero there occurs. */
+enum pk_status crossings_sample(struct pk_run *run);
+/* Integrates to t, or one step towards it, with the samples on the way. Observers see the events of
+ * samples alone, and without `seen` none. */
+enum pk_status crossings_to(struct pk_run *run, pk_real t, int one_step, int seen);
 
 /* In due.c: writes rows and checks expectations that are due up to t in the last step. Returns 0 if
  * the state at such a time cannot be computed. */

@@ -56,6 +56,16 @@ static enum pk_run_code start(struct pk_run *run)
         memcpy(s->q, run->it.q, run->it.n_q * sizeof *s->q);
         memcpy(s->v, run->it.v, run->it.n * sizeof *s->v);
     }
+    run->sampler = (struct pk_sampler){.system = &run->bare,
+                                       .params = s->params,
+                                       .u = s->u,
+                                       .replace = s->asked.sample ? run_sampled : NULL,
+                                       .context = s};
+    if (run->bare.samples.n &&
+        pk_sampler_start(&run->sampler, &run->it, s->until,
+                         memory_take(&run->memory, pk_sampler_reals(&run->bare), sizeof(pk_real))) <
+            0)
+        return PK_RUN_FAILED;
     /* Without a given step size, steps are as long as the interval between rows, which may be too
      * long to detect events. method->resolved() returns an upper limit; for steps of half this
      * length the interpolant is good without extra steps. */

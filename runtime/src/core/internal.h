@@ -33,7 +33,8 @@ enum {
     BAD_DENSE,
     BAD_ITERATION,
     BAD_PARAMS,
-    BAD_SCALE
+    BAD_SCALE,
+    BAD_PERIOD
 };
 
 /* Kinds for PK_NO_CONVERGENCE, with the meaning of `value`. PK_BY_FIXED_POINT: the last correction

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import groupby
 
 from ..kernel_spec import KernelSpec
-from ..kernels import KERNELS
+from ..kernels import kernel as spec_of
 from ..targets import CHECK, LOAD, LOCAL, TRIG
 from .chunk import ARGUMENTS
 from .program import Block, Kernel, Statement, operations_text
@@ -85,7 +85,7 @@ class KernelCode:
 
     def __init__(self, model: str, kernel: Kernel):
         self.model, self.kernel = model, kernel
-        self.spec = KERNELS.get(kernel.name, _PREPARE)
+        self.spec = _PREPARE if kernel.name == "prepare" else spec_of(kernel.name)
         self.name = f"{model}_{kernel.name}"
 
     @property

@@ -15,7 +15,7 @@ from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, Graph, Kind, Node, Symbol
 from ...middle.derive.switches import sides
 from ...record import record
-from ..kernels import KERNELS, KernelSpec, needed_kernels
+from ..kernels import KERNELS, KernelSpec, kernel, needed_kernels
 from ..targets import LOAD, STORE, Output, Target
 from .chunk import blocks
 from .constants import constants
@@ -64,7 +64,7 @@ def lower(
 
 def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> frozenset[int]:
     """Returns the indices of the parameters in the named kernels and the initial values."""
-    specs = (KERNELS[name] for name in (*needed_kernels(equations, kernels), "start"))
+    specs = (kernel(name) for name in (*needed_kernels(equations, kernels), "start"))
     nodes = [x for spec in specs for t in spec.targets(equations) for x in t.nodes]
     return _parameters_in(equations.graph, nodes)
 
@@ -124,7 +124,7 @@ class _Lowering(Hoisting):
 
     def program(self, wanted: frozenset[str] | None) -> Program:
         names = needed_kernels(self.equations, wanted, self.plain)
-        specs = [KERNELS[name] for name in KERNELS if name in names]
+        specs = [kernel(name) for name in (*KERNELS, *sorted(names - {*KERNELS})) if name in names]
         drafts = [self._draft(spec) for spec in specs]
         roots = [x for d in drafts for t in d.targets for x in t.nodes]
         self.drafts = drafts

@@ -21,6 +21,7 @@ from ...system.exits import BuildError
 from ...version import __version__
 from ..facts import facts, invariants
 from ..kernels import KERNELS
+from ..kernels import kernel as spec_of
 from ..templates import environment
 from . import parameter_code, tables
 from .ctext import comment, fold, fold_call, paragraph, string
@@ -58,6 +59,7 @@ SYSTEM_KERNELS = {
     "corner": "switches.slopes",
     "marking": "marks.values",
     "particles": "particles.at",
+    "sampling": "samples.start",
 }
 
 # Files that connect a model's header and source to the runtime, and their templates.
@@ -249,6 +251,7 @@ def frame(
         "tables": names,
         "n_parameters": len(parameters),
         "n_inputs": len(names["inputs"]),
+        "samples": model.samples,
         "n_observed": len(names["observed"]),
         "n_conserved": len(names["conserved"]),
         "facts": [f"PK_{field.upper()}" for field in FACTS.split() if getattr(proved, field)],
@@ -302,6 +305,7 @@ def _context(program: Program) -> dict[str, Any]:
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
+        "held": tables.held(equations),
         "functions": _functions(program),
         "forms": list(program.lanes),
         "lane_arguments": LANE_ARGUMENTS,
@@ -354,7 +358,7 @@ def _functions(program: Program) -> str:
 
 
 def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
-    spec, code = KERNELS[kernel.name], KernelCode(program.equations.model.name, kernel)
+    spec, code = spec_of(kernel.name), KernelCode(program.equations.model.name, kernel)
     return {
         "name": kernel.name,
         "result": kernel.result,

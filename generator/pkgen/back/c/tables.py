@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...equations import Quantity
+from ...equations import Equations, Quantity
 from ...indices import parted
 from ...middle.loops.loops import LoopEquations
 from ...model import Table
@@ -206,3 +206,9 @@ def input_rates(inputs: Sequence[Quantity]) -> list[int]:
     """Returns for each input the index of the input that is its time derivative, or -1."""
     places = {quantity.name: i for i, quantity in enumerate(inputs)}
     return [places.get(quantity.name + "'", -1) for quantity in inputs]
+
+
+def held(e: Equations) -> list[int]:
+    """Returns for each input 1 if a sample block sets it, else 0."""
+    by = {item.name for item in e.model.inputs if item.by}
+    return [int(quantity.name in by) for quantity in e.inputs]

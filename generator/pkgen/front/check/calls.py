@@ -186,7 +186,8 @@ class Calls(RotationCalls):
             raise Wrong("if takes a condition and two values", "e.g. if(x > 0, k*x, 0)")
         condition, *values = expr.arguments
         self._whole(condition, scope)
-        parts = [self.check(x, scope) for x in (truth(condition), *values)]
+        cells = {n for n, e in self.names.table.items() if e.kind == "memory cell"}
+        parts = [self.check(x, scope) for x in (truth(condition, cells), *values)]
         facts = [f for _, f in parts]
         for value, part in zip(values, facts[1:], strict=True):
             if part.vector:
@@ -198,13 +199,16 @@ class Calls(RotationCalls):
         return Call("select", tuple(e for e, _ in parts), expr.span), result
 
     def _whole(self, condition: Expr, scope: Scope) -> None:
-        """Checks that == stands between indices and sizes: these are whole numbers."""
+        """Checks that == stands between indices, sizes, constants and memory cells."""
         for part in within(condition):
             if isinstance(part, Condition) and part.operator == "==":
-                known = {name for name, e in self.names.table.items() if e.kind == "size"}
-                if names(part) - known - scope.variables:
+                kinds = {name: e.kind for name, e in self.names.table.items()}
+                ahead = self.names.later.keys() - kinds.keys()  # this is reported elsewhere
+                used = {kinds.get(n, "") for n in names(part) - scope.variables - ahead}
+                cells = {"constant"} if "memory cell" in used else set()
+                if used - {"size", "memory cell"} - cells:
                     help = "a quantity equals a value for an instant only: use < or >"
-                    raise Wrong("'==' compares indices and sizes", help, part)
+                    raise Wrong("'==' compares indices, sizes and memory cells", help, part)
 
     def condition(self, expr: Condition, scope: Scope) -> Checked:
         help = "a condition stands in if(CONDITION, a, b), in an event, or behind 'while'"

@@ -37,6 +37,7 @@ from .names import UNKNOWN, Entry, Names, Report
 from .params import check_bounds
 from .required import Required
 from .rotation_statements import coordinates_of, identity, states_of
+from .samples import Samples, check_times
 from .scene_values import check_scene_values
 from .scenes import Scenes
 from .shared import Checks, Shared
@@ -149,6 +150,7 @@ class _Checker(Checks):
             "methods": self.methods,
             "tables": self.tables,
             "exacts": self.scenes.exacts_of,
+            "samples": Samples(self.shared),
             "scenes": self.scenes,
         }
 
@@ -189,6 +191,7 @@ class _Checker(Checks):
         if model is None:
             return None
         check_scene_values(model, self.report)
+        check_times(model, self.report)
         for name, errors in self._misfits().items():
             misfits.setdefault(name, []).extend(errors)
         scenes = (replace(s, misfits=tuple(misfits.get(s.name, ()))) for s in model.scenes)
@@ -244,11 +247,16 @@ class _Checker(Checks):
         parts["coordinates"] += tuple(c for r in rotations for c in coordinates_of(r))
         parts["states"] = (*(s for r in rotations for s in states_of(r)), *parts["states"])
         parts["starts"] = (*map(identity, rotations), *parts["starts"])
-        parts["inputs"] = tuple(self._input(*i) for i in parts["inputs"])
+        parts["inputs"] = self._inputs(parts["inputs"])
         said = {"name": head.name, "description": head.description, "span": head.span}
         source, dimensionless = self.file.source, self.dimensionless
         parts["consistent"] = self.dynamics.consistent
         return m.Model(source=source, dimensionless=dimensionless, **said, **parts)
+
+    def _inputs(self, declared) -> tuple[m.Input, ...]:
+        found = [x if isinstance(x, m.Input) else self._input(*x) for x in declared]
+        inputs = {x.name: replace(x, by=self.sampled.get(x.name, "")) for x in found}
+        return *inputs.values(), *(replace(inputs[of], name=name) for of, name in self.queues)
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:
         order = self.inputs.get(item.name, 0)

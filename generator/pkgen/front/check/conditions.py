@@ -7,11 +7,11 @@ where the condition holds.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from fractions import Fraction
 from functools import reduce
 
-from ...tree import Add, Call, Condition, Expr, Multiply, Negate, Number
+from ...tree import Add, Call, Condition, Expr, Multiply, Negate, Number, names
 from ..units import NONE
 from .checking import Checked
 from .names import Wrong, joined
@@ -19,12 +19,13 @@ from .names import Wrong, joined
 _SWAPPED = ("<", "<=")
 
 
-def truth(expr: Expr) -> Expr:
-    """Returns a number that is 1 where the condition holds, and 0 elsewhere."""
+def truth(expr: Expr, cells: Collection[str] = ()) -> Expr:
+    """Returns a number that is 1 where the condition holds, and 0 elsewhere. `cells` are the names
+    of memory cells."""
     _check(expr)
     at, operator = expr.span, expr.operator
     if operator in ("and", "or", "not"):
-        parts = [truth(part) for part in expr.parts]
+        parts = [truth(part, cells) for part in expr.parts]
         if operator == "not":
             return _opposite(*parts)
         if operator == "or":  # not (not a and not b)
@@ -32,6 +33,10 @@ def truth(expr: Expr) -> Expr:
         product = Multiply(tuple(parts), (1,) * len(parts), at)
         return _opposite(product) if operator == "or" else product
     a, b = expr.parts
+    if operator == "==" and names(expr) & {*cells}:
+        signs = (1, -1), (-1, 1)
+        ends = (Call("step", (Add((a, b), s, at),), at) for s in signs)
+        return Multiply(tuple(ends), (1, 1), at)
     if operator == "==":  # of two integers
         half = Number(Fraction(1, 2), at)
         ends = (Call("step", (Add((a, b, half), (1, -1, s), at),), at) for s in (1, -1))

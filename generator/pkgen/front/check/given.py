@@ -163,6 +163,10 @@ class Given(Checks):
         entry = self.assigned(left, kinds, message, DECLARED)
         if entry is None or entry.kind == "poisoned":
             return None
+        if left.name in self.sampled:
+            message = f"'{left.name}' is set by the sample block '{self.sampled[left.name]}'"
+            self.error(message, name_span(left), "set a parameter of the block")
+            return None
         place = PLACES["setting" if entry.kind == "parameter" else "driving"]
         scope = self.member_scope(left, entry, Scope(place))
         if scope is None:

@@ -166,6 +166,8 @@ KIND_TEXT = {
     "definition": "a definition",
     "table": "a table",
     "input": "an input",
+    "memory cell": "a memory cell",
+    "sample": "a sample block",
     "output": "an output",
     "scene": "a scene",
     "event": "an event",

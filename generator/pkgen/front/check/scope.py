@@ -36,7 +36,7 @@ DECLARED = "declare it: param {name} = 1"
 _RECORDED = "what is recorded is declared above the scene: observe {name} = …"
 _NUMBERS = frozenset(("loop variable", "size", "constant"))
 _PARAMETERS = _NUMBERS | {"parameter"}
-_DRIVEN = _PARAMETERS | {"time", "input", "definition"}
+_DRIVEN = _PARAMETERS | {"time", "input", "memory cell", "definition"}
 _MOTION = _DRIVEN | {"coordinate", "state", "rotation"}
 _FOUND = _MOTION | {"built-in", "multiplier"}
 
@@ -67,6 +67,7 @@ PLACES: dict[str, Place] = {
     "body": Place("a body", _PARAMETERS | {"definition"}, "numbers, constants and parameters"),
     "joint": Place("a joint", _DRIVEN, "numbers, constants, parameters and t", derivatives=True),
     "constraint": Place("a constraint", _MOTION, _ALL, derivatives=True),
+    "sample": Place("a sample block", _FOUND, "all but outputs", True, "", True),
     "rate": Place("a rate", _MOTION | {"built-in"}, _ALL, derivatives=True),
     "observe": _OUTPUT,
     "conserve": _OUTPUT,

@@ -8,6 +8,7 @@ operations for f and O(N^2) for M, in addition to the operations of L.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from ... import limits
 from ...equations import Equations, Named, ParameterSlot, Quantity, Row
@@ -41,6 +42,7 @@ from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located
 from .legendre import hamiltonian_of, lagrangian_of, rates_at_start
+from .samples import sampled
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -130,6 +132,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         event_names=Quantity.each(model.events),
         singularities=(),
         events=_events(x, found),
+        **sampled(x, partial(_solved, x, found=found)),
         start_q=start_q,
         start_v=start_v,
         state_start=state_start,

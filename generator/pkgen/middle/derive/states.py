@@ -132,7 +132,7 @@ def _extended(e: Equations, wanted: Wanted, solved: bool) -> tuple[Equations, Mo
         singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
         switches=tuple(map(switch, e.switches)),
         marks=tuple(map(switch, e.marks)),
-        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events")},
+        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "sampled")},
         start_q=(*e.start_q, *none),
         start_v=(*e.start_v, *e.state_start),
         states=(),

@@ -17,7 +17,7 @@ from ...equations import Attitude
 from ...graph.differentiate import Forward
 from ...graph.graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
 from ...indices import NotAnInteger, assignments, integer
-from ...model import Coordinate, End, Model, Rotation
+from ...model import Coordinate, End, Input, Model, Rotation
 from ...source import Span
 from ...tree import Expr, Name, Range
 from ..attitudes import body_rates, rate_of_quaternion
@@ -55,14 +55,24 @@ def entered(model: Model, derive: Callable[[tuple[int, ...]], Derived]) -> Deriv
     get symbols. If `derive` needs a further derivative of an input, it raises NeedsDerivative, and
     is called again with one more derivative of this input."""
     orders = [item.order for item in model.inputs]
+    for item, order in zip(model.inputs, orders, strict=True):
+        if order and item.by:
+            raise _held(model, item)
     while True:
         try:
             return derive(tuple(orders))
         except NeedsDerivative as needed:
             item = model.inputs[needed.position]
+            if item.by:
+                raise _held(model, item) from None
             orders[needed.position] += 1
             if orders[needed.position] > limits.DEPTH:
                 raise error(model, f"too many derivatives of '{item.name}'", item.span) from None
+
+
+def _held(model: Model, item: Input) -> Exception:
+    message = f"'{item.name}' is held between samples: it has no derivative"
+    return error(model, message, item.span, f"write what needs {item.name}' without it")
 
 
 def next_input(orders: tuple[int, ...], index: int) -> int:
@@ -107,6 +117,7 @@ class Names(ABC):
             for axis, rate in enumerate(rotation.rates)
         }
         self.defined: dict[str, dict[int | None, Value]] = {}
+        self.assigned: dict[str, Value] = {}  # by the current sample block so far
         self.refusals: dict[tuple[str, int | None], tuple[str, str]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         # Maps the symbol of each state's time derivative to its expression. None while the model's
@@ -218,6 +229,8 @@ class Names(ABC):
         index = None if expr.index is None else integer(expr.index, loop)
         if index is None and name in loop:
             return self.graph.number(loop[name])
+        if name in self.assigned:
+            return self.assigned[name]
         if name in self._body_rates:
             return self._body_rate(*self._body_rates[name], index, expr.span)
         if name in self.coordinates or name in self.states:

@@ -29,6 +29,7 @@ _UNROLLED = {
     "hamiltonian": "the model has a Hamiltonian",
     "tables": "the model has a table of data",
     "consistent": "the start is found by the constraints",
+    "samples": "the model has a sample block",
     "loads": "a force acts at a point, or a torque in space",
 }
 

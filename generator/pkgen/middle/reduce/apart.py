@@ -16,9 +16,9 @@ from .reduction import Subsystem
 def parts_of(
     equations: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Subsystem, ...]:
-    """Returns the separate parts of a system; () if it has only one part, or has events or
-    constraints."""
-    if equations.events or equations.constraints:
+    """Returns the separate parts of a system; () if it has only one part, or has events,
+    constraints or sample blocks."""
+    if equations.events or equations.constraints or equations.sampled:
         return ()
     blocks = _joined(equations, structure.blocks)
     if len(blocks) < 2:

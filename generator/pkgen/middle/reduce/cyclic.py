@@ -110,6 +110,7 @@ def _used(e: Equations) -> dict[str, str]:
         ("a force", e.applied),
         ("an output that is recorded", [*e.observed, *e.conserved]),
         ("an event", e.events),
+        ("a sample block", e.sampled),
         ("the rate of a state", e.state_rates),
     ):
         for symbol in symbols_in(e.graph, nodes, COORDINATES):

@@ -169,7 +169,7 @@ def unconnected(state: State, needs: Needs) -> State:
 def _wanted(e: Equations, needs: Needs) -> set[int]:
     """Returns the indices of coordinates and states that are recorded themselves, or that occur in
     an output or an event."""
-    n, nodes = len(e.coordinates), [*e.observed, *e.conserved, *e.events]
+    n, nodes = len(e.coordinates), [*e.observed, *e.conserved, *e.events, *e.sampled]
     names = {**_named(e.coordinates), **_named(e.rates)}
     names |= {q.name: n + i for i, q in enumerate(e.states)}
     found = {names[column] for column in needs.columns if column in names}

@@ -1,0 +1,65 @@
+"""Expands sample blocks: the values that a block gives to all inputs, its memory cells among them,
+as functions of the state and of the values until then."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+from ...equations import Row
+from ...graph.graph import ZERO, Kind, Node
+from ...model import Sample
+from ...source import Span
+from ..expand.expand import Expander
+from ..expand.names import Value
+from ..quantities import input_index, input_quantities, symbols
+
+
+def sampled(x: Expander, solved: Callable[..., Node]) -> dict[str, Row]:
+    """Returns the fields of Equations for sample blocks. `solved(node, span=...)` replaces
+    accelerations by their expressions. To be called after the outputs are defined."""
+    blocks, inputs = x.model.samples, x.model.inputs
+    if not blocks:
+        return dict.fromkeys(("sampled", "sample_times", "held_start"), ())
+    times = [t for b in blocks for t in (b.every, b.offset)]
+    start = [*symbols(x.graph, Kind.INPUT, len(input_quantities(x.model, x.orders)))]
+    for k, item in enumerate(inputs):
+        if item.by:
+            begins = ZERO if item.start is None else x.scalar(item.start)
+            start[input_index(x.orders, k)] = begins
+    return {
+        "sampled": tuple(node for b in blocks for node in _next(x, b, len(start), solved)),
+        "sample_times": tuple(ZERO if t is None else x.scalar(t) for t in times),
+        "held_start": tuple(start),
+    }
+
+
+def _next(x: Expander, block: Sample, count: int, solved: Callable[..., Node]) -> list[Node]:
+    """Returns the next values of all inputs. An input with a delay takes the first of the values in
+    waiting; in the block, its name is the value that was set last."""
+    before = symbols(x.graph, Kind.INPUT, count)
+    values = [*before]
+    place = {name: input_index(x.orders, k) for name, k in x.inputs.items()}
+    queues = {
+        item.name: [place[f"{item.name}.{k + 1}"] for k in range(block.delay)]
+        for item in x.model.inputs
+        if item.by == block.name and f"{item.name}.1" in place
+    }
+    x.assigned = {name: before[queue[-1]] for name, queue in queues.items()}
+    for step in block.steps:
+        with x.statement(step.span):
+            found = x.value(step.value, x.sizes)
+            x.assigned[step.name] = _each(found, solved, step.span)
+    for name in {step.name for step in block.steps} & place.keys():
+        queue = [place[name], *queues.get(name, ())]
+        for k, after in pairwise(queue):
+            values[k] = before[after]
+        values[queue[-1]] = x.assigned[name]
+    x.assigned = {}
+    return values
+
+
+def _each(value: Value, solved: Callable[..., Node], span: Span) -> Value:
+    if isinstance(value, tuple):
+        return tuple(solved(node, span=span) for node in value)
+    return solved(value, span=span)
