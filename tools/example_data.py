@@ -1,6 +1,6 @@
 """Writes the data of two models: a road of class C (ISO 8608) and the record of a shaken pivot.
 
-Both are sums of cosines with random phases, of a given spectrum. Usage: python tools/example_data.py
+Both are sums of cosines with random phases. Usage: python tools/example_data.py
 """
 
 import csv

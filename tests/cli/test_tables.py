@@ -28,7 +28,9 @@ def model(tmp_path: Path) -> Path:
     x = np.linspace(0, 5, 21)
     rows = "".join(f"{a},{1000 * b}\n" for a, b in zip(x, np.sin(x) ** 2, strict=True))
     (tmp_path / "road.csv").write_text("x,y\n" + rows)
-    (tmp_path / "double.csv").write_text("y,x\n" + "".join(f"{2000 * np.sin(a)**2},{a}\n" for a in x))
+    (tmp_path / "double.csv").write_text(
+        "y,x\n" + "".join(f"{2000 * np.sin(a) ** 2},{a}\n" for a in x)
+    )
     path = tmp_path / "shaken.lag"
     path.write_text(MODEL)
     return path
@@ -115,5 +117,7 @@ def test_other_data_are_another_model_for_checkpoints(tmp_path: Path) -> None:
     for y in (1, 2):
         (tmp_path / "road.csv").write_text(f"x,y\n0,0\n1,{y}\n")
         (tmp_path / "shaken.lag").write_text(MODEL)
-        digests.append(json.loads(ran("describe", tmp_path / "shaken.lag", "--json").stdout)["sha256"])
+        digests.append(
+            json.loads(ran("describe", tmp_path / "shaken.lag", "--json").stdout)["sha256"]
+        )
     assert digests[0] != digests[1]

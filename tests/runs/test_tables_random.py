@@ -1,4 +1,4 @@
-"""Random tables of data: values and derivatives against SciPy's interpolators, motions against SciPy
+"""Random tables of data: values and slopes against SciPy's interpolators, motions against SciPy
 stopped at each knot, which goes on with the polynomial of the next piece."""
 
 import bisect
@@ -139,7 +139,9 @@ def test_grids_are_those_of_scipy(seed: int, tmp_path: Path) -> None:
 
     for _ in range(60):
         u, v = draw.uniform(x[0], x[-1]), draw.uniform(y[0], y[-1])
-        assert m.acceleration([u, v, 0], [0, 0, 0]) == pytest.approx(scipy(u, v), rel=1e-9, abs=1e-9)
+        assert m.acceleration([u, v, 0], [0, 0, 0]) == pytest.approx(
+            scipy(u, v), rel=1e-9, abs=1e-9
+        )
     beyond = m.acceleration([x[-1] + 1, y[0], 0], [0, 0, 0])
     assert np.isnan(beyond).all() == (outside == "error")
 
@@ -157,9 +159,11 @@ def by_scipy(curves, arguments, force, start, until: float) -> np.ndarray:
         return [s[2], s[3], *force(t, s, values)]
 
     events = [
-        lambda t, s, k=k, end=end: arguments[k](t, s) - curves[k].ends(held[k])[end]
-        if np.isfinite(curves[k].ends(held[k])[end])
-        else 1.0
+        lambda t, s, k=k, end=end: (
+            arguments[k](t, s) - curves[k].ends(held[k])[end]
+            if np.isfinite(curves[k].ends(held[k])[end])
+            else 1.0
+        )
         for k in range(len(curves))
         for end in (0, 1)
     ]
@@ -189,7 +193,7 @@ def test_motions_are_those_of_scipy_stopped_at_each_knot(seed, method, tmp_path)
         arguments.append(lambda t, s, a=a, b=b: a * s[0] + b * t)
         terms.append((f"f{k}({a}*x + {b}*t)", round(draw.uniform(-1.5, 1.5), 3), a))
     potential = [
-        draw.random() < 0.5 and c.kind != "hold" and c.outside != "hold" or c.kind == "linear"
+        (draw.random() < 0.5 and c.kind != "hold" and c.outside != "hold") or c.kind == "linear"
         for c in curves
     ]
     text = "model m\ncoord x, y\n" + "".join(c.text for c in curves)

@@ -38,8 +38,8 @@ EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}
 
 
 class Computed:
-    """Inputs that are functions f(t, q, v) or tables (t, values, kind), linear by default. With `hold`, functions are called at multiples
-    of `hold`, and inputs are constant in between. With `linear`, f(t, None, None) is called at
+    """Inputs that are functions f(t, q, v) or tables (t, values, kind), linear by default. With
+    `hold`, functions are called at its multiples, and inputs are constant in between. With `linear`, f(t, None, None) is called at
     multiples of `linear`, and inputs are interpolated linearly."""
 
     def __init__(self, given: Mapping[str, Any], hold: float | None, linear: float | None):

@@ -17,8 +17,8 @@ from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.check.values import NoValue
 from ..front.read import allowing, read
 from ..indices import assignments, indexed, parted
-from ..model import Scene
 from ..middle.sampled import refuse_samples
+from ..model import Scene
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
@@ -39,9 +39,9 @@ from .integrator import Integrator
 from .kernels import Kernels
 from .page import Page, shown
 from .parameters import Parameters
-from .tables import Tables
 from .prepare import prepare
 from .result import Result
+from .tables import Tables
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from .. import limits
@@ -27,7 +28,8 @@ _TITLE = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\]\s*)?")
 
 
 Brought = Path | tuple["numpy.ndarray", ...]  # a file, or the arrays of the columns in SI units
-_BROUGHT: ContextVar[Mapping[str, Brought]] = ContextVar("brought", default={})
+_NONE: Mapping[str, Brought] = MappingProxyType({})
+_BROUGHT: ContextVar[Mapping[str, Brought]] = ContextVar("brought", default=_NONE)
 
 
 @contextmanager
@@ -147,7 +149,9 @@ def columns(
             raise WrongData(message, "give the unit that the file has")
     if len(cells.rows) < 2:
         raise WrongData(f"{cells.path}: a table has two rows of numbers at least")
-    return [numpy.array([_cell(cells, i, k) for i in range(len(cells.rows))]) for k in places], places
+    return [
+        numpy.array([_cell(cells, i, k) for i in range(len(cells.rows))]) for k in places
+    ], places
 
 
 def _cell(cells: Cells, row: int, column: int) -> float:
@@ -171,7 +175,7 @@ def curve(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: st
 
 
 def grid(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: str) -> Data:
-    """Returns the table of two variables; each pair of their values has one row. Raises WrongData."""
+    """Returns the table of two variables; each pair of values has one row. Raises WrongData."""
     import numpy
 
     (x, y, z), places = columns(cells, wanted)
@@ -184,7 +188,9 @@ def grid(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: str
         found[at] = row
     if (found < 0).any():
         a, b = numpy.argwhere(found < 0)[0]
-        message = f"there is no row of {wanted[0][0]} = {knots_x[a]:g}, {wanted[1][0]} = {knots_y[b]:g}"
+        message = (
+            f"there is no row of {wanted[0][0]} = {knots_x[a]:g}, {wanted[1][0]} = {knots_y[b]:g}"
+        )
         raise WrongData(f"{cells.path}: {message}", "a grid has a row of each pair of values")
     if min(found.shape) < 2:
         raise WrongData(f"{cells.path}: a grid has two values of each variable at least")

@@ -35,7 +35,7 @@ def prefixed(source: Source, lexed: list[Lexed]) -> list[Lexed]:
             tables.setdefault(part, set()).update(declared_names(statement))
     for statement, part in of_parts:
         common, types = _COMMON - own[part], [t.type for t in statement.tokens]
-        # The name of a method, `consistent`, and the axis in `draw ground y = 0`, are no names of the model.
+        # No names of the model: that of a method, `consistent`, the axis in `draw ground y = 0`.
         ground, alone = types[3:4] == ["EQUAL"], len(types) == 2  # start consistent
         no_names = {"method": 1, "draw": 2 * ground, "start": alone}
         no_name = no_names.get(statement.keyword)

@@ -323,8 +323,8 @@ class Column:
 
 @record
 class Table:
-    """`table NAME = "FILE" x [m], y [m] WORDS`, or with `-> z [N]` a `grid`. The last column has the
-    values."""
+    """`table NAME = "FILE" x [m], y [m] WORDS`, or with `-> z [N]` a `grid`. The last column has
+    the values."""
 
     keyword: ClassVar[str] = "table"
     name: str

@@ -21,7 +21,6 @@ FUNCTIONS: dict[str, Function] = {
 }
 
 
-
 def add_table(name: str, key: str, data: tables.Data) -> None:
     """Adds the rows of a model's table."""
     FUNCTIONS.update(tables.rows(name, key, data))

@@ -83,7 +83,8 @@ static inline pk_real pk_lookup2(const struct pk_table *table, int d, int e, pk_
 {
     pk_real s, r, by_x[4];
     const size_t row = pk_axis_piece(&table->axes[0], x, n, &s);
-    const size_t piece = row * (table->axes[1].count + 1) + pk_axis_piece(&table->axes[1], y, m, &r);
+    const size_t piece = row * (table->axes[1].count + 1) +
+                         pk_axis_piece(&table->axes[1], y, m, &r);
     for (size_t i = 0; i < 4; i++)
         by_x[i] = pk_cubic(table->c + 16 * piece + 4 * i, e, r);
     return pk_cubic(by_x, d, s);

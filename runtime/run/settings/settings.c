@@ -93,9 +93,9 @@ static const char *tables(struct settings *s)
             return "there is no such table";
         struct pk_table *table = memory_take(s->memory, 1, sizeof *table);
         table->axes[0] = (struct pk_table_axis){x.count_x, numbers(s, x.x, x.count_x),
-                                          (pk_real)x.period_x, x.strict};
+                                                (pk_real)x.period_x, x.strict};
         table->axes[1] = (struct pk_table_axis){x.count_y, numbers(s, x.y, x.count_y),
-                                          (pk_real)x.period_y, x.strict};
+                                                (pk_real)x.period_y, x.strict};
         table->c = numbers(s, x.c, x.coefficients);
         const struct pk_table *const found = table;
         memcpy((char *)s->params + s->system->tables[x.index], &found, sizeof found);

@@ -9,11 +9,11 @@ from pathlib import Path
 from ... import model as m
 from ...functions import add_table
 from ...functions.tables import SMOOTH, Data
+from ...system.exits import UsageError
 from .. import data
 from .. import statements as st
 from ..data import KINDS, OF_GRIDS, OUTSIDE, WrongData
 from ..read import ALLOW, READ, refusal
-from ...system.exits import UsageError
 from ..units import ONE, Unit
 from .names import Entry, Facts
 from .shared import Checks
@@ -22,7 +22,10 @@ from .shared import Checks
 class Tables(Checks):
     def declare(self, statement: st.Table) -> None:
         kind, outside = self._words(statement)
-        units = [ONE if c.unit is None else self.expressions.unit(c.unit.text, c.unit.span) for c in statement.columns]
+        units = [
+            ONE if c.unit is None else self.expressions.unit(c.unit.text, c.unit.span)
+            for c in statement.columns
+        ]
         if not self._fits(statement) or not kind or None in units:
             self.poison(st.Left(statement.name, None, None, statement.name_span))
             return
