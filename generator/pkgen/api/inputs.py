@@ -39,8 +39,9 @@ EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}
 
 class Computed:
     """Inputs that are functions f(t, q, v) or tables (t, values, kind), linear by default. With
-    `hold`, functions are called at its multiples, and inputs are constant in between. With `linear`, f(t, None, None) is called at
-    multiples of `linear`, and inputs are interpolated linearly."""
+    `hold`, functions are called at its multiples, and inputs are constant in between. With
+    `linear`, f(t, None, None) is called at multiples of `linear`, and inputs are interpolated
+    linearly."""
 
     def __init__(self, given: Mapping[str, Any], hold: float | None, linear: float | None):
         if hold is not None and linear is not None:
