@@ -26,7 +26,7 @@ CASES = [
     *(
         f"{name}({', '.join(('a*s + b', '1 - s')[: len(row.arguments)])})"
         for name, row in FUNCTIONS.items()
-        if not row.internal
+        if not (row.internal or row.still)
     ),
     *SMOOTH,
     *JUMPS,

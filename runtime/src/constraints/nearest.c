@@ -13,7 +13,7 @@
 enum { MOST = 1000 };
 /* a smaller change, relative to the largest coordinate, is rounding; or one that stops falling */
 #define CLOSE (64 * PK_EPS)
-#define STALLED (1e6 * PK_EPS)
+#define STALLED (PK_C(1e6) * PK_EPS)
 
 /* Makes an iteration, by this part of the way. Returns the largest change, in the unit sqrt(M_kk);
  * NaN if rows are dependent. */
@@ -48,12 +48,12 @@ int pk_project_nearest(struct pk_projection *w, pk_real *q, pk_real *v, pk_real 
     memcpy(q0, q, w->rotation * sizeof *q);
     for (; w->h && before > CLOSE * largest && count < MOST; count++) {
         const pk_real change = iterate(w, q, v, q0, part, &largest);
-        if (!(change < before) && before <= (pk_real)STALLED * largest)
+        if (!(change < before) && before <= STALLED * largest)
             break;
         part = change < before ? part : part / 2;
         before = change;
     }
-    if (count == MOST || !pk_finite(before) * w->h || pk_project_inertia(w, q, v))
+    if (count == MOST || (w->h && !pk_finite(before)) || pk_project_inertia(w, q, v))
         return 0;
     pk_project_rows(w, q, v);
     if (pk_project_factor(w, w->c, q, v))
