@@ -119,10 +119,12 @@ def test_a_signal_may_come_later(tmp_path: Path) -> None:
 
 def test_gravity_is_of_each_file(tmp_path: Path) -> None:
     arm = "model mass\nbody arm mass 2 [kg]\njoint slide: ground to arm prismatic [0, 0, 1]\n"
-    uses = 'model whole\nuse "mass.lag" as one\nuse "other.lag" as two\ngravity [0, 0, -3]\n'
+    uses = 'model whole\nuse "mass.lag" as one\nuse "other.lag" as two\n'
+    uses += 'use "deep.lag" as three\ngravity [0, 0, -3]\n'
+    (tmp_path / "deep.lag").write_text('model deep\nuse "mass.lag" as in1\ngravity [0, 0, -7]\n')
     (tmp_path / "other.lag").write_text(arm + "gravity [0, 0, -5]\n")
     model = api.load(written(tmp_path, uses, arm))
-    assert model.acceleration([0, 0], [0, 0]).tolist() == [-3, -5]
+    assert model.acceleration([0, 0, 0], [0, 0, 0]).tolist() == [-3, -5, -7]
 
 
 def test_the_digest_and_the_cache_see_a_change(tmp_path: Path) -> None:
@@ -140,13 +142,8 @@ def test_files_stay_in_their_folder(tmp_path: Path) -> None:
     (inner / "deeper").mkdir(parents=True)
     (inner / "link.lag").symlink_to(tmp_path / "secret.lag")
     (inner / "deeper/up.lag").write_text('model up\nuse "../mass.lag" as back\n')
-    for name in (
-        "link.lag",
-        "../secret.lag",
-        str(tmp_path / "secret.lag"),
-        "deeper/up.lag",
-        "a\\0b",
-    ):
+    names = "link.lag", "../secret.lag", "deeper/up.lag", "a\0b"
+    for name in (*names, str(tmp_path / "secret.lag"), str(inner / "mass.lag")):
         said = wrong(written(inner, f'model whole\nuse "{name}" as one\n'))
         assert "private" not in said
         assert "lies outside of the folder" in said or "no such file" in said, name
@@ -187,3 +184,17 @@ def test_options_make_no_part(tmp_path: Path) -> None:
     path.write_text(f"model m\n{body}let arm_com = 3 [m]\npotential arm_com*(1 [N])\n")
     ran("run", path, "--until", "1", "--record", "arm.com", "-o", tmp_path / "rows.csv")
     assert Source("m.lag", "model m\n").with_options("s", ["until 1"]).parts == frozenset()
+
+
+def test_parameters_follow_each_other(tmp_path: Path) -> None:
+    text = 'model whole\nparam a = 2 [kg]\nuse "mass.lag" as one with m = 2*a\n'
+    text += "param T = one.m*(1 [s/kg]) in (0, 5)\n"
+    text += "scene s\n  until T\n  method gauss rtol 1e-9\n  record one.p\nend\n"
+    path = written(tmp_path, text)
+    for given, end, p in (([], "4", 4), (["one.m=3"], "3", 3), (["a=1"], "2", 2)):
+        options = [x for text in given for x in ("--set", text)]
+        done = ran("run", path, "--scene", "s", *options, "--every", "1")
+        assert done.stdout.splitlines()[-1] == f"{end},{p}"
+    path.write_text(text.replace("(0, 5)", "(0, 3)"))
+    assert "the default of T is outside its bounds: 4 [s]" in wrong(path)
+    assert "never used" not in ran("check", written(tmp_path, text)).stderr

@@ -178,9 +178,9 @@ class _Checker(Checks):
         )
         if not self.broken & {"", "let", "coord", "body", "joint", *_INERTIA}:
             required.inertia()
+        misfits = self._misfits()
         if not self.report.errors and not self.file.diagnostics:
             self._unused()
-        misfits = self._misfits()
         model = self._model()
         if model is None:
             return None
@@ -227,7 +227,8 @@ class _Checker(Checks):
 
     def _unused(self) -> None:
         for entry in self.names.table.values():
-            used = entry.used or entry.name in self.counting
+            of_part = self.file.source.piece(entry.span.start).part  # Its file alone is told of.
+            used = entry.used or entry.name in self.counting or of_part
             if not used and entry.kind in _UNUSED:
                 self.warn(f"the {entry.kind} '{entry.name}' is never used", entry)
 
