@@ -142,7 +142,7 @@ def test_files_stay_in_their_folder(tmp_path: Path) -> None:
     (inner / "deeper").mkdir(parents=True)
     (inner / "link.lag").symlink_to(tmp_path / "secret.lag")
     (inner / "deeper/up.lag").write_text('model up\nuse "../mass.lag" as back\n')
-    names = "link.lag", "../secret.lag", "deeper/up.lag", "a\0b"
+    names = "link.lag", "../secret.lag", "deeper/up.lag"
     for name in (*names, str(tmp_path / "secret.lag"), str(inner / "mass.lag")):
         said = wrong(written(inner, f'model whole\nuse "{name}" as one\n'))
         assert "private" not in said
