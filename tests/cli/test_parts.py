@@ -198,3 +198,12 @@ def test_parameters_follow_each_other(tmp_path: Path) -> None:
     path.write_text(text.replace("(0, 5)", "(0, 3)"))
     assert "the default of T is outside its bounds: 4 [s]" in wrong(path)
     assert "never used" not in ran("check", written(tmp_path, text)).stderr
+
+
+def test_numbers_of_a_scene_of_a_part_are_checked(tmp_path: Path) -> None:
+    part = PART.replace("  until 1\n", "  set m = -1\n  until 1\n")
+    path = written(tmp_path, 'model whole\nuse "mass.lag" as one\n', part)
+    ran("check", path)
+    said = run_pkgen("run", path, "--scene", "one.thrown")
+    assert said.returncode == 1
+    assert "mass.lag:13:7: error: one.m is set outside its bounds: -1 [kg]" in said.stderr

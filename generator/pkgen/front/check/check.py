@@ -184,7 +184,9 @@ class _Checker(Checks):
         model = self._model()
         if model is None:
             return None
-        check_scene_values(model, self.report)
+        for scene in model.scenes:
+            if scene.listed:  # One of a part is checked when it is chosen.
+                check_scene_values(model, scene, self.report)
         for name, errors in self._misfits().items():
             misfits.setdefault(name, []).extend(errors)
         scenes = (replace(s, misfits=tuple(misfits.get(s.name, ()))) for s in model.scenes)
