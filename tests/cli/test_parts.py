@@ -117,6 +117,26 @@ def test_a_signal_may_come_later(tmp_path: Path) -> None:
     assert model.acceleration(q, [0, 0, 0], 1.0) == pytest.approx([one, two, three], rel=1e-14)
 
 
+def test_inputs_that_remain(tmp_path: Path) -> None:
+    part = PART.replace("input F [N]", "input F, G, H [N]").replace("x = F", "x = F + 2*G + 4*H")
+    path = written(tmp_path, 'model whole\nuse "mass.lag" as one\nset one.F = one.G/8\n', part)
+    model = api.load(path)
+    assert model.inputs == ("one.G", "one.H")
+    assert model.acceleration([0], [0], u=[1, 10]).tolist() == [42.125]
+    options = [
+        "--set",
+        "one.H=t*(1 [N/s])",
+        "--set",
+        "one.G=8",
+        "--method",
+        "gauss",
+        "--every",
+        "1",
+    ]
+    done = ran("run", path, "--until", "1", *options, "--rtol", "1e-12", "--record", "one.p,one.F")
+    assert [*map(float, done.stdout.split()[-1].split(","))] == pytest.approx([1, 1 + 17 + 2, 1])
+
+
 def test_gravity_is_of_each_file(tmp_path: Path) -> None:
     arm = "model mass\nbody arm mass 2 [kg]\njoint slide: ground to arm prismatic [0, 0, 1]\n"
     uses = 'model whole\nuse "mass.lag" as one\nuse "other.lag" as two\n'
