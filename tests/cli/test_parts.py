@@ -117,12 +117,34 @@ def test_a_signal_may_come_later(tmp_path: Path) -> None:
     assert model.acceleration(q, [0, 0, 0], 1.0) == pytest.approx([one, two, three], rel=1e-14)
 
 
+def test_inputs_that_remain(tmp_path: Path) -> None:
+    part = PART.replace("input F [N]", "input F, G, H [N]").replace("x = F", "x = F + 2*G + 4*H")
+    path = written(tmp_path, 'model whole\nuse "mass.lag" as one\nset one.F = one.G/8\n', part)
+    model = api.load(path)
+    assert model.inputs == ("one.G", "one.H")
+    assert model.acceleration([0], [0], u=[1, 10]).tolist() == [42.125]
+    options = [
+        "--set",
+        "one.H=t*(1 [N/s])",
+        "--set",
+        "one.G=8",
+        "--method",
+        "gauss",
+        "--every",
+        "1",
+    ]
+    done = ran("run", path, "--until", "1", *options, "--rtol", "1e-12", "--record", "one.p,one.F")
+    assert [*map(float, done.stdout.split()[-1].split(","))] == pytest.approx([1, 1 + 17 + 2, 1])
+
+
 def test_gravity_is_of_each_file(tmp_path: Path) -> None:
     arm = "model mass\nbody arm mass 2 [kg]\njoint slide: ground to arm prismatic [0, 0, 1]\n"
-    uses = 'model whole\nuse "mass.lag" as one\nuse "other.lag" as two\ngravity [0, 0, -3]\n'
+    uses = 'model whole\nuse "mass.lag" as one\nuse "other.lag" as two\n'
+    uses += 'use "deep.lag" as three\ngravity [0, 0, -3]\n'
+    (tmp_path / "deep.lag").write_text('model deep\nuse "mass.lag" as in1\ngravity [0, 0, -7]\n')
     (tmp_path / "other.lag").write_text(arm + "gravity [0, 0, -5]\n")
     model = api.load(written(tmp_path, uses, arm))
-    assert model.acceleration([0, 0], [0, 0]).tolist() == [-3, -5]
+    assert model.acceleration([0, 0, 0], [0, 0, 0]).tolist() == [-3, -5, -7]
 
 
 def test_the_digest_and_the_cache_see_a_change(tmp_path: Path) -> None:
@@ -140,13 +162,8 @@ def test_files_stay_in_their_folder(tmp_path: Path) -> None:
     (inner / "deeper").mkdir(parents=True)
     (inner / "link.lag").symlink_to(tmp_path / "secret.lag")
     (inner / "deeper/up.lag").write_text('model up\nuse "../mass.lag" as back\n')
-    for name in (
-        "link.lag",
-        "../secret.lag",
-        str(tmp_path / "secret.lag"),
-        "deeper/up.lag",
-        "a\\0b",
-    ):
+    names = "link.lag", "../secret.lag", "deeper/up.lag"
+    for name in (*names, str(tmp_path / "secret.lag"), str(inner / "mass.lag")):
         said = wrong(written(inner, f'model whole\nuse "{name}" as one\n'))
         assert "private" not in said
         assert "lies outside of the folder" in said or "no such file" in said, name
@@ -187,3 +204,26 @@ def test_options_make_no_part(tmp_path: Path) -> None:
     path.write_text(f"model m\n{body}let arm_com = 3 [m]\npotential arm_com*(1 [N])\n")
     ran("run", path, "--until", "1", "--record", "arm.com", "-o", tmp_path / "rows.csv")
     assert Source("m.lag", "model m\n").with_options("s", ["until 1"]).parts == frozenset()
+
+
+def test_parameters_follow_each_other(tmp_path: Path) -> None:
+    text = 'model whole\nparam a = 2 [kg]\nuse "mass.lag" as one with m = 2*a\n'
+    text += "param T = one.m*(1 [s/kg]) in (0, 5)\n"
+    text += "scene s\n  until T\n  method gauss rtol 1e-9\n  record one.p\nend\n"
+    path = written(tmp_path, text)
+    for given, end, p in (([], "4", 4), (["one.m=3"], "3", 3), (["a=1"], "2", 2)):
+        options = [x for text in given for x in ("--set", text)]
+        done = ran("run", path, "--scene", "s", *options, "--every", "1")
+        assert done.stdout.splitlines()[-1] == f"{end},{p}"
+    path.write_text(text.replace("(0, 5)", "(0, 3)"))
+    assert "the default of T is outside its bounds: 4 [s]" in wrong(path)
+    assert "never used" not in ran("check", written(tmp_path, text)).stderr
+
+
+def test_numbers_of_a_scene_of_a_part_are_checked(tmp_path: Path) -> None:
+    part = PART.replace("  until 1\n", "  set m = -1\n  until 1\n")
+    path = written(tmp_path, 'model whole\nuse "mass.lag" as one\n', part)
+    ran("check", path)
+    said = run_pkgen("run", path, "--scene", "one.thrown")
+    assert said.returncode == 1
+    assert "mass.lag:13:7: error: one.m is set outside its bounds: -1 [kg]" in said.stderr

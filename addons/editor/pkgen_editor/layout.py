@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 from lark.lexer import Token
 
 from pkgen.front.lexer import statements
+from pkgen.front.read import USE
 from pkgen.front.table import STATEMENTS
 from pkgen.source import ModelError, Source
 
@@ -56,7 +57,9 @@ class Line:
 
 def laid_out(source: Source) -> str:
     """Returns the formatted text of a model. Raises ModelError for lexical errors."""
-    source = replace(source, dotted='use "' in source.text)  # Names of parts have dots.
+    source = replace(
+        source, dotted=USE.search(source.text) is not None
+    )  # Names of parts have dots.
     lexed = statements(source)
     errors = [error for statement in lexed for error in statement.errors]
     if errors:

@@ -16,6 +16,7 @@ import pytest
 from conftest import ROOT, long_but, run_pkgen
 from pkgen.compiler import compile_model
 from pkgen.front.lexer import statements
+from pkgen.front.read import USE
 from pkgen.source import ModelError, Source
 from pkgen_editor.layout import laid_out, signs
 from pkgen_editor.look import Text
@@ -24,7 +25,7 @@ MODELS = sorted([*(ROOT / "models").rglob("*.lag"), *(ROOT / "tests/models").rgl
 
 
 def of(text: str) -> Source:
-    return Source("m.lag", text)
+    return Source("m.lag", text, dotted=USE.search(text) is not None)
 
 
 def comments(text: str) -> list[str]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 
 from pkgen import limits
-from pkgen.front.read import read as read_text
-from pkgen.front.read import refusal
+from pkgen.front.read import read_text, refusal
 from pkgen.source import ModelError
 
 from .xml import Element, Errors, tree

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from pkgen.front.read import read as read_text
+from pkgen.front.read import read_text
 
 from . import mjcf, urdf
 from .robot import Robot, text

@@ -92,6 +92,9 @@ class Parts:
         for left, value in use.given:
             own = left.name.removeprefix(user)
             name, shown = part + own, [n.removeprefix(part) for n in places]
+            shown = [
+                n for n in shown if "." not in n
+            ]  # Those of its own parts are its own to give.
             if name not in places or name in given or left.index or left.range:
                 help = meant(own, shown) or f"it has: {', '.join(shown[:12])}" * bool(shown)
                 message = f"'{use.file}' has no parameter or size '{own}'"
@@ -132,8 +135,8 @@ class Parts:
                     found.append(st.Drive(inputs[name][0], value, inputs[name][1], left.span))
         for k, statement in enumerate(found):
             if driven and statement.keyword == "input":
-                own = tuple(x for name, (x, _) in _inputs(statement) if name not in driven)
-                found[k] = replace(statement, items=own)
+                own = [item for name, (item, _) in _inputs(statement) if name not in driven]
+                found[k] = replace(statement, items=tuple(reversed(own)))
         return [s for s in found if s.keyword != "input" or s.items]
 
     def _ordered(self, statements: list[st.Statement]) -> list[st.Statement]:

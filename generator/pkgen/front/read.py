@@ -61,7 +61,9 @@ def read_text(path: str | os.PathLike[str], what: str) -> Source:
     return from_text(shown, text)
 
 
-_USE = re.compile(r'^[ \t]*use[ \t]*"([^"\n]*)"[ \t]*as[ \t]+([a-z_]\w*)(\[)?', re.A | re.I | re.M)
+USE = re.compile(  # The statement `use`, up to the name of the part.
+    r'^[ \t]*use[ \t]*"([^"\n]*)"[ \t]*as[ \t]+([A-Za-z_]\w*)(\[)?', re.A | re.M
+)
 
 
 def with_parts(source: Source) -> Source:
@@ -76,7 +78,7 @@ def with_parts(source: Source) -> Source:
         return ModelError(known, [Diagnostic(message, span, help)])
 
     for piece, text in zip(pieces, texts, strict=False):  # Both grow.
-        for found in _USE.finditer(text):
+        for found in USE.finditer(text):
             name, at = found[1], piece.start + found.start(1)
             named, span = Span(at - 1, at + len(name) + 1), Span(at - 1, piece.start + found.end(2))
             part, chain = f"{piece.part}{found[2]}.", chains[piece.part]

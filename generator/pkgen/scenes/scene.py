@@ -10,7 +10,9 @@ import argparse
 from collections.abc import Mapping
 from dataclasses import field
 
+from ..front.check.names import Report
 from ..front.check.scene_numbers import Key, Values, WrongValue
+from ..front.check.scene_values import check_scene_values
 from ..model import Model, Scene
 from ..plan import RunNumbers
 from ..record import record
@@ -25,8 +27,12 @@ def chosen(model: Model, name: str) -> Scene:
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
         raise UsageError(unknown("--scene", name, scenes, "scene"))
-    if scenes[name].misfits:
-        raise ModelError(model.source, list(scenes[name].misfits))
+    report = Report()
+    report.errors += scenes[name].misfits
+    if not report.errors and not scenes[name].listed:
+        check_scene_values(model, scenes[name], report)
+    if report.errors:
+        raise ModelError(model.source, report.errors)
     return scenes[name]
 
 

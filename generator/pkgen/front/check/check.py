@@ -184,13 +184,15 @@ class _Checker(Checks):
         )
         if not self.broken & {"", "let", "coord", "body", "joint", *_INERTIA}:
             required.inertia()
+        misfits = self._misfits()
         if not self.report.errors and not self.file.diagnostics:
             self._unused()
-        misfits = self._misfits()
         model = self._model()
         if model is None:
             return None
-        check_scene_values(model, self.report)
+        for scene in model.scenes:
+            if scene.listed:  # One of a part is checked when it is chosen.
+                check_scene_values(model, scene, self.report)
         check_times(model, self.report)
         for name, errors in self._misfits().items():
             misfits.setdefault(name, []).extend(errors)
@@ -234,7 +236,8 @@ class _Checker(Checks):
 
     def _unused(self) -> None:
         for entry in self.names.table.values():
-            used = entry.used or entry.name in self.counting
+            of_part = self.file.source.piece(entry.span.start).part  # Its file alone is told of.
+            used = entry.used or entry.name in self.counting or of_part
             if not used and entry.kind in _UNUSED:
                 self.warn(f"the {entry.kind} '{entry.name}' is never used", entry)
 

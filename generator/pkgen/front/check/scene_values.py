@@ -18,9 +18,8 @@ from .params import ends_of, interval, number, within
 from .scene_numbers import Values, WrongValue, has_row, too_much
 
 
-def check_scene_values(model: Model, report: Report) -> None:
-    for scene in model.scenes:
-        _Numbers(model, scene, report).check()
+def check_scene_values(model: Model, scene: Scene, report: Report) -> None:
+    _Numbers(model, scene, report).check()
 
 
 # The shortest step, as a fraction of the duration of a run. The limit in main.c is the same.
