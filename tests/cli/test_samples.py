@@ -203,3 +203,17 @@ def test_a_description_has_the_blocks(modes: Path) -> None:
     assert (
         "first every delay offset offset delay 2: sets table, mode" in ran("explain", modes).stdout
     )
+
+
+def test_all_kinds_of_variables_by_two_methods(tmp_path: Path) -> None:
+    (tmp_path / "mixture.lag").write_text(case("sampled_mixture"), encoding="utf-8")
+    m = pkgen.load(tmp_path / "mixture.lag")
+    columns = ["q[1]", "q[4]", "s", "u", "w", "late", "m"]
+    whole = m.run(2, method="dop853", rtol=1e-11, every=0.1, record=columns)
+    other = m.run(2, method="gauss4", step=0.007, every=0.1, record=columns)
+    for column in columns:
+        assert other[column] == pytest.approx(whole[column], abs=1e-9)
+    k = np.arange(21)
+    assert (whole["m"] == 2 + k).all() and (whole["late"] == np.where(k < 2, 0, k)).all()
+    held = m.run(0.5, method="gauss", rtol=1e-10, every=0.1, record=["u"], start={"q[2]": 0})
+    assert held["u"][0] == pytest.approx(-1)
