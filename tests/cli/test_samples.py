@@ -11,6 +11,8 @@ import pytest
 
 import pkgen
 from conftest import ROOT, case, ran, run_pkgen, table
+from pkgen.run.runtime import runtime_library
+from pkgen.system.toolchain import RUNTIME, find_toolchain
 
 ARM = ROOT / "models/controlled/two_joint_pid.lag"
 MODES = case("sampled_two_modes")
@@ -217,3 +219,48 @@ def test_all_kinds_of_variables_by_two_methods(tmp_path: Path) -> None:
     assert (whole["m"] == 2 + k).all() and (whole["late"] == np.where(k < 2, 0, k)).all()
     held = m.run(0.5, method="gauss", rtol=1e-10, every=0.1, record=["u"], start={"q[2]": 0})
     assert held["u"][0] == pytest.approx(-1)
+
+
+LOOP = """
+#include <stdio.h>
+#include <stdlib.h>
+#include <pk/pk.h>
+#include "two_joint_pid.h"
+int main(void)
+{
+    struct two_joint_pid_params p;
+    two_joint_pid_defaults(&p);
+    two_joint_pid_prepare(&p);
+    pk_real q[2], v[2], u[4] = {0}, end = 0.5;
+    two_joint_pid_start(&p, q, v);
+    struct pk_constant_input held = {u, 4};
+    struct pk_problem problem = {&two_joint_pid_system, &p, pk_constant_input, &held, NULL};
+    const struct pk_method *method = pk_method_find("dop853");
+    struct pk_options options = pk_options_default();
+    options.rtol = 1e-12;
+    const size_t size = pk_integrator_size(&problem, method);
+    struct pk_integrator it;
+    pk_integrator_init(&it, &problem, method, &options, 0, q, v, malloc(size), size);
+    struct pk_sampler s = {.system = &two_joint_pid_system, .params = &p, .u = u};
+    pk_real *work = malloc(pk_sampler_reals(s.system) * sizeof *work);
+    enum pk_status status = pk_sampler_start(&s, &it, end, work);
+    while (status == PK_DONE && it.t < end) {
+        status = pk_integrator_to(&it, pk_sampler_limit(&s, end));
+        if (status == PK_DONE)
+            status = pk_sampler_run(&s, &it);
+    }
+    printf("%d %.10f %.10f\\n", status, it.q[0], it.q[1]);
+    return 0;
+}
+"""
+
+
+def test_a_loop_of_ones_own_around_the_runtime(tmp_path: Path) -> None:
+    ran(ARM, "--runtime", "-o", tmp_path)
+    (tmp_path / "main.c").write_text(LOOP)
+    library = runtime_library(find_toolchain()) / "libpk.a"
+    flags = ["-std=c11", "-Wall", "-Werror", "-DPK_RUNTIME", "-I.", f"-I{RUNTIME}/include"]
+    sources = ["main.c", "two_joint_pid.c", library, "-lm"]
+    subprocess.run(["gcc", *flags, *sources, "-o", "m"], cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "m"], capture_output=True, text=True, check=True).stdout
+    assert said == "0 1.0442185145 0.5607034749\n"  # as SciPy has it
