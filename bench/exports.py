@@ -42,6 +42,12 @@ Found = dict[str, dict[str, dict]]  # model, host
 OVER_KNOTS = 1e-3
 
 
+def _models() -> list[Path]:
+    """All models but those with a sample block, which no host runs."""
+    every = sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem)
+    return [path for path in every if "\nsample " not in path.read_text(encoding="utf-8")]
+
+
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench exports", description=__doc__)
     parser.add_argument("--docs", action="store_true", help="write the tables into its page")
@@ -51,8 +57,7 @@ def main(words: list[str]) -> int:
     options = parser.parse_args(words)
     kept = OUTPUT / "exports.json"
     found: Found = json.loads(kept.read_text()) if kept.exists() else {}
-    every = sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem)
-    paths = [path for path in every if "\nsample " not in path.read_text(encoding="utf-8")]
+    paths = _models()
     for model, row in _read().items():
         if any(path.stem == model for path in paths):
             found[model] = row | found.get(model, {})
@@ -174,7 +179,7 @@ def _write(found: Found) -> None:
 
 
 def _by_host(found: Found) -> str:
-    rows, models = [], len(list((ROOT / "models").rglob("*.lag")))
+    rows, models = [], len(_models())
     for name, host in HOSTS.items():
         all_ = [of[name] for of in found.values() if name in of]
         good = [row for row in all_ if "off" in row]

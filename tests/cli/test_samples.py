@@ -11,6 +11,8 @@ import pytest
 
 import pkgen
 from conftest import ROOT, case, ran, run_pkgen, table
+from pkgen.run.runtime import runtime_library
+from pkgen.system.toolchain import RUNTIME, find_toolchain
 
 ARM = ROOT / "models/controlled/two_joint_pid.lag"
 MODES = case("sampled_two_modes")
@@ -175,6 +177,42 @@ def test_what_is_refused(words: tuple[str, ...], says: str, tmp_path: Path) -> N
     assert done.returncode != 0 and says in done.stderr and "Traceback" not in done.stderr
 
 
+KAPITZA = """
+model kapitza                      # a pendulum upside down, whose heavy pivot a sampled force shakes
+param ratio = 1
+param T = 0.005 [s]
+param g = 9.81 [m/s^2]
+param l = 1 [m]
+param M = 1e6 [kg]
+param A = 2*sqrt(3*g*l*ratio)/T
+coord y [m], theta [rad]
+input u [N]
+let bob = [l*sin(theta), y + l*cos(theta), 0]
+kinetic M/2*y'^2 + (1 [kg])/2*dot(bob', bob')
+potential (1 [kg])*g*(y + l*cos(theta))
+force y = u
+sample shakes every T
+  memory way = 1
+  set u = way*M*A
+  set way = -way
+end
+start theta = 0.02, y' = -A*T/2
+"""
+
+
+@pytest.mark.parametrize(("ratio", "stands"), [(0.8, False), (1.2, True)])
+def test_a_force_by_samples_holds_a_pendulum_upright(
+    tmp_path: Path, ratio: float, stands: bool
+) -> None:
+    """The pivot's speed is a triangle of height A T/2: upright is stable where its mean square,
+    (A T/2)^2/3, is above g l (P. L. Kapitza, 1951)."""
+    (tmp_path / "kapitza.lag").write_text(KAPITZA, encoding="utf-8")
+    m = pkgen.load(tmp_path / "kapitza.lag")
+    m.params["ratio"] = ratio
+    r = m.run(6, method="dop853", rtol=1e-9, every=0.01, record=["theta"])
+    assert (np.abs(r["theta"]).max() < 0.2) == stands
+
+
 def test_a_program_of_its_own_and_a_swarm(tmp_path: Path) -> None:
     text = ARM.read_text() + "\nscene many\n  swarm k = 1..40\n  start a = k/40\n  until 1 [s]\n"
     text += "  method dop853 rtol 1e-9\n  record a, u1 every 0.5 [s]\nend\n"
@@ -203,3 +241,62 @@ def test_a_description_has_the_blocks(modes: Path) -> None:
     assert (
         "first every delay offset offset delay 2: sets table, mode" in ran("explain", modes).stdout
     )
+
+
+def test_all_kinds_of_variables_by_two_methods(tmp_path: Path) -> None:
+    (tmp_path / "mixture.lag").write_text(case("sampled_mixture"), encoding="utf-8")
+    m = pkgen.load(tmp_path / "mixture.lag")
+    columns = ["q[1]", "q[4]", "s", "u", "w", "late", "m"]
+    whole = m.run(2, method="dop853", rtol=1e-11, every=0.1, record=columns)
+    other = m.run(2, method="gauss4", step=0.007, every=0.1, record=columns)
+    for column in columns:
+        assert other[column] == pytest.approx(whole[column], abs=1e-9)
+    k = np.arange(21)
+    assert (whole["m"] == 2 + k).all() and (whole["late"] == np.where(k < 2, 0, k)).all()
+    held = m.run(0.5, method="gauss", rtol=1e-10, every=0.1, record=["u"], start={"q[2]": 0})
+    assert held["u"][0] == pytest.approx(-1)
+
+
+LOOP = """
+#include <stdio.h>
+#include <stdlib.h>
+#include <pk/pk.h>
+#include "two_joint_pid.h"
+int main(void)
+{
+    struct two_joint_pid_params p;
+    two_joint_pid_defaults(&p);
+    two_joint_pid_prepare(&p);
+    pk_real q[2], v[2], u[4] = {0}, end = 0.5;
+    two_joint_pid_start(&p, q, v);
+    struct pk_constant_input held = {u, 4};
+    struct pk_problem problem = {&two_joint_pid_system, &p, pk_constant_input, &held, NULL};
+    const struct pk_method *method = pk_method_find("dop853");
+    struct pk_options options = pk_options_default();
+    options.rtol = 1e-12;
+    const size_t size = pk_integrator_size(&problem, method);
+    struct pk_integrator it;
+    pk_integrator_init(&it, &problem, method, &options, 0, q, v, malloc(size), size);
+    struct pk_sampler s = {.system = &two_joint_pid_system, .params = &p, .u = u};
+    pk_real *work = malloc(pk_sampler_reals(s.system) * sizeof *work);
+    enum pk_status status = pk_sampler_start(&s, &it, end, work);
+    while (status == PK_DONE && it.t < end) {
+        status = pk_integrator_to(&it, pk_sampler_limit(&s, end));
+        if (status == PK_DONE)
+            status = pk_sampler_run(&s, &it);
+    }
+    printf("%d %.10f %.10f\\n", status, it.q[0], it.q[1]);
+    return 0;
+}
+"""
+
+
+def test_a_loop_of_ones_own_around_the_runtime(tmp_path: Path) -> None:
+    ran(ARM, "--runtime", "-o", tmp_path)
+    (tmp_path / "main.c").write_text(LOOP)
+    library = runtime_library(find_toolchain()) / "libpk.a"
+    flags = ["-std=c11", "-Wall", "-Werror", "-DPK_RUNTIME", "-I.", f"-I{RUNTIME}/include"]
+    sources = ["main.c", "two_joint_pid.c", library, "-lm"]
+    subprocess.run(["gcc", *flags, *sources, "-o", "m"], cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "m"], capture_output=True, text=True, check=True).stdout
+    assert said == "0 1.0442185145 0.5607034749\n"  # as SciPy has it

@@ -31,6 +31,7 @@ class Samples(Checks):
             if delay is not None and not 0 <= delay <= MOST:
                 help = "it counts samples: the motion has a value so many samples later"
                 self.error(f"a delay is a whole number from 0 to {MOST}", block.delay, help)
+                delay = 0
         self.own: set[str] = set()  # memory cells of this block
         self.set_here: dict[str, Entry] = {}
         steps, before = [], {*self.names.table}

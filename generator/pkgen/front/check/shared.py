@@ -50,9 +50,8 @@ class Shared:
         )
         self.given_sizes = given  # Sizes set on the command line.
         self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
-        self.sampled: dict[
-            str, str
-        ] = {}  # an input that a sample block sets, or its memory -> block
+        # An input that a sample block sets, or a memory cell -> the name of the block.
+        self.sampled: dict[str, str] = {}
         self.queues: list[tuple[str, str]] = []  # (input with a delay, name of a value in waiting)
         self.energies: list[Facts] = []  # The facts of each energy statement.
         self.inputs: dict[str, int] = {}  # name of an input -> order of its highest derivative

@@ -50,7 +50,8 @@ def _next(x: Expander, block: Sample, count: int, solved: Callable[..., Node]) -
         with x.statement(step.span):
             found = x.value(step.value, x.sizes)
             x.assigned[step.name] = _each(found, solved, step.span)
-    for name in {step.name for step in block.steps} & place.keys():
+    own = {item.name for item in x.model.inputs if item.by == block.name}
+    for name in own & x.assigned.keys():
         queue = [place[name], *queues.get(name, ())]
         for k, after in pairwise(queue):
             values[k] = before[after]
