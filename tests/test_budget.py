@@ -12,15 +12,17 @@ import pytest
 from conftest import ROOT, gone
 
 BUDGET = {  # area: lines, tokens
-    # 48 so far: forces at points, conditions, integrals, floor, first degree, hamiltonian.
-    "generator": (62_900, 497_500),
-    "runtime": (31_930, 291_300),  # switches that count pieces
-    "addons": (24_050, 208_500),
-    "tests": (48_800, 454_000),
+    # 48: forces at points, conditions, integrals, floor, first degree, hamiltonian; then tables (940
+    # lines), sample blocks (800), parts (540), closed forms, elliptic functions, consistent starts
+    # (610). This is 1,600 lines over what 48 allows.
+    "generator": (65_500, 520_600),
+    "runtime": (32_500, 296_400),  # counted pieces, tables, samples, the nearest start
+    "addons": (24_100, 208_500),
+    "tests": (51_000, 475_000),
 }
 # The words for users: README.md and docs, without docs/dev. Forces at points, conditions and H took
-# 300.
-WORDS = 35_300
+# 300, tables 400, parts 1,000, sample blocks 800, closed forms and consistent starts 700.
+WORDS = 38_300
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
 C_TOKEN = re.compile(r"[A-Za-z_]\w*|\d[\w.]*|\S")
 C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
