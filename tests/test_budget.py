@@ -22,7 +22,7 @@ BUDGET = {  # area: lines, tokens
 }
 # The words for users: README.md and docs, without docs/dev. Forces at points, conditions and H took
 # 300, tables 400, parts 1,000, sample blocks 800, closed forms and consistent starts 700.
-WORDS = 38_300
+WORDS = 38_900
 CODE = {".py", ".c", ".h", ".j2", ".js", ".css", ".html", ".lark", ".in"}
 C_TOKEN = re.compile(r"[A-Za-z_]\w*|\d[\w.]*|\S")
 C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)

@@ -15,6 +15,7 @@ from .indices import hidden
 from .methods import Own
 from .record import record
 from .source import Diagnostic, Source, Span
+from .system.exits import UsageError
 from .tree import Expr, Range
 
 
@@ -395,6 +396,14 @@ class Model:
     exacts: tuple[Exact, ...] = ()
     consistent: Span | None = None  # position of `start consistent`
     samples: tuple[Sample, ...] = ()
+
+    def refuse_long(self, what: str) -> None:
+        """Raises UsageError for a table whose numbers are not written in C."""
+        for table in self.tables:
+            if table.long:
+                count, most = table.data.coefficients.size, limits.TABLE_NUMBERS
+                message = f"the table {table.name} has {count:,} numbers, of at most {most:,}"
+                raise UsageError(f"{what}: {message}: leave out rows of the data")
 
     @property
     def sha256(self) -> str:

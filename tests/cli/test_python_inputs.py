@@ -129,7 +129,7 @@ def test_tables_and_functions_hold_or_join(model: pkgen.Model) -> None:
         ({"inputs": {"u": ([0, 1], [1, 2])}}, "from 0 to 1, the run from 0 to 4"),
         ({"inputs": {"u": ([0, 5], [1])}}, "times in order, and as many values"),
         ({"inputs": {"u": ([0, 2, 1, 5], [1, 1, 1, 1])}}, "times in order"),
-        ({"inputs": {"u": ([0, 5], [1, 1], "spline")}}, "'hold'"),
+        ({"inputs": {"u": ([0, 5], [1, 1], "cubic")}}, "kind one of"),
         ({"inputs": {"u": lambda t, q, v: 1}, "hold": 0.1, "method": "rk4", "step": 0.03}, "whole"),
         (
             {"inputs": {"u": ([0, 1.5, 5], [1, 1, 1], "hold")}, "method": "rk4", "step": 0.4},

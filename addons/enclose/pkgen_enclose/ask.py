@@ -197,7 +197,8 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
             f"bounds motions by power series, which {name} has none of where it bends or jumps: "
             f"write the side that the motion is on, or round it off (sqrt(x^2 + d^2) for abs(x))"
         )
-        wrong(_place_of(compilation, name), f"the equations have {name}()", advice)
+        shown = FUNCTIONS[name].table or name
+        wrong(_place_of(compilation, name), f"the equations have {shown}()", advice)
 
 
 def _without_series(g: Graph, nodes: list[Node]) -> str:

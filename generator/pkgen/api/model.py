@@ -302,12 +302,15 @@ class Model(Kernels):
         return typeset(self.sympy())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles path, scene, sizes and parameters. Unpickling reads the model's file again."""
+        """Pickles path, scene, sizes, parameters and arrays of tables. Unpickling reads the model's
+        file again."""
         given = self.path, self.scene, self._sizes, self._allowed
-        return Model, given, dict(self.params._set)
+        return Model, given, (dict(self.params._set), dict(self.tables._set))
 
-    def __setstate__(self, values: Mapping[str, float]) -> None:
-        self.params.update(values)
+    def __setstate__(self, values: tuple[Mapping[str, float], Mapping[str, Any]]) -> None:
+        parameters, tables = values
+        self.tables.update(tables)
+        self.params.update(parameters)
 
     def __repr__(self) -> str:
         scene = f", scene {self.scene}" if self.scene else ""

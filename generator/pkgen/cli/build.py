@@ -41,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             f"--scene {options.scene}: a swarm is for pkgen run; give the program a table"
         )
+    what.compilation.declared.refuse_long("pkgen build")
     for note in what.notes:
         print(note, file=sys.stderr)
     settings = what.settings

@@ -74,6 +74,7 @@ def run(options: argparse.Namespace) -> int:
     )
     made = found.compilation
     refuse_samples(made.declared, "pkgen export")
+    made.declared.refuse_long("pkgen export")
     model = Exported(
         made.model.name,
         found.description,

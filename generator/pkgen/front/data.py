@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
@@ -84,9 +85,10 @@ def read(path: Path) -> Cells:
     """Returns the cells of a file. Raises WrongData."""
     try:
         found = path.stat()
-        if not path.is_file() or found.st_size > limits.TABLE_BYTES:
-            size = f"a file of at most {limits.TABLE_BYTES:,} bytes"
-            raise WrongData(f"{path}: this is not {size}")
+        if not path.is_file():
+            raise WrongData(f"{path}: this is no file of data")
+        if found.st_size > limits.TABLE_BYTES:
+            raise WrongData(f"{path}: the file has more than {limits.TABLE_BYTES:,} bytes")
         return _cells(path, found.st_mtime_ns, found.st_size)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -95,24 +97,30 @@ def read(path: Path) -> Cells:
 
 @lru_cache(maxsize=4)
 def _cells(path: Path, *_: int) -> Cells:
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        first = next((x for x in file if x.strip() and not x.lstrip().startswith("#")), "")
-        file.seek(0)
-        comma = next((c for c in ";\t" if c in first), ",")
-        lines, rows = [], []
-        reader = csv.reader(file, delimiter=comma, strict=True)
+    with open(path, encoding="utf-8-sig") as file:
+        kept = [(k + 1, x) for k, x in enumerate(file) if x.strip() and x.lstrip()[0] != "#"]
+    comma = next((c for c in ";\t" if kept and c in kept[0][1]), ",")
+    rows = []
+    for line, text in kept:
         try:
-            for row in reader:
-                if row and any(map(str.strip, row)) and not row[0].lstrip().startswith("#"):
-                    lines.append(reader.line_num)
-                    rows.append(row)
+            rows += csv.reader([text], delimiter=comma, strict=True)
         except csv.Error as error:
-            raise WrongData(f"{path}:{reader.line_num}:1: {error}") from None
-    titles: tuple[tuple[str, str], ...] = ()
-    if rows and any(_number(cell) is None and cell.strip() for cell in rows[0]):
-        titles = tuple(_title(cell) for cell in rows.pop(0))
-        lines.pop(0)
-    return Cells(str(path), titles, tuple(lines), tuple(rows))
+            raise WrongData(f"{path}:{line}:1: {error}") from None
+    cells = Cells(str(path), (), tuple(line for line, _ in kept), tuple(rows))
+    for k, row in enumerate(rows):
+        if len(row) > len(rows[0]) and any(map(str.strip, row[len(rows[0]) :])):
+            help = "a number has a point, not a comma"
+            raise cells.wrong(k, len(rows[0]), "the first row has fewer cells", help)
+    names = [
+        k for k, cell in enumerate(rows[0] if rows else ()) if cell.strip() and not _float(cell)
+    ]
+    if not names:
+        return cells
+    if len(names) < sum(bool(cell.strip()) for cell in rows[0]):
+        shown = rows[0][names[0]].strip()[:40]
+        raise cells.wrong(0, names[0], f"'{shown}' is no number, though others of its row are")
+    titles = tuple(_title(cell) for cell in rows[0])
+    return replace(cells, titles=titles, lines=cells.lines[1:], rows=cells.rows[1:])
 
 
 def _title(cell: str) -> tuple[str, str]:
@@ -120,12 +128,12 @@ def _title(cell: str) -> tuple[str, str]:
     return name, unit or ""
 
 
-def _number(cell: str) -> float | None:
+def _float(cell: str) -> list[float]:
+    """Returns the number in a cell, which may be infinite or NaN; [] for another text."""
     try:
-        value = float(cell) if "_" not in cell else math.nan
+        return [] if "_" in cell else [float(cell)]
     except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+        return []
 
 
 def columns(
@@ -137,6 +145,8 @@ def columns(
 
     names = [name for name, _ in cells.titles]
     places = [names.index(name) if name in names else -1 for name, _ in wanted]
+    if twice := [name for name, _ in wanted if names.count(name) > 1]:
+        raise WrongData(f"{cells.path}: there are two columns '{twice[0]}'", "rename one of them")
     if max(places) < 0:
         places = [*range(len(wanted))]
     for (name, unit), k in zip(wanted, places, strict=True):
@@ -159,10 +169,12 @@ def _cell(cells: Cells, row: int, column: int) -> float:
     if column >= len(found) or not found[column].strip():
         at = min(column, len(found))
         raise cells.wrong(row, at, f"column {column + 1} has no number here", "remove the row")
-    value = _number(found[column])
-    if value is None:
-        raise cells.wrong(row, column, f"'{found[column].strip()[:40]}' is no finite number")
-    return value
+    value = _float(found[column])
+    if not value or not math.isfinite(value[0]):
+        shown = found[column].strip()[:40]
+        help = "a number has a point, not a comma" if "," in shown else ""
+        raise cells.wrong(row, column, f"'{shown}' is no finite number", help)
+    return value[0]
 
 
 def curve(cells: Cells, wanted, factors: Sequence[float], kind: str, outside: str) -> Data:
@@ -206,7 +218,7 @@ def of_arrays(
     import numpy
 
     kind = OF_GRIDS.get(kind, kind)
-    axes, values = [numpy.asarray(x, dtype=float) for x in axes], numpy.asarray(values, dtype=float)
+    axes, values = [numpy.array(x, dtype=float) for x in axes], numpy.array(values, dtype=float)
     for x in axes:
         if x.ndim != 1 or len(x) < 2 or not (numpy.diff(x) > 0).all():
             raise WrongData(f"{name}: a variable has two values at least, in rising order")
@@ -222,12 +234,21 @@ def of_arrays(
     made, c = [], values
     smooth = min(SMOOTH[kind], AT_ENDS[outside])
     for number, x in enumerate(axes):
-        c = _coefficients(x, c, kind, outside, axis=2 * number)
+        try:
+            with numpy.errstate(all="ignore"):
+                c = _coefficients(x, c, kind, outside, axis=2 * number)
+        except ValueError:  # of SciPy, for slopes that are not finite
+            c = numpy.full(1, numpy.nan)
+        if not numpy.isfinite(c).all():
+            raise WrongData(f"{name}: the rows are too close for their values")
+        x.flags.writeable = False
         period = float(x[-1] - x[0]) if outside == "periodic" else 0.0
         made.append(Axis(x, period, outside == "error", smooth))
     if len(axes) == 2:
         c = c.swapaxes(1, 2)
-    return Data(tuple(made), numpy.ascontiguousarray(c), {"hold": 0, "linear": 1}.get(kind, 3))
+    c = numpy.ascontiguousarray(c)
+    c.flags.writeable = False
+    return Data(tuple(made), c, {"hold": 0, "linear": 1}.get(kind, 3))
 
 
 def _coefficients(

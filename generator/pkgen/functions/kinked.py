@@ -108,6 +108,7 @@ KINKED: dict[str, Function] = {
         array="floor",
         derivative=lambda g, n, a: (g.number(0),),
         interval=lambda x: Range(x.lo - 1, x.hi),
+        ball=lambda b, x: b.floor(x),
     ),
     "sign": Function(  # the derivative of abs, with values -1, 0 and 1
         units="any",

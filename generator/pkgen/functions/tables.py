@@ -43,8 +43,8 @@ class Axis:
         n = numpy.clip(numpy.searchsorted(k, x, "right") - 1, 0, last - 1)
         with numpy.errstate(divide="ignore", invalid="ignore"):
             inside = n + (x - k[n]) / (k[n + 1] - k[n])
-            below = -(k[0] - x) / (k[0] - x + (k[1] - k[0]))
-            above = last + (x - k[-1]) / (x - k[-1] + (k[-1] - k[-2]))
+            below = -(k[0] - x) / (k[0] - x + (k[1] - k[0])) / 2
+            above = last + (x - k[-1]) / (x - k[-1] + (k[-1] - k[-2])) / 2
         return turns * last + numpy.where(x >= k[-1], above, numpy.where(x >= k[0], inside, below))
 
     def piece(self, x: Any, n: Any) -> tuple[Any, Any]:

@@ -119,7 +119,9 @@ def outcome(
         messages = f"run: {constant}\n" if constant else messages
     strict = ", ".join(x.name for x in compilation.model.tables if x.outside == "error")
     if strict and done.report["status"] == "PK_NOT_FINITE":
-        messages += f"run: there are no values outside of the data of {strict}; 'hold' goes on\n"
+        messages += (
+            f"run: there are no values outside of the data of {strict}; 'outside hold' goes on\n"
+        )
     if compilation.model.consistent and done.report:
         e, given = compilation.equations, done.given()
         values = [*given["q"][: e.own], *given["v"]]

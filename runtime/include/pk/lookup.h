@@ -16,10 +16,10 @@ static inline pk_real pk_axis_place(const struct pk_table_axis *a, pk_real x)
         turns *= last;
     }
     const size_t end = a->count - 1;
-    if (!(x >= k[0])) /* between -1 and 0; NaN for NaN */
-        return turns - (k[0] - x) / (k[0] - x + (k[1] - k[0]));
-    if (x >= k[end]) /* between last and last + 1 */
-        return turns + last + (x - k[end]) / (x - k[end] + (k[end] - k[end - 1]));
+    if (!(x >= k[0])) /* between -1/2 and 0; NaN for NaN */
+        return turns - (k[0] - x) / (k[0] - x + (k[1] - k[0])) / 2;
+    if (x >= k[end]) /* between last and last + 1/2 */
+        return turns + last + (x - k[end]) / (x - k[end] + (k[end] - k[end - 1])) / 2;
     size_t lo = (size_t)((x - k[0]) / (k[end] - k[0]) * last), hi, width = 1;
     if (lo > end - 1)
         lo = end - 1;

@@ -15,12 +15,15 @@ from .. import statements as st
 from ..data import KINDS, OF_GRIDS, OUTSIDE, WrongData
 from ..read import ALLOW, READ, refusal
 from ..units import ONE, Unit
-from .names import Entry, Facts
+from .names import SPECIAL, Entry, Facts, callable_names
 from .shared import Checks
 
 
 class Tables(Checks):
     def declare(self, statement: st.Table) -> None:
+        if statement.name in callable_names() | SPECIAL:
+            message = f"'{statement.name}' is a function of the language"
+            self.error(message, statement.name_span, "choose another name")
         kind, outside = self._words(statement)
         units = [
             ONE if c.unit is None else self.expressions.unit(c.unit.text, c.unit.span)
