@@ -178,7 +178,7 @@ def test_what_is_refused(words: tuple[str, ...], says: str, tmp_path: Path) -> N
 
 
 KAPITZA = """
-model kapitza                      # a pendulum upside down, whose heavy pivot a sampled force shakes
+model kapitza      # a pendulum upside down, whose heavy pivot a sampled force shakes
 param ratio = 1
 param T = 0.005 [s]
 param g = 9.81 [m/s^2]
@@ -222,8 +222,10 @@ def test_a_program_of_its_own_and_a_swarm(tmp_path: Path) -> None:
     said = subprocess.run([tmp_path / "arm", *words], capture_output=True, text=True, check=True)
     own = ran("run", tmp_path / "arm.lag", *words).stdout
     assert np.array(table(said.stdout)[1]) == pytest.approx(np.array(table(own)[1]), abs=1e-10)
-    wrong = subprocess.run([tmp_path / "arm", "--set", "u1=3"], capture_output=True, text=True)
-    assert wrong.returncode == 2 and "a sample block sets" in wrong.stderr
+    for option, says in (("--set=u1=3", "a sample block sets"), ("--diagnose=lyapunov", "alone")):
+        words = [tmp_path / "arm", *option.split("=", 1), "--until", "1", "-o", tmp_path / "x.csv"]
+        wrong = subprocess.run(words, capture_output=True, text=True)
+        assert wrong.returncode == 2 and says in wrong.stderr
     rows = table(ran("run", tmp_path / "arm.lag", "--scene", "many").stdout)[1]
     assert len(rows) == 120
 
