@@ -302,3 +302,16 @@ def test_a_loop_of_ones_own_around_the_runtime(tmp_path: Path) -> None:
     subprocess.run(["gcc", *flags, *sources, "-o", "m"], cwd=tmp_path, check=True)
     said = subprocess.run([tmp_path / "m"], capture_output=True, text=True, check=True).stdout
     assert said == "0 1.0442185145 0.5607034749\n"  # as SciPy has it
+
+
+def test_every_family_of_methods_begins_anew_at_samples(tmp_path: Path) -> None:
+    (tmp_path / "modes.lag").write_text(MODES.replace(" stop", ""), encoding="utf-8")
+    m, columns = pkgen.load(tmp_path / "modes.lag"), ["sample", "memory", "table"]
+    fixed = "suzuki4 boris4 gauss2 lobatto3 radau5 rattle4 lie_midpoint4 rkmk4"
+    off = {}
+    for method in (*fixed.split(), "radau", "gsl_msadams", "gsl_msbdf"):
+        how = {"step": 0.003} if method in fixed else {"rtol": 1e-10}
+        r = m.run(1.2, method=method, every=0.05, record=columns, **how)
+        rows = np.array([r.t, *(r[c] for c in columns)]).T
+        off[method] = np.abs(rows - exact(1.2, 0.05)[:, :4]).max()
+    assert max(off.values()) < 1e-7, off
