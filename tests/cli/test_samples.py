@@ -178,7 +178,7 @@ def test_what_is_refused(words: tuple[str, ...], says: str, tmp_path: Path) -> N
 
 
 KAPITZA = """
-model kapitza                      # a pendulum upside down, whose heavy pivot a sampled force shakes
+model kapitza      # a pendulum upside down, whose heavy pivot a sampled force shakes
 param ratio = 1
 param T = 0.005 [s]
 param g = 9.81 [m/s^2]
@@ -222,8 +222,10 @@ def test_a_program_of_its_own_and_a_swarm(tmp_path: Path) -> None:
     said = subprocess.run([tmp_path / "arm", *words], capture_output=True, text=True, check=True)
     own = ran("run", tmp_path / "arm.lag", *words).stdout
     assert np.array(table(said.stdout)[1]) == pytest.approx(np.array(table(own)[1]), abs=1e-10)
-    wrong = subprocess.run([tmp_path / "arm", "--set", "u1=3"], capture_output=True, text=True)
-    assert wrong.returncode == 2 and "a sample block sets" in wrong.stderr
+    for option, says in (("--set=u1=3", "a sample block sets"), ("--diagnose=lyapunov", "alone")):
+        words = [tmp_path / "arm", *option.split("=", 1), "--until", "1", "-o", tmp_path / "x.csv"]
+        wrong = subprocess.run(words, capture_output=True, text=True)
+        assert wrong.returncode == 2 and says in wrong.stderr
     rows = table(ran("run", tmp_path / "arm.lag", "--scene", "many").stdout)[1]
     assert len(rows) == 120
 
@@ -300,3 +302,17 @@ def test_a_loop_of_ones_own_around_the_runtime(tmp_path: Path) -> None:
     subprocess.run(["gcc", *flags, *sources, "-o", "m"], cwd=tmp_path, check=True)
     said = subprocess.run([tmp_path / "m"], capture_output=True, text=True, check=True).stdout
     assert said == "0 1.0442185145 0.5607034749\n"  # as SciPy has it
+
+
+def test_every_family_of_methods_begins_anew_at_samples(tmp_path: Path) -> None:
+    (tmp_path / "modes.lag").write_text(MODES.replace(" stop", ""), encoding="utf-8")
+    m, columns = pkgen.load(tmp_path / "modes.lag"), ["sample", "memory", "table"]
+    fixed = "suzuki4 boris4 gauss2 lobatto3 radau5 rattle4 lie_midpoint4 rkmk4".split()
+    others = ["radau", *(["gsl_msadams", "gsl_msbdf"] if find_toolchain().has_gsl else [])]
+    off = {}
+    for method in (*fixed, *others):
+        how = {"step": 0.003} if method in fixed else {"rtol": 1e-10}
+        r = m.run(1.2, method=method, every=0.05, record=columns, **how)
+        rows = np.array([r.t, *(r[c] for c in columns)]).T
+        off[method] = np.abs(rows - exact(1.2, 0.05)[:, :4]).max()
+    assert max(off.values()) < 1e-7, off

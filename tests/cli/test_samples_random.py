@@ -25,7 +25,7 @@ METHODS = {
     "gauss6": {"step": 0.02},
     "yoshida8": {"step": 0.01},
 }
-# What a block's expressions mean: `if` is a word of Python.
+# The functions of a block's expressions; `if` is a word of Python.
 MEANING = {
     "clamp": lambda x, a, b: min(max(x, a), b),
     "round": lambda x: floor(x + 0.5),

@@ -1,4 +1,4 @@
-"""What sample blocks hold constant; what does not run them, and what does instead."""
+"""Inputs that sample blocks hold, and errors where something does not run sample blocks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ OF_ROWS = frozenset(("spectrum", "area"))  # diagnostics of motions with samples
 
 
 def refuse_samples(model: Model, what: str) -> None:
-    """Raises ModelError if the model has a sample block, which `what` does not run."""
+    """Raises ModelError if the model has a sample block; `what` is a key of _INSTEAD."""
     for block in model.samples:
         message = f"{what} runs no sample block"
         if what == "inputs":

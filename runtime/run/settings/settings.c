@@ -319,7 +319,7 @@ static const char *reductions(struct settings *s)
     for (size_t i = 0; i < x->n_reduced; i++) {
         const char what = x->reduced[i].what;
         const size_t count = what == 'n' || what == 't' ? x->watch ? s->system->events.n : 0
-                             : what == 'l'              ? x->watch > 0
+                             : what == 'l'              ? x->watch > 0 && !s->system->samples.n
                              : what == 'd'              ? x->n_drifts
                              : what == 'x'              ? x->n_expected
                              : strchr("fMma", what)     ? s->n_show
