@@ -86,7 +86,7 @@ def test_members_are_single_runs(tmp_path: Path) -> None:
             one.params["T"], one.params["p1"] = given["T"][k], given["p1"][k]
             r = one.run(1, every=0.25, start={"a": given["a"][k]}, record=["a", "u1", "s2"], **how)
             for c in ("a", "u1", "s2"):
-                assert (e.by_member(c)[k] == r[c]).all()
+                np.testing.assert_array_equal(e.by_member(c)[k], r[c])
     with pytest.raises(pkgen.RunError, match=r"1 of 2 members failed, .*the sample block pid"):
         m.ensemble({"T": [0.01, 1e-30]}, 1, every=1, method="dop853")
 

@@ -193,11 +193,11 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
     nodes = [*e.acceleration, *e.state_rates, *columns]
     name = _without_series(e.graph, nodes)
     if name:
+        shown = FUNCTIONS[name].table or name
         advice = (
-            f"bounds motions by power series, which {name} has none of where it bends or jumps: "
+            f"bounds motions by power series, which {shown} has none of where it bends or jumps: "
             f"write the side that the motion is on, or round it off (sqrt(x^2 + d^2) for abs(x))"
         )
-        shown = FUNCTIONS[name].table or name
         wrong(_place_of(compilation, name), f"the equations have {shown}()", advice)
 
 

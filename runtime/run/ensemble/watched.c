@@ -148,8 +148,10 @@ static void go_in_lanes(const struct work *w, size_t next, size_t behind)
                 continue;
             lane->events = m->run->crossed ? &m->run->events : NULL;
             lane->limit = run_limit(m->run);
-            lane->free = m->run->lean ? run_wanted(m->run, lane->it->t, m->run->settings.until)
-                                      : lane->it->t;
+            /* Until `free` nobody looks at a step: up to the next row, if no sample comes before. */
+            lane->free = m->run->lean && !m->run->bare.samples.n
+                             ? run_wanted(m->run, lane->it->t, m->run->settings.until)
+                             : lane->it->t;
         }
         pk_lanes_make(&a, lanes);
         for (size_t l = 0; l < w->lanes; l++)
