@@ -307,7 +307,16 @@ def test_a_loop_of_ones_own_around_the_runtime(tmp_path: Path) -> None:
 def test_every_family_of_methods_begins_anew_at_samples(tmp_path: Path) -> None:
     (tmp_path / "modes.lag").write_text(MODES.replace(" stop", ""), encoding="utf-8")
     m, columns = pkgen.load(tmp_path / "modes.lag"), ["sample", "memory", "table"]
-    fixed = "suzuki4 boris4 gauss2 lobatto3 radau5 rattle4 lie_midpoint4 rkmk4".split()
+    fixed = [
+        "suzuki4",
+        "boris4",
+        "gauss2",
+        "lobatto3",
+        "radau5",
+        "rattle4",
+        "lie_midpoint4",
+        "rkmk4",
+    ]
     others = ["radau", *(["gsl_msadams", "gsl_msbdf"] if find_toolchain().has_gsl else [])]
     off = {}
     for method in (*fixed, *others):
