@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
 
 from ...equations import Equations, Quantity
 from ...indices import parted
 from ...middle.loops.loops import LoopEquations
 from ...model import Table
+from .ctext import WIDTH
 from .describe import families, field_says
 from .program import Program
 
@@ -91,7 +93,9 @@ def data(program: Program) -> list[dict[str, Any]]:
             for (of, _), a in zip(arrays, d.axes, strict=True)
         ]
         arrays.append((f"{name}_c", d.coefficients.ravel()))
-        numbers = [(of, len(x), ", ".join(map(_number, x.tolist()))) for of, x in arrays]
+        numbers = [
+            (of, len(x), fill(", ".join(map(_number, x.tolist())), WIDTH)) for of, x in arrays
+        ]
         axes += ["{0, NULL, 0, 0}"] * (2 - len(axes))
         found.append({"name": name, "arrays": numbers, "axes": ", ".join(axes)})
     return found
