@@ -131,14 +131,15 @@ def _exchanged(case: Case) -> float:
     rates = (np.ctypeslib.ctypes.c_double * n)()
     for t in range(20):
         x = np.array(found.start) + [chance.uniform(-0.1, 0.1) for _ in range(n)]
-        a = found.acceleration(x[:n_q], x[n_q:], float(t))
-        if not np.all(np.isfinite(a)):
+        if not np.all(np.isfinite(found.acceleration(x[:n_q], x[n_q:], float(t)))):
             continue
         unit.setTime(float(t))
         unit.setContinuousStates(np.ctypeslib.as_ctypes(x), n)
         unit.enterEventMode()  # a jump of the state may cross switches, which events alone move
         unit.updateDiscreteStates()
         unit.enterContinuousTimeMode()
+        unit.getContinuousStates(np.ctypeslib.as_ctypes(x), n)  # moved onto the constraints
+        a = found.acceleration(x[:n_q], x[n_q:], float(t))
         unit.getContinuousStateDerivatives(rates, n)
         size = max(float(np.max(np.abs(a))), 1e-9)
         worst = max(worst, float(np.max(np.abs(np.array(rates)[n_q:] - a))) / size)
