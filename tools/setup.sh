@@ -14,11 +14,11 @@ way=${PKGEN_SETUP:-any}
 if [ -n "${PKGEN_PREFIX:-}" ]; then
     venv=$PKGEN_PREFIX/lib/pkgen
     editable=
-    extra='[plot,completion,lsp]'
+    extra='[plot,tables,completion,lsp]'
 else
     venv=.venv
     editable=-e
-    extra='[plot]'
+    extra='[plot,tables]'
 fi
 tests=
 [ "${1:-}" != tests ] || tests=yes extra='[dev]'
@@ -131,7 +131,7 @@ from_debian() {
     fi
     apt_install python3 python3-venv python3-pip python3-setuptools python3-wheel \
         python3-jinja2 python3-lark python3-numpy python3-pint python3-rich python3-sympy \
-        python3-matplotlib
+        python3-matplotlib python3-scipy
     rm -rf "$venv"
     # Debian's own python3: another one that comes first in PATH does not see its packages.
     /usr/bin/python3 -m venv --system-site-packages "$venv" >>"$log" 2>&1 &&
