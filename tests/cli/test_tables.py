@@ -1,6 +1,8 @@
 """Tables of data in runs: other files, arrays, long tables, built programs, checkpoints."""
 
+import copy
 import json
+import pickle
 import subprocess
 from pathlib import Path
 
@@ -121,3 +123,19 @@ def test_other_data_are_another_model_for_checkpoints(tmp_path: Path) -> None:
             json.loads(ran("describe", tmp_path / "shaken.lag", "--json").stdout)["sha256"]
         )
     assert digests[0] != digests[1]
+
+
+def test_arrays_go_with_a_model_that_is_copied(model: Path) -> None:
+    m = pkgen.load(model, scene="run")
+    x, y = m.tables["road"]
+    m.tables["road"] = (x, 3 * y)
+    for other in (copy.deepcopy(m), pickle.loads(pickle.dumps(m))):
+        assert other.run()["x"][-1] == m.run()["x"][-1]
+
+
+def test_a_program_takes_no_long_table(model: Path) -> None:
+    rows = "".join(f"{k / 6000},{k}\n" for k in range(30_001))
+    (model.parent / "road.csv").write_text("x,y\n" + rows)
+    done = run_pkgen("build", model, "--scene", "run", "-o", model.parent / "program")
+    assert done.returncode == 2
+    assert "the table road has 120,008 numbers, of at most 100,000" in done.stderr
