@@ -227,3 +227,22 @@ def test_numbers_of_a_scene_of_a_part_are_checked(tmp_path: Path) -> None:
     said = run_pkgen("run", path, "--scene", "one.thrown")
     assert said.returncode == 1
     assert "mass.lag:13:7: error: one.m is set outside its bounds: -1 [kg]" in said.stderr
+
+
+def test_a_table_of_a_part_lies_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub/road.csv").write_text("x,y\n0,0\n1,2\n2,6\n", encoding="utf-8")
+    (tmp_path / "sub/part.lag").write_text(
+        'model part\ntable road = "road.csv" x, y linear\ncoord x\nkinetic x\'^2/2\n'
+        "force x = road(t)\n",
+        encoding="utf-8",
+    )
+    path = tmp_path / "user.lag"
+    path.write_text(
+        'model user\nuse "sub/part.lag" as left\ncoord z\nkinetic z\'^2/2\n'
+        "force z = 2*left.road(1.5)\n",
+        encoding="utf-8",
+    )
+    m = api.load(path)
+    assert m.acceleration([0, 0], [0, 0], 1.5).tolist() == [4, 8]
+    assert [*m.tables] == ["left.road"]

@@ -139,3 +139,9 @@ def test_a_program_takes_no_long_table(model: Path) -> None:
     done = run_pkgen("build", model, "--scene", "run", "-o", model.parent / "program")
     assert done.returncode == 2
     assert "the table road has 120,008 numbers, of at most 100,000" in done.stderr
+
+
+def test_a_table_that_bends_is_told(model: Path) -> None:
+    assert "road of the motion" not in ran("check", model).stderr
+    model.write_text(MODEL.replace("spline", "linear"))
+    assert "potential contains road of the motion" in ran("check", model).stderr

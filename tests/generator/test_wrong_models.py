@@ -19,8 +19,13 @@ USERS = sorted(Path(__file__).with_name("wrong").glob("parts/*.lag"))
 
 def said_about(path: Path) -> str:
     source = from_text(path.name, path.read_text(encoding="utf-8"))
-    with pytest.raises(ModelError) as caught:
-        check_model(source)
+    here = os.getcwd()
+    os.chdir(path.parent)  # the data of tables are beside the model
+    try:
+        with pytest.raises(ModelError) as caught:
+            check_model(source)
+    finally:
+        os.chdir(here)
     return caught.value.text() + "\n"
 
 

@@ -7,6 +7,9 @@ arguments, so that rows import no compiler code.
 
 from __future__ import annotations
 
+import weakref
+from weakref import WeakValueDictionary
+
 from . import tables
 from .elliptic import ELLIPTIC
 from .kinked import KINKED
@@ -21,9 +24,18 @@ FUNCTIONS: dict[str, Function] = {
 }
 
 
-def add_table(name: str, key: str, data: tables.Data) -> None:
-    """Adds the rows of a model's table."""
-    FUNCTIONS.update(tables.rows(name, key, data))
+_TABLES: WeakValueDictionary[str, tables.Data] = WeakValueDictionary()
+
+
+def add_table(name: str, key: str, data: tables.Data) -> tables.Data:
+    """Adds the rows of a model's table, for as long as the model is there. Returns the data that
+    the rows have: those of an earlier table with the same key, which are equal."""
+    if key not in _TABLES:
+        _TABLES[key] = data
+        added = tables.rows(name, key, weakref.proxy(data))
+        FUNCTIONS.update(added)
+        weakref.finalize(data, lambda: [FUNCTIONS.pop(name) for name in added])
+    return _TABLES[key]
 
 
 # The prefix of C functions with an argument `side` (back/c/helpers.py).

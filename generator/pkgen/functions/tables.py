@@ -107,13 +107,13 @@ def rows(table: str, key: str, data: Data) -> dict[str, Function]:
     found = {
         f"{key}@{i}": Function(
             internal=True,
-            real=lambda x, a=axis: float(a.place(x)),
-            array=lambda np, x, a=axis: a.place(x),
+            real=lambda x, i=i: float(data.axes[i].place(x)),
+            array=lambda np, x, i=i: data.axes[i].place(x),
             derivative=lambda g, n, a: (g.number(0),),
             table=table,
             axis=i,
         )
-        for i, axis in enumerate(data.axes)
+        for i in range(count)
     }
     for orders in product(range(ORDERS), repeat=count):
         name = f"{key}:{''.join(map(str, orders))}"

@@ -42,7 +42,7 @@ class Bodies(BodyJoints):
         self.waiting: list[st.Joint] = []  # Joints whose parent's position is not known yet.
         self.placed: list[str] = []
         self.bad: set[str] = set()  # Names of bodies that have an error or whose ancestor has one.
-        self.gravity_at: dict[str, Span] = {}  # what names of a part begin with -> its `gravity`
+        self.gravity_at: dict[str, Span] = {}  # prefix of the names of a part -> its `gravity`
 
     # statements
 

@@ -45,7 +45,7 @@ class Tables(Checks):
         for array in (*(a.knots for a in table.axes), table.coefficients):
             digest.update(array.tobytes())
         key = f"{statement.name}#{digest.hexdigest()[:16]}{kind}{outside}"
-        add_table(statement.name, key, table)
+        table = add_table(statement.name, key, table)
         bends = SMOOTH[OF_GRIDS.get(kind, kind)] < 1
         self.expressions.tables[statement.name] = (key, bends, tuple(u.dimension for u in given))
         texts = tuple(u.shown for u in units)
