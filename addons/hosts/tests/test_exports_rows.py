@@ -223,6 +223,11 @@ def test_rows_are_those_of_a_run(host: str, case: str, by: str, tmp_path: Path) 
     compare(host, model, tmp_path, [*words, *BY[by]], until, every)
 
 
+def test_rows_within_a_step_of_gauss_that_ends_at_a_knot(tmp_path: Path) -> None:
+    model = ROOT / "models/bodies/quarter_car.lag"
+    compare("python", model, tmp_path, ["--method", "gauss"], 0.5, 0.05)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("host", HOSTS)
 @pytest.mark.parametrize("seed", range(6))

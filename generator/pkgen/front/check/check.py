@@ -92,7 +92,7 @@ def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
 
 def _distinct(source: Source, found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Returns the findings by position, without duplicates. In a file that is used as several parts
-    those of the first one count."""
+    only the findings of the first part count."""
     unique: dict[object, Diagnostic] = {}
     for d in sorted(found, key=lambda d: d.span.start):
         part, at, message = source.piece(d.span.start).part, d.span.start, d.message
