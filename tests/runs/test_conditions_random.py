@@ -83,6 +83,42 @@ def test_equal_numbers_are_judged_by_the_sign(sign: str, equal: int) -> None:
     assert evaluate(e.graph, e.observed, state) == [equal]
 
 
+ZEROS = {"if(u > 0, 1, 0)": 0, "if(u >= 0, 1, 0)": 1, "sign(u)": 0, "step(u)": 1}
+
+
+def test_an_argument_that_stays_zero_has_its_own_value(tmp_path) -> None:
+    coords = [f"x{k}" for k in range(len(ZEROS))]
+    forces = "".join(f"force {x} = {form}\n" for x, form in zip(coords, ZEROS, strict=True))
+    kinetic = "kinetic " + " + ".join(f"{x}'^2/2" for x in coords)
+    text = f"model z\ninput u\ncoord {', '.join(coords)}\n{kinetic}\n{forces}"
+    (tmp_path / "z.lag").write_text(text)
+    m = pkgen.load(str(tmp_path / "z.lag"))
+    wanted = pytest.approx([*ZEROS.values()], abs=1e-9)
+    for method, step in (("gauss", None), ("dop853", None), ("rk4", 1 / 64), ("gauss2", 1 / 64)):
+        r = m.run(until=1, every=1, method=method, step=step)
+        assert [r[f"{x}'"][-1] for x in coords] == wanted, method
+    r = m.ensemble({"u": np.zeros(9), "x0'": np.arange(9.0)}, until=1, method="dop853")
+    for member in range(9):
+        rates = [r[f"{x}'"][member] for x in coords]
+        assert [rates[0] - member, *rates[1:]] == wanted
+
+
+def test_an_argument_that_leaves_zero_is_held_again(tmp_path) -> None:
+    begins = {"t": 0, "-t": 1, "t^3": 0, "t - 1/2": 1 / 2, "1/2 - t": 0}  # where y > 0 begins
+    text = "model z\n"
+    for k, shape in enumerate(begins):
+        text += f"coord x{k}, y{k}\nforce y{k} = max({shape}, 0)\nforce x{k} = if(y{k} > 0, 3, 1)\n"
+    text += "kinetic " + " + ".join(f"(x{k}'^2 + y{k}'^2)/2" for k in range(len(begins)))
+    (tmp_path / "z.lag").write_text(text + "\n")
+    m = pkgen.load(str(tmp_path / "z.lag"))
+    for method in ("gauss", "dop853"):
+        r = m.run(until=1, every=1, method=method)
+        wanted = [1 + 2 * (1 - begin) for begin in begins.values()]
+        # y leaves 0 as (t - 1/2)^3, whose root is known to the cube root of its rounding.
+        found = [r[f"x{k}'"][-1] for k in range(len(begins))]
+        assert found == pytest.approx(wanted, abs=2e-6), method
+
+
 class Boundary:
     """Where a comparison of two numbers turns, or where a floor jumps; `held` is its value."""
 

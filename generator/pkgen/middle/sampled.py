@@ -4,10 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..equations import Equations
-from ..graph.differentiate import symbols_in
-from ..graph.graph import VARIABLE, ZERO, Graph, Kind, Node, Symbol
-from ..graph.surfaces import argument_of
 from ..model import Model
 from .quantities import error
 
@@ -41,15 +37,3 @@ def refuse_diagnostics(model: Model, names: Iterable[str]) -> None:
 def block_of(model: Model, name: str) -> str:
     """Returns the sample block that sets an input, or ""."""
     return next((item.by for item in model.inputs if item.name == name), "")
-
-
-def held_inputs(e: Equations) -> frozenset[Symbol]:
-    """Returns the inputs that are constant between samples."""
-    by = {item.name for item in e.model.inputs if item.by}
-    return frozenset(Symbol(Kind.INPUT, k) for k, q in enumerate(e.inputs) if q.name in by)
-
-
-def is_held(g: Graph, node: Node, held: frozenset[Symbol]) -> bool:
-    """Whether a call with a kink or a jump changes its branch only where one of `held` changes."""
-    x = argument_of(g, node)
-    return x != ZERO and held.issuperset(symbols_in(g, [x], VARIABLE))

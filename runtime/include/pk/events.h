@@ -43,10 +43,10 @@
  * the sign of its function that the equations use, is constant within a step, so that the equations
  * are smooth and every method keeps its order. The step ends at the root of a switch, and the next
  * step begins with the opposite side. At the start, and after a reset, the sides are the signs at
- * the state; a switch that is zero there gets the sign that it has just afterwards, or else 1. The
- * integrator stores the sides in a copy of the params, which it makes for each step from the params
- * of the caller; there the sides stay 0. If a switch stays at its root, as under dry friction at
- * rest, the status is PK_SLIDING.
+ * the state; a switch that is zero there gets the sign that it has just afterwards, or NaN while it
+ * stays exactly zero. The integrator stores the sides in a copy of the params, which it makes for
+ * each step from the params of the caller; there the sides stay 0. If a switch stays at its root,
+ * as under dry friction at rest, the status is PK_SLIDING.
  *
  * If L or a constraint jumps across a switch (system->switches.impulses), the impulse of the jump
  * is added to the momenta before the next step. If the jump of the potential is too high to pass,
@@ -117,10 +117,11 @@ struct pk_events {
     int brief;      /* number of successive switchings after very short steps */
     int at_switch;  /* flag: the step begins at the root of a switch */
     int begun;      /* flag: the first step was made; also if the start is a limit, where it ends */
+    int settled;    /* flag: the sides were set anew, and no step was made since */
     int kept;       /* flag: the next step begins at the time `left`, where the last one ended */
     pk_real left;   /* end time of the last step */
-    /* for each event a number whose size is the rounding error of g: if |g| at the start of the step
-     * is smaller than it, its sign is taken for that of g */
+    /* for each event a number whose size is the rounding error of g: if |g| at the start of the
+     * step is smaller than it, its sign is taken for that of g */
     pk_real *held;
     /* for each limit (`stop` = 2), its value of g at the start if that is zero up to rounding;
      * it is subtracted from g */

@@ -69,12 +69,12 @@ enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };
 /* Switches: arguments s of step(s) and abs(s), and a - b of min(a, b). At their roots the equations
  * change from one smooth form to another. Each switch has a number, its side. Side 1 selects the
  * form of the equations for s > 0, side -1 the form for s < 0, whatever the value of s is. Side 0,
- * the default, selects the form by the sign of s. With all sides set to +-1 the equations are
- * smooth (PK_SWITCHED). A switch inside a root or a non-integer power has no side, since these are
- * undefined on one side. The n sides are pk_real at byte offset `sides` of the params; pk/events.h
- * sets them in a copy. In a system of variable size, count() returns the number of switches,
- * place() writes the expression and the members of number k, and `offset` is that of a pointer to
- * the sides.
+ * the default, and NaN, for an s that stays exactly 0, select the form by the value of s. With all
+ * sides set the equations are smooth (PK_SWITCHED). A switch inside a root or a non-integer power
+ * has no side, since these are undefined on one side. The n sides are pk_real at byte offset
+ * `sides` of the params; pk/events.h sets them in a copy. In a system of variable size, count()
+ * returns the number of switches, place() writes the expression and the members of number k, and
+ * `offset` is that of a pointer to the sides.
  *
  * impulses: for each switch, bits of enum pk_impulse. A bit is set if rates may jump at the switch,
  * because L or a constraint row jumps. NULL: rates jump at no switch. If a bit is set, `slopes`

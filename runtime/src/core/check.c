@@ -52,7 +52,7 @@ int pk_sides_missing(const struct pk_integrator *it)
     const pk_real *side = system->switches.count ? *(pk_real *const *)at : (const pk_real *)at;
     const size_t count = pk_system_switch_count(system, it->problem.params);
     for (size_t k = 0; k < count; k++)
-        if (!(side[k] > 0) && !(side[k] < 0))
+        if (side[k] >= 0 && side[k] <= 0)
             return 1;
     return 0;
 }

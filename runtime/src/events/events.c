@@ -285,6 +285,8 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
         if (clear && at_end(e, it, 0, e->q0, e->v0) < 0)
             return it->status;
         const enum pk_status end = at_end(e, it, 1, it->q, it->v);
+        if (end >= 0 && count == 0 && pk_switches_free(e, it))
+            return it->status;
         if (count == SHORTER || !outgrown(e, it))
             return end < 0 ? end : pk_events_look(e, it);
         limit = e->from + (it->t - e->from) / 8;

@@ -108,6 +108,9 @@ void pk_switches_enter(struct pk_events *e, struct pk_integrator *it);
 void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it);
 /* Sets the side of each switch by the state of `it`, unless `it` has already made a step. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it);
+/* Returns whether switches that were exactly zero at the start of the step remained so, and get no
+ * side, or left zero, and get one. If so, resets `it` to the start of the step. */
+int pk_switches_free(struct pk_events *e, struct pk_integrator *it);
 /* Returns whether switches that were zero at the start of the step went to another side than
  * guessed. If so, sets the side to which they went, and resets `it` to the start of the step. */
 int pk_switches_turn(struct pk_events *e, struct pk_integrator *it);

@@ -32,8 +32,8 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
     p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
-/* Evaluates the switches alone; a value of 0 gets the sign of the side where the switch is held. The
- * value of a counted switch becomes positive in its piece and negative elsewhere. */
+/* Evaluates the switches alone; a value of 0 gets the sign of the side where the switch is held, or
+ * is positive. The value of a counted switch becomes positive in its piece and negative elsewhere. */
 static void switches(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                      const pk_real *q, const pk_real *v, pk_real *g)
 {
@@ -47,7 +47,7 @@ static void switches(const struct pk_events *e, const struct pk_integrator *it, 
         if (counted) /* (u - n) (n + 1 - u), positive in the piece */
             g[k] = PK_C(0.25) - off * off;
         if (pk_abs(g[k]) <= 0 || (begins && pk_switches_impulse(it, k) && g[k] * side < 0))
-            g[k] = PK_TINY * side;
+            g[k] = side < 0 ? -PK_TINY : PK_TINY;
     }
 }
 

@@ -7,6 +7,7 @@
  * ed., Springer 1993, section II.6; for motions that stay on a zero (PK_SLIDING): A. F. Filippov,
  * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988.
  */
+#include <math.h>
 #include <string.h>
 
 #include "events.h"
@@ -49,6 +50,13 @@ void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
     pk_copy(e->trial_v, it->v, e->n);
 }
 
+/* Returns whether switch k has no side, since its argument stays exactly 0. Its side is NaN then: 0
+ * would mean that nothing has set it. */
+static int is_free(const struct pk_events *e, size_t k)
+{
+    return !(e->sides[k] < 0 || e->sides[k] > 0);
+}
+
 /* Sets the sides of all switches. Repeats this until no side changes, since the argument of a
  * switch may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
@@ -58,6 +66,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
     e->kept = goes_on(e, it);
     if (e->n_switches == 0 || it->own->direction != 0)
         return PK_DONE;
+    e->settled = 1;
     for (size_t round = 0; changed; round++) {
         if (round > e->n_switches + 1) {
             return pk_fail(it, PK_SLIDING, 0);
@@ -71,13 +80,36 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
             if (e->kept && pk_switches_impulse(it, k))
                 continue;
             const pk_real zero = pk_switches_counted(it, k) ? PK_F(floor)(x[k]) : 0;
-            e->sides[k] = pk_switches_counted(it, k) ? 2 * zero + 1 : x[k] < 0 ? -1 : 1;
             e->fresh[k] = x[k] > zero || x[k] < zero ? 0 : 1;
-            changed |= e->sides[k] > was || e->sides[k] < was;
+            if (pk_switches_counted(it, k))
+                e->sides[k] = 2 * zero + 1;
+            else if (e->kept && e->fresh[k] > 0 && is_free(e, k))
+                continue;
+            else
+                e->sides[k] = x[k] < 0 ? -1 : 1;
+            changed |= !(e->sides[k] >= was && e->sides[k] <= was);
         }
         reset |= changed;
     }
     return reset ? pk_integrator_reset(it, it->t, it->q, it->v) : PK_DONE;
+}
+
+int pk_switches_free(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real *begin = pk_events_end(e, 0) + e->n_events;
+    const pk_real *end = pk_events_end(e, 1) + e->n_events;
+    for (size_t k = 0; k < e->n_switches; k++) {
+        const int stays = pk_abs(end[k]) <= PK_TINY;
+        if (!(pk_abs(begin[k]) <= PK_TINY) || pk_switches_counted(it, k) ||
+            pk_switches_impulse(it, k) || stays == is_free(e, k) || (stays && !e->settled))
+            continue;
+        e->sides[k] = stays ? (pk_real)NAN : end[k] < 0 ? -1 : 1;
+        e->again = 1;
+    }
+    e->settled = 0;
+    if (e->again)
+        pk_integrator_reset(it, e->from, e->q0, e->v0);
+    return e->again;
 }
 
 int pk_switches_turn(struct pk_events *e, struct pk_integrator *it)

@@ -18,7 +18,6 @@ from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import WORK, Normal
 from ...graph.residues import Varying
 from ..points.squares import Positive, definite_by_squares
-from ..sampled import held_inputs, is_held
 from .affine import CONSTANT, VARYING, affine, of_rates
 from .coupling import atoms, blocks_of, influences, mass_band, mass_blocks, ties
 from .proofs import claims_of
@@ -164,8 +163,7 @@ def _smooth(equations: Equations) -> bool:
     g = equations.graph
     outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]
-    held = held_inputs(equations)
-    return smooth(g, [n for n in reachable(g, outputs, VARIABLE) if not is_held(g, n, held)])
+    return smooth(g, reachable(g, outputs, VARIABLE))
 
 
 def _definite(e: Equations) -> bool:

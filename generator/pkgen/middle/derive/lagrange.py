@@ -32,7 +32,6 @@ from ..motion import (
 from ..naming import naming
 from ..points.cuts import switched
 from ..points.singularities import singularities_of
-from ..sampled import held_inputs
 from .constrain import constrain
 from .impulses import NoRate, with_impulses
 from .marks import marks_of
@@ -124,7 +123,7 @@ def located(e: Equations, wanted: Wanted) -> Equations:
     forces = [*e.pdot, *e.force, *e.state_rates]
     outputs = [*e.pdot, *e.force, *sum(e.mass, ()), *e.state_rates]
     name = naming(e)
-    found = switches_of(e.graph, outputs, name, switched(e, forces), held_inputs(e))
+    found = switches_of(e.graph, outputs, name, switched(e, forces))
     if e.constraints is not None:
         outputs += [*e.constraints.positions, *e.constraints.residual]
     return replace(

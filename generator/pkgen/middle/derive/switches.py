@@ -26,7 +26,6 @@ from ...graph.normal import Normal
 from ...graph.substitute import substituted
 from ...graph.surfaces import Surfaces, argument_of
 from ...graph.wording import wording
-from ..sampled import is_held
 
 
 def switches_of(
@@ -34,14 +33,11 @@ def switches_of(
     outputs: Iterable[Node],
     name: Callable[[Symbol], str],
     cuts: Iterable[Node],
-    held: frozenset[Symbol] = frozenset(),
 ) -> tuple[Switch, ...]:
     """Returns the switches of the expressions `outputs`, and a switch for each of the nodes `cuts`
-    (the y of atan2). Switches with the same zeros, such as x and -x, are returned once. Expressions
-    of the inputs `held` alone are none: they are constant in a step, and may be exactly 0."""
+    (the y of atan2). Switches with the same zeros, such as x and -x, are returned once."""
     found: dict[object, Switch] = {}
     calls = [n for n in reachable(g, outputs, VARIABLE) if argument_of(g, n) != ZERO]
-    calls = [n for n in calls if not is_held(g, n, held)]
     loose = free(g, outputs)
     surfaces = Surfaces(g.copy())
     for node in calls:
