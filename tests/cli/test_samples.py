@@ -177,42 +177,6 @@ def test_what_is_refused(words: tuple[str, ...], says: str, tmp_path: Path) -> N
     assert done.returncode != 0 and says in done.stderr and "Traceback" not in done.stderr
 
 
-KAPITZA = """
-model kapitza      # a pendulum upside down, whose heavy pivot a sampled force shakes
-param ratio = 1
-param T = 0.005 [s]
-param g = 9.81 [m/s^2]
-param l = 1 [m]
-param M = 1e6 [kg]
-param A = 2*sqrt(3*g*l*ratio)/T
-coord y [m], theta [rad]
-input u [N]
-let bob = [l*sin(theta), y + l*cos(theta), 0]
-kinetic M/2*y'^2 + (1 [kg])/2*dot(bob', bob')
-potential (1 [kg])*g*(y + l*cos(theta))
-force y = u
-sample shakes every T
-  memory way = 1
-  set u = way*M*A
-  set way = -way
-end
-start theta = 0.02, y' = -A*T/2
-"""
-
-
-@pytest.mark.parametrize(("ratio", "stands"), [(0.8, False), (1.2, True)])
-def test_a_force_by_samples_holds_a_pendulum_upright(
-    tmp_path: Path, ratio: float, stands: bool
-) -> None:
-    """The pivot's speed is a triangle of height A T/2: upright is stable where its mean square,
-    (A T/2)^2/3, is above g l (P. L. Kapitza, 1951)."""
-    (tmp_path / "kapitza.lag").write_text(KAPITZA, encoding="utf-8")
-    m = pkgen.load(tmp_path / "kapitza.lag")
-    m.params["ratio"] = ratio
-    r = m.run(6, method="dop853", rtol=1e-9, every=0.01, record=["theta"])
-    assert (np.abs(r["theta"]).max() < 0.2) == stands
-
-
 def test_a_program_of_its_own_and_a_swarm(tmp_path: Path) -> None:
     text = ARM.read_text() + "\nscene many\n  swarm k = 1..40\n  start a = k/40\n  until 1 [s]\n"
     text += "  method dop853 rtol 1e-9\n  record a, u1 every 0.5 [s]\nend\n"
