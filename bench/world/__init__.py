@@ -33,10 +33,9 @@ def measured(python: str, package: str, model: str) -> dict | str:
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def cells(model: str, name: str, told: dict, exact: list[float]) -> tuple[str, ...]:
+def cells(model: str, name: str, here: dict, exact: list[float]) -> tuple[str, ...]:
     from .cases import error
 
-    here = told["models"][model]
     errors = {way: f"{error(x['end'], exact):.0e}" for way, x in here["ways"].items()}
     times = {way: _milliseconds(x) for way, x in here["ways"].items()}
     kink = here["kink"]
@@ -81,8 +80,7 @@ def main(words: list[str]) -> int:
                 continue
             versions[package] = told["version"]
             rows.append(cells(model, NAMES[package], told, exact))
-            ways = told["models"][model]["ways"].values()
-            calls += [x["call"] for x in ways] if package == "pkgen_" else []
+            calls += [x["call"] for x in told["ways"].values()] if package == "pkgen_" else []
             print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
     text = f"{tables.table(HEAD, rows)}\n\n{'; '.join(here.lines())}\n\n"
     text += f"{', '.join(x for x in versions.values() if x != 'pkgen')}.\n"

@@ -86,7 +86,7 @@ def arm() -> list[float]:
     m1, m2, l1, l2 = (longdouble(n) for n in ("2", "1.5", "0.5", "0.4"))
     g, T = longdouble("9.81"), longdouble("0.01")
     gains = ((150, 200, 25, 45, longdouble(1)), (90, 120, 12, 20, longdouble("0.5")))
-    q, v, s, u = [longdouble("-0.5"), longdouble("0.3")], [longdouble(0)] * 2, [longdouble(0)] * 2, [0, 0]
+    q, v, s, u = [longdouble("-0.5"), longdouble("0.3")], [0, 0], [longdouble(0)] * 2, [0, 0]
 
     def f(x, v):
         (a, b), (da, db) = x, v

@@ -5,6 +5,7 @@ A block in Python costs a call at each evaluation; the same blocks in C++ would 
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import metadata
 
 import numpy as np
@@ -42,7 +43,8 @@ MOTOR = """<transmission name="{0}m"><type>SimpleTransmission</type><joint name=
 
 def wind():
     text = '<robot name="rods">' + ROD.format("upper", -0.5, 1, 0.09, 0.01)
-    text += ROD.format("lower", -0.4, 0.5, 0.03, 0.005) + HINGE.format("hip", "world", "upper", 0, "")
+    text += ROD.format("lower", -0.4, 0.5, 0.03, 0.005)
+    text += HINGE.format("hip", "world", "upper", 0, "")
     text += HINGE.format("knee", "upper", "lower", -1, "") + "</robot>"
     builder = DiagramBuilder()
     plant = builder.AddSystem(MultibodyPlant(0.0))
@@ -197,59 +199,50 @@ def crossed():
     system = Springs()
     system.DoGetWitnessFunctions = lambda context: []
     system.right = lambda context: system.place(context) > 0
-    return system
+    return system, [0.3, 0]
 
 
-def _prepared(name: str):
-    def prepare(way: str):
-        best = way != "default"
-        coupled = name == "motors" and not best
-        if name == "springs":
-            system, start = crossed() if way == "across" else Springs(), [0.3, 0]
-        elif name == "motors":
-            system, start = geared() if best else motors(1e-3)
+BUILD = {"wind": wind, "springs": lambda: (Springs(), [0.3, 0]), "road": car, "arm": arm}
+BUILD |= {"springs across": crossed, "motors": geared, "motors default": lambda: motors(1e-3)}
+
+
+def _prepared(name: str, way: str):
+    system, start = BUILD.get(f"{name} {way}", BUILD[name])()
+
+    def go():
+        simulator = Simulator(system)
+        context = simulator.get_mutable_context()
+        if context.num_continuous_states():
+            state = context.get_mutable_continuous_state_vector()
         else:
-            system, start = {"wind": wind, "road": car, "arm": arm}[name]()
+            state = context.get_mutable_discrete_state_vector()
+        state.SetFromVector(start)
+        if way != "default":
+            ResetIntegratorFromFlags(simulator, "runge_kutta5", 0.1)
+            simulator.get_mutable_integrator().set_target_accuracy(1e-12)
+        if name == "springs" and way != "across":
+            context.SetAccuracy(1e-12 if way == "best" else 1e-4)  # a witness asks for it
+        if name == "road" and way == "best":
+            from_knot_to_knot(simulator, UNTIL[name])
+        simulator.AdvanceTo(UNTIL[name])
+        end = state.CopyToVector()
+        geared_down = name == "motors" and way == "best"
+        return [3 * end[0], end[0], 3 * end[1], end[1]] if geared_down else end
 
-        def go():
-            simulator = Simulator(system)
-            context = simulator.get_mutable_context()
-            if coupled:
-                state = context.get_mutable_discrete_state_vector()
-                state.SetFromVector(start)
-            else:
-                state = context.get_mutable_continuous_state_vector()
-                state.SetFromVector(start)
-            if best:
-                ResetIntegratorFromFlags(simulator, "runge_kutta5", 0.1)
-                simulator.get_mutable_integrator().set_target_accuracy(1e-12)
-            if name == "springs" and way != "across":
-                context.SetAccuracy(1e-12 if best else 1e-4)  # without it the run is refused
-            if name == "road" and way == "best":
-                from_knot_to_knot(simulator, UNTIL[name])
-            simulator.AdvanceTo(UNTIL[name])
-            end = list(state.CopyToVector())
-            return [3 * end[0], end[0], 3 * end[1], end[1]] if len(end) == 2 and best and name == "motors" else end
-
-        return go
-
-    return prepare
+    return go
 
 
-MODELS = {name: _prepared(name) for name in ("wind", "springs", "road", "arm", "motors")}
-WAYS = dict.fromkeys(MODELS, ("default", "best"))
-WAYS["springs"] = WAYS["road"] = ("default", "across", "best")
-COUNTED = {
-    "wind": (ROD, HINGE, wind, Drag),
-    "springs": (Springs,),
-    "road": (car, from_knot_to_knot),
-    "arm": (ROD, HINGE, MOTOR, arm, Pid),
-    "motors": (geared, motor),
-}
-SAYS = {
-    "wind": ("URDF, block for the force", "–"),
-    "springs": ("block with a witness", "located to the accuracy"),
-    "road": ("LinearSystem, TrajectorySource", "own stops, else crossed silently"),
-    "arm": ("URDF, block with periodic update", "stops at samples by itself"),
-    "motors": ("plant, gear ratio of an actuator", "–"),
+def _case(name: str, counted: tuple, means: str, kink: str = "–") -> tuple:
+    return partial(_prepared, name), counted, means, kink
+
+
+ACROSS = ("springs", "road")
+CASES = {
+    "wind": _case("wind", (ROD, HINGE, wind, Drag), "URDF, block for the force"),
+    "springs": _case("springs", (Springs,), "block, witness", "to the accuracy; else silent"),
+    "road": _case(
+        "road", (car, from_knot_to_knot), "LinearSystem, spline source", "own stops; else silent"
+    ),
+    "arm": _case("arm", (ROD, HINGE, MOTOR, arm, Pid), "URDF, periodic update", "stops by itself"),
+    "motors": _case("motors", (geared, motor), "coupler / actuator's gear ratio"),
 }

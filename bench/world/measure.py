@@ -1,9 +1,9 @@
 """`python -m bench.world.measure PACKAGE`: one package in its own Python, as JSON on the output.
 
 Of each model and way to run it: the CPU time of its set-up (compilers too), that of the run, the
-shortest of several, and the final state. An adapter has VERSION, MODELS: {model: f(way) -> run},
-WAYS: {model: ways}, COUNTED: {model: functions, texts and files whose lines a user writes},
-SAYS: {model: (means, what happens at the kink)}.
+shortest of several, and the final state. A package's CASES have for each model a function of the
+way, which returns the run; what a user writes (functions, texts, files); its means; what happens at
+the kink. The ways are "default", "best" and, of ACROSS, "across": as best, but over the kinks.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import json
 import resource
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 BUDGET = 2.0  # CPU seconds for the repetitions of a run
@@ -40,9 +41,9 @@ def lines(parts: tuple) -> int:
     return count
 
 
-def run(package, model: str, way: str) -> dict:
+def run(prepare: Callable, way: str) -> dict:
     begin = _cpu()
-    go = package.MODELS[model](way)
+    go = prepare(way)
     found = [float(x) for x in go()]  # the first run compiles what waits for it
     setup, times, inner = _cpu() - begin, [], []
     while not times or (sum(times) < BUDGET and len(times) < 50):
@@ -50,22 +51,19 @@ def run(package, model: str, way: str) -> dict:
         found = [float(x) for x in go()]
         times.append(_cpu() - begin)
         inner += [go.seconds] if hasattr(go, "seconds") else []
-    seconds = min(inner or times)
-    return {"setup": max(0.0, setup - min(times)), "seconds": seconds, "call": min(times), "end": found}
+    call, seconds = min(times), min(inner or times)
+    return {"setup": max(0.0, setup - call), "seconds": seconds, "call": call, "end": found}
 
 
-def main(name: str, models: list[str]) -> None:
+def main(name: str, model: str) -> None:
     package = importlib.import_module(f".{name}", __package__)
-    told: dict = {"version": package.VERSION, "models": {}}
-    for model in models:
-        means, kink = package.SAYS[model]
-        here = told["models"][model] = {"means": means, "kink": kink, "ways": {}}
-        if model in package.MODELS:
-            here["lines"] = lines(package.COUNTED[model])
-            for way in package.WAYS[model]:
-                here["ways"][way] = run(package, model, way)
+    prepare, counted, means, kink = package.CASES[model]
+    getattr(package, "ready", lambda: None)()
+    across = ["across"] if model in getattr(package, "ACROSS", ()) else []
+    told = {"version": package.VERSION, "means": means, "kink": kink, "lines": lines(counted)}
+    told["ways"] = {way: run(prepare, way) for way in ["default", *across, "best"]}
     print(json.dumps(told))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2:])
+    main(*sys.argv[1:])

@@ -36,7 +36,8 @@ def springs():
     text = """<mujoco><option gravity="0 0 0"/><worldbody>
       <body><joint name="x" type="slide" axis="1 0 0" stiffness="4"/>
         <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody>
-      <tendon><fixed stiffness="21" springlength="0 1000"><joint joint="x" coef="1"/></fixed></tendon>
+      <tendon><fixed stiffness="21" springlength="0 1000">
+        <joint joint="x" coef="1"/></fixed></tendon>
     </mujoco>"""
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
@@ -72,7 +73,8 @@ def arm():
         <body pos="0 0 -0.5"><joint name="b" axis="0 -1 0"/>
           <inertial pos="0 0 -0.4" mass="1.5" diaginertia="1e-15 1e-15 1e-15"/></body></body>
       </worldbody>
-      <actuator><motor joint="a" ctrlrange="-45 45"/><motor joint="b" ctrlrange="-20 20"/></actuator>
+      <actuator><motor joint="a" ctrlrange="-45 45"/>
+        <motor joint="b" ctrlrange="-20 20"/></actuator>
     </mujoco>"""
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
@@ -81,12 +83,12 @@ def arm():
 
 
 def pid_loop(model, data, until, T=0.01):
-    P, I, D = np.array([150, 90]), np.array([200, 120]), np.array([25, 12])
+    kp, ki, kd = np.array([150, 90]), np.array([200, 120]), np.array([25, 12])
     most, to, s = np.array([45, 20]), np.array([1, 0.5]), np.zeros(2)
     steps = round(T / model.opt.timestep)
     for _ in range(round(until / T)):
         error = to - data.qpos
-        data.ctrl[:] = P * error + I * s - D * data.qvel  # clamped by ctrlrange
+        data.ctrl[:] = kp * error + ki * s - kd * data.qvel  # clamped by ctrlrange
         s += np.where(abs(data.ctrl) < most, T * error, 0)
         mujoco.mj_step(model, data, steps)
 
@@ -112,43 +114,35 @@ def motors():
     return model, data
 
 
-STEPS = {"wind": 1e-3, "springs": 1e-4, "road": 2e-4, "arm": 1e-3, "motors": 1e-4}
-BUILD = {"wind": wind, "springs": springs, "road": car, "arm": arm, "motors": motors}
-
-
-def _prepared(name: str):
+def _case(name: str, build, step: float, means: str, kink: str = "–", loop=None) -> tuple:
     def prepare(way: str):
         mujoco.set_mjcb_passive(None)
         mujoco.set_mjcb_control(None)
-        model, data = BUILD[name]()
+        model, data = build()
         q, v, u = data.qpos.copy(), data.qvel.copy(), data.ctrl.copy()
         if way == "best":
             model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-            model.opt.timestep = STEPS[name]
-            model.eq_solref[:] = 2 * model.opt.timestep, 1  # the stiffest that it allows
+            model.opt.timestep = step
+            model.eq_solref[:] = 2 * step, 1  # the stiffest that it allows
 
         def go():
             mujoco.mj_resetData(model, data)
             data.qpos[:], data.qvel[:], data.ctrl[:] = q, v, u
-            if name == "arm":
-                pid_loop(model, data, UNTIL[name])
+            if loop:
+                loop(model, data, UNTIL[name])
             else:
                 mujoco.mj_step(model, data, round(UNTIL[name] / model.opt.timestep))
             return [*data.qpos, *data.qvel]
 
         return go
 
-    return prepare
+    return prepare, (build, loop) if loop else (build,), means, kink
 
 
-MODELS = {name: _prepared(name) for name in BUILD}
-WAYS = dict.fromkeys(BUILD, ("default", "best"))
-COUNTED = {name: (f,) for name, f in BUILD.items()}
-COUNTED["arm"] += (pid_loop,)
-SAYS = {
-    "wind": ("XML, force in a callback", "–"),
-    "springs": ("joint and tendon springs", "smears silently"),
-    "road": ("XML, CubicSpline in a callback", "smears silently"),
-    "arm": ("XML, ctrlrange, own loop", "exact where T is whole steps"),
-    "motors": ("MjSpec.attach twice, equality", "–"),
+CASES = {
+    "wind": _case("wind", wind, 1e-3, "XML, callback"),
+    "springs": _case("springs", springs, 1e-4, "XML, tendon's dead band", "smeared silently"),
+    "road": _case("road", car, 2e-4, "XML, CubicSpline, callback", "crossed silently"),
+    "arm": _case("arm", arm, 1e-3, "XML, own loop", "own whole steps", pid_loop),
+    "motors": _case("motors", motors, 1e-4, "attach twice, soft equality"),
 }

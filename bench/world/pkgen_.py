@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import tempfile
 
@@ -10,55 +11,41 @@ import pkgen
 from .cases import ROOT, UNTIL
 
 VERSION = "pkgen"
-FILES = {
-    "wind": "bench/lag/world/wind.lag",
-    "springs": "models/particles/bilinear_spring.lag",
-    "road": "models/bodies/quarter_car.lag",
-    "arm": "models/controlled/two_joint_pid.lag",
-    "motors": "models/parts/two_motors.lag",
-}
 BEST = {"rtol": 1e-12}
-COLUMNS = {
-    "wind": ("hip", "knee"),
-    "springs": ("x",),
-    "road": ("z", "w"),
-    "arm": ("a", "b"),
-    "motors": ("left.phi", "right.phi"),
-}
 
 
-def _compiled_runtime() -> None:
-    """In an empty cache, so that no model of these is in it."""
-    os.environ["PKGEN_CACHE"] = tempfile.mkdtemp(prefix="bench_world_")
+def ready() -> None:
+    """A cache that has the compiled runtime and none of the models."""
+    cache = tempfile.TemporaryDirectory(prefix="bench_world_")
+    atexit.register(cache.cleanup)
+    os.environ["PKGEN_CACHE"] = cache.name
     pkgen.load(ROOT / "models/particles/thrown_stone.lag").run(1)
 
 
-def _prepared(model: str):
+def _case(name: str, files: list[str], coordinates: str, means: str, kink: str = "–") -> tuple:
+    columns = [*coordinates.split(), *(f"{x}'" for x in coordinates.split())]
+
     def prepare(way: str):
-        m = pkgen.load(ROOT / FILES[model])
-        columns = [*COLUMNS[model], *(f"{x}'" for x in COLUMNS[model])]
+        m, until = pkgen.load(ROOT / files[0]), UNTIL[name]
         options = {} if way == "default" else BEST
 
         def go():
-            until = UNTIL[model]
             rows = m.run(until, every=until, record=columns, **options)
             go.seconds = rows.report["seconds"]  # without the call around it
             return [rows[c][-1] for c in columns]
 
         return go
 
-    return prepare
+    return prepare, [ROOT / file for file in files], means, kink
 
 
-_compiled_runtime()
-MODELS = {model: _prepared(model) for model in FILES}
-WAYS = dict.fromkeys(FILES, ("default", "best"))
-COUNTED = {model: (ROOT / path,) for model, path in FILES.items()}
-COUNTED["motors"] += (ROOT / "models/parts/motor.lag",)
-SAYS = {
-    "wind": ("body, joint, force at a point", "–"),
-    "springs": ("if", "located by itself"),
-    "road": ("table spline", "stops at knots by itself"),
-    "arm": ("sample block", "stops at samples by itself"),
-    "motors": ("use twice, constraint", "–"),
+PARTS = ["models/parts/two_motors.lag", "models/parts/motor.lag"]
+SPRINGS, CAR = "models/particles/bilinear_spring.lag", "models/bodies/quarter_car.lag"
+ARM, WIND = "models/controlled/two_joint_pid.lag", "bench/lag/world/wind.lag"
+CASES = {
+    "wind": _case("wind", [WIND], "hip knee", "body, force at a point"),
+    "springs": _case("springs", [SPRINGS], "x", "if", "located by itself"),
+    "road": _case("road", [CAR], "z w", "table spline", "stops by itself"),
+    "arm": _case("arm", [ARM], "a b", "sample block", "stops by itself"),
+    "motors": _case("motors", PARTS, "left.phi right.phi", "use twice, constraint"),
 }

@@ -24,15 +24,16 @@ VERSION = f"PyDy {metadata.version('pydy')}, SymPy {sm.__version__}"
 def wind():
     hip, knee, u1, u2 = me.dynamicsymbols("hip knee u1 u2")
     N, c, w = me.ReferenceFrame("N"), *sm.symbols("c w")
-    upper, lower = N.orientnew("A", "Axis", (hip, -N.y)), N.orientnew("B", "Axis", (hip + knee, -N.y))
+    upper = N.orientnew("A", "Axis", (hip, -N.y))
+    lower = N.orientnew("B", "Axis", (hip + knee, -N.y))
     upper.set_ang_vel(N, -u1 * N.y)
     lower.set_ang_vel(N, -(u1 + u2) * N.y)
-    O = me.Point("O")
-    O.set_vel(N, 0)
-    a, end = O.locatenew("a", -0.5 * upper.z), O.locatenew("end", -upper.z)
+    o = me.Point("O")
+    o.set_vel(N, 0)
+    a, end = o.locatenew("a", -0.5 * upper.z), o.locatenew("end", -upper.z)
     b, tip = end.locatenew("b", -0.4 * lower.z), end.locatenew("tip", -0.8 * lower.z)
-    for p, o, f in ((a, O, upper), (end, O, upper), (b, end, lower), (tip, end, lower)):
-        p.v2pt_theory(o, N, f)
+    for p, base, f in ((a, o, upper), (end, o, upper), (b, end, lower), (tip, end, lower)):
+        p.v2pt_theory(base, N, f)
     one = me.RigidBody("one", a, upper, 1, (me.inertia(upper, 0.09, 0.09, 0.01), a))
     two = me.RigidBody("two", b, lower, 0.5, (me.inertia(lower, 0.03, 0.03, 0.005), b))
     loads = [(a, -9.81 * N.z), (b, -0.5 * 9.81 * N.z), (tip, c * (w * N.x - tip.vel(N)))]
@@ -44,8 +45,8 @@ def wind():
 def springs():
     x, v, k = me.dynamicsymbols("x v k")
     m = sm.Symbol("m")
-    N, O, P = me.ReferenceFrame("N"), me.Point("O"), me.Point("P")
-    O.set_vel(N, 0)
+    N, o, P = me.ReferenceFrame("N"), me.Point("O"), me.Point("P")
+    o.set_vel(N, 0)
     P.set_vel(N, v * N.x)
     kane = me.KanesMethod(N, [x], [v], [x.diff() - v])
     kane.kanes_equations([me.Particle("P", P, m)], [(P, -k * x * N.x)])
@@ -69,14 +70,15 @@ def car():
 
 def arm():
     a, b, da, db, u1, u2 = me.dynamicsymbols("a b da db u1 u2")
-    N, O, g = me.ReferenceFrame("N"), me.Point("O"), sm.Symbol("g")
-    upper, lower = N.orientnew("A", "Axis", (a, -N.y)), N.orientnew("B", "Axis", (a + b, -N.y))
+    N, o, g = me.ReferenceFrame("N"), me.Point("O"), sm.Symbol("g")
+    upper = N.orientnew("A", "Axis", (a, -N.y))
+    lower = N.orientnew("B", "Axis", (a + b, -N.y))
     upper.set_ang_vel(N, -da * N.y)
     lower.set_ang_vel(N, -(da + db) * N.y)
-    O.set_vel(N, 0)
-    P = O.locatenew("P", -0.5 * upper.z)
+    o.set_vel(N, 0)
+    P = o.locatenew("P", -0.5 * upper.z)
     Q = P.locatenew("Q", -0.4 * lower.z)
-    P.v2pt_theory(O, N, upper)
+    P.v2pt_theory(o, N, upper)
     Q.v2pt_theory(P, N, lower)
     loads = [(P, -2 * g * N.z), (Q, -1.5 * g * N.z)]
     loads += [(upper, (u2 - u1) * N.y), (lower, -u2 * N.y)]
@@ -86,14 +88,14 @@ def arm():
 
 
 def motors():
-    N, O, n = me.ReferenceFrame("N"), me.Point("O"), sm.Symbol("n")
-    O.set_vel(N, 0)
+    N, o, n = me.ReferenceFrame("N"), me.Point("O"), sm.Symbol("n")
+    o.set_vel(N, 0)
 
     def motor(name, u, J, R, K=0.3, b=0.01):
         phi, w = me.dynamicsymbols(f"phi_{name} w_{name}")
         frame = N.orientnew(name, "Axis", (phi, N.z))
         frame.set_ang_vel(N, w * N.z)
-        body = me.RigidBody(name, O, frame, 1, (me.inertia(frame, 0, 0, J), O))
+        body = me.RigidBody(name, o, frame, 1, (me.inertia(frame, 0, 0, J), o))
         return phi, w, body, (frame, (K * (u - K * w) / R - b * w) * N.z)
 
     p, v, left, f = motor("left", 12, 0.02, 1.5)
@@ -106,69 +108,61 @@ def motors():
     return kane, {n: 3}, {q: 0, p: 0, w: 1, v: 3}, {}
 
 
-BUILD = {"wind": wind, "springs": springs, "road": car, "arm": arm, "motors": motors}
-
-
-def _prepared(name: str):
-    def prepare(way: str):
-        kane, constants, start, specifieds = BUILD[name]()
-        until = UNTIL[name]
-        times = np.linspace(0, until, 1001)  # odeint gives up after 500 steps from one to the next
-        system = System(
-            kane, constants=constants, initial_conditions=start, specifieds=specifieds, times=times
-        )
-        f = system.generate_ode_function(generator="cython")
-        y = np.array([float(start[x]) for x in system.states])
-        p = np.array([float(constants[x]) for x in system.constants_symbols])
-
-        def rhs(t, y):
-            return f(y, t, p).copy()
-
-        tight = {"rtol": 1e-12, "atol": 1e-14} if way == "across" else {}
-
-        def go():
-            if name == "arm":
-                settings = {} if way == "default" else BEST
-                held = lambda t, y, u: f(y, t, u, p).copy()  # noqa: E731
-                end = from_sample_to_sample(held, y, pid(), 0.01, until, settings)
-            elif way != "best":
-                end = system.integrate(**tight)[-1]
-            elif name == "springs":
-                end = by_edges(f, y, p)
-            elif name == "road":
-                height = next(iter(specifieds.values()))
-                moved = lambda t, y: f(y, t, np.array([height(y, t)]), p).copy()  # noqa: E731
-                knots = [t for t in np.array(road()[0]) / 15 if t < until - 1e-9]
-                end = from_time_to_time(moved, y, [*knots, until], BEST)
-            else:
-                end = solve_ivp(rhs, (0, until), y, **BEST).y[:, -1]
-            return [end[1], end[0], end[3], end[2]] if name == "motors" else end
-
-        return go
-
-    return prepare
-
-
 def by_edges(f, y, p):
     def edge(t, y, right):
         return y[0]
 
     edge.terminal = True
-    held = lambda t, y, right: f(y, t, np.array([4.0 if right else 25.0]), p).copy()  # noqa: E731
+    held = lambda t, y, right: f(y, t, np.array([4.0 if right else 25.0]), p)  # noqa: E731
     return from_edge_to_edge(held, edge, y, UNTIL["springs"], BEST)
 
 
-MODELS = {name: _prepared(name) for name in BUILD}
-WAYS = dict.fromkeys(BUILD, ("default", "best"))
-WAYS["springs"] = WAYS["road"] = ("default", "across", "best")
-COUNTED = {name: (f,) for name, f in BUILD.items()}
-COUNTED["springs"] += (by_edges, from_edge_to_edge)
-COUNTED["road"] += (from_time_to_time,)
-COUNTED["arm"] += (pid, from_sample_to_sample)
-SAYS = {
-    "wind": ("frames, points, loads", "–"),
-    "springs": ("a specified function", "own events, else crossed silently"),
-    "road": ("a specified function, CubicSpline", "own stops, else crossed silently"),
-    "arm": ("frames, loads, own loop", "own stops"),
-    "motors": ("a function a motor, constraints", "–"),
+def by_knots(f, y, p, height):
+    knots = [t for t in np.array(road()[0]) / 15 if t < UNTIL["road"] - 1e-9]
+    held = lambda t, y: f(y, t, np.array([height(y, t)]), p)  # noqa: E731
+    return from_time_to_time(held, y, [*knots, UNTIL["road"]], BEST)
+
+
+def _case(name: str, build, means: str, kink: str = "–", *own) -> tuple:
+    def prepare(way: str):
+        kane, constants, start, specified = build()
+        until = UNTIL[name]
+        times = np.linspace(0, until, 1001)  # odeint gives up after 500 steps between two
+        system = System(
+            kane, constants=constants, initial_conditions=start, specifieds=specified, times=times
+        )
+        right_side = system.generate_ode_function(generator="cython")
+        y = np.array([float(start[x]) for x in system.states])
+        p = np.array([float(constants[x]) for x in system.constants_symbols])
+
+        def f(*given):
+            return right_side(*given).copy()  # which gives the same array each time
+
+        def go():
+            if name == "arm":
+                settings = {} if way == "default" else BEST
+                held = lambda t, y, u: f(y, t, u, p)  # noqa: E731
+                end = from_sample_to_sample(held, y, pid(), 0.01, until, settings)
+            elif way == "default":
+                end = system.integrate()[-1]
+            elif name == "springs":
+                end = by_edges(f, y, p)
+            elif name == "road":
+                end = by_knots(f, y, p, *specified.values())
+            else:
+                end = solve_ivp(lambda t, y: f(y, t, p), (0, until), y, **BEST).y[:, -1]
+            return [end[1], end[0], end[3], end[2]] if name == "motors" else end
+
+        return go
+
+    return prepare, (build, *own), means, kink
+
+
+OWN = "own stops; else silent"
+CASES = {
+    "wind": _case("wind", wind, "frames, points, loads"),
+    "springs": _case("springs", springs, "function of t", OWN, by_edges, from_edge_to_edge),
+    "road": _case("road", car, "function of t", OWN, by_knots, from_time_to_time),
+    "arm": _case("arm", arm, "own loop", "own stops", pid, from_sample_to_sample),
+    "motors": _case("motors", motors, "function twice, constraint"),
 }

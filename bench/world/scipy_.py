@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import scipy
 from scipy.integrate import solve_ivp
@@ -69,7 +71,7 @@ def car():
 
 
 def from_time_to_time(f, y, times, settings):
-    for begin, end in zip(times, times[1:]):  # noqa: B905
+    for begin, end in pairwise(times):
         y = solve_ivp(f, (begin, end), y, **settings).y[:, -1]
     return y
 
@@ -93,13 +95,13 @@ def arm():
 
 def pid():
     """The integral of an error stands still while its motor gives all it can."""
-    P, I, D = np.array([150, 90]), np.array([200, 120]), np.array([25, 12])
+    kp, ki, kd = np.array([150, 90]), np.array([200, 120]), np.array([25, 12])
     most, to, s = np.array([45, 20]), np.array([1, 0.5]), np.zeros(2)
 
     def sample(y):
         nonlocal s
         error = to - y[:2]
-        wanted = P * error + I * s - D * y[2:]
+        wanted = kp * error + ki * s - kd * y[2:]
         s = s + np.where(abs(wanted) < most, 0.01 * error, 0)
         return np.clip(wanted, -most, most)
 
@@ -119,8 +121,8 @@ def motors():
 
     def f(t, y):
         left, J = motor(3 * y[3], 12, 0.02, 1.5)
-        right, I = motor(y[3], 0, 0.3, 4)
-        a = (3 * left + right) / (9 * J + I)  # of the right one, through a gearbox of 3
+        right, K = motor(y[3], 0, 0.3, 4)
+        a = (3 * left + right) / (9 * J + K)  # of the right one, through a gearbox of 3
         return [3 * y[3], y[3], 3 * a, a]
 
     return f, [0, 0, 3, 1]
@@ -154,31 +156,12 @@ def _arm(way: str):
     return lambda: from_sample_to_sample(f, y, pid(), T, UNTIL["arm"], settings(way))
 
 
-MODELS = {
-    "wind": _whole(wind),
-    "springs": _springs,
-    "road": _road,
-    "arm": _arm,
-    "motors": _whole(motors),
-}
-WAYS = {
-    "wind": ("default", "best"),
-    "springs": ("default", "across", "best"),
-    "road": ("default", "across", "best"),
-    "arm": ("default", "best"),
-    "motors": ("default", "best"),
-}
-COUNTED = {
-    "wind": (wind,),
-    "springs": (springs, from_edge_to_edge),
-    "road": (car, from_time_to_time),
-    "arm": (arm, pid, from_sample_to_sample),
-    "motors": (motors,),
-}
-SAYS = {
-    "wind": ("equations by hand", "–"),
-    "springs": ("equations, terminal event, own loop", "located by events, else crossed silently"),
-    "road": ("equations, CubicSpline, own loop", "own stops, else crossed silently"),
-    "arm": ("equations, own loop", "own stops"),
-    "motors": ("a function a motor; gear by hand", "–"),
+ACROSS = ("springs", "road")
+OWN = "own stops; else silent"
+CASES = {
+    "wind": (_whole(wind), (wind,), "equations by hand", "–"),
+    "springs": (_springs, (springs, from_edge_to_edge), "terminal event, own loop", OWN),
+    "road": (_road, (car, from_time_to_time), "CubicSpline, own loop", OWN),
+    "arm": (_arm, (arm, pid, from_sample_to_sample), "own loop", "own stops"),
+    "motors": (_whole(motors), (motors,), "function twice, gear by hand", "–"),
 }
