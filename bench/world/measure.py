@@ -1,9 +1,10 @@
 """`python -m bench.world.measure PACKAGE`: one package in its own Python, as JSON on the output.
 
 It has the CPU time of the set-up (compilers too), that of the run, the shortest of several, and the
-final state, for each model and way to run it. A package's CASES have for each model a function of the
-way, which returns the run; what a user writes (functions, texts, files); its means; what happens at
-the kink. The ways are "default", "best" and, of ACROSS, "across": as best, but over the kinks.
+final state, for each model and way to run it. A package's CASES have for each model a function of
+the way, which returns the run; what a user writes (functions, texts, files); its means; what
+happens at the kink. The ways are "default", "best" and, of ACROSS, "across": as best, but over the
+kinks.
 """
 
 from __future__ import annotations
