@@ -218,3 +218,18 @@ def test_motions_are_those_of_scipy_stopped_at_each_knot(seed, method, tmp_path)
     found = [run[n][-1] for n in names]
     wanted = by_scipy(curves, arguments, force, start, 4.0)
     assert found == pytest.approx(wanted, abs=3e-9), text
+
+
+@pytest.mark.parametrize("method", ["gauss", "dop853", "rk4", "rattle"])
+def test_a_constrained_motion_passes_a_knot_where_all_positions_vanish(method, tmp_path) -> None:
+    (tmp_path / "k.csv").write_text("x,F\n-90,1\n0,0\n90,3\n")
+    (tmp_path / "k.lag").write_text(
+        'model k\ntable f = "k.csv" x, F linear\ncoord x, y\nkinetic (x\'^2 + y\'^2)/2\n'
+        "constraint tie: x = 2*y + sin(y)\nforce x = f(x)\n"
+    )
+    m = pkgen.load(tmp_path / "k.lag")
+    step = 0.01 if method in ("rk4", "rattle") else None
+    for y in (-0.3, -0.47, -0.71, -0.93):
+        start = {"x": 2 * y + math.sin(y), "y": y, "x'": 2 * (2 + math.cos(y)), "y'": 2}
+        r = m.run(1, every=1, method=method, step=step, start=start)
+        assert r["y"][-1] > 0.5

@@ -77,6 +77,7 @@ def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
     return cached("runtime", f"{runtime_name(tools)}-{'-'.join(names)}", make)
 
 
+@cache  # reading the sources takes 6 ms
 def runtime_name(tools: Toolchain) -> str:
     """Returns a digest of the sources, the compiler and its flags."""
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())

@@ -27,11 +27,9 @@ pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projecti
     return way > 0 ? DEBRIS * largest(w, q, 0) / way : 0;
 }
 
-/* Returns the index of the first row whose residual is more than rounding, or `rows` if there is
- * none. Rounding is that of the largest component of x, which counts as at least `least`. */
-static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
-                     const pk_real *slopes, size_t rows, const pk_real *x, int of_rates,
-                     pk_real least)
+size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
+                         const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
+                         int of_rates, pk_real least)
 {
     const pk_real most = pk_max(least, largest(w, x, of_rates));
     for (size_t i = 0; i < rows; i++)
@@ -40,11 +38,9 @@ static size_t broken(const struct pk_projection *w, const pk_real *residual, con
     return rows;
 }
 
-size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
-                         const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
-                         int of_rates)
+pk_real pk_project_passed(const struct pk_integrator *it, const struct pk_projection *w)
 {
-    return broken(w, residual, terms, slopes, rows, x, of_rates, 0);
+    return it->count.steps ? largest(w, pk_next(it, PK_Q), 0) : 0;
 }
 
 enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -58,12 +54,13 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
     system->constraints.redundant(w.params, t, q, v, pk_eval_input(it, t), w.off, w.off_size,
                                   w.off_rows);
     pk_project_slopes(&w, q, v, w.off_rows, w.r, w.off_slopes);
-    size_t row = pk_project_broken(&w, w.off, w.off_size, w.off_slopes, h, q, 0);
+    size_t row =
+        pk_project_broken(&w, w.off, w.off_size, w.off_slopes, h, q, 0, pk_project_passed(it, &w));
     if (row < h)
         return pk_fail_with(it, status,
                             PK_WHY(.kind = PK_REASON_REDUNDANT, .index = row, .value = w.off[row]));
-    row =
-        broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1, pk_project_rest(it, &w, q));
+    row = pk_project_broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1,
+                            pk_project_rest(it, &w, q));
     if (row == w.r)
         return PK_DONE;
     return pk_fail_with(

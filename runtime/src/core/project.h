@@ -128,12 +128,15 @@ enum pk_status pk_project_start(struct pk_integrator *it);
  * found. q0 is work memory as long as q. */
 int pk_project_nearest(struct pk_projection *w, pk_real *q, pk_real *v, pk_real *q0);
 /* Returns the index of the first row whose residual is more than rounding; `rows` if there is none.
- * x has rates if `of_rates`, otherwise positions, where an attitude counts as 1; M must be
- * factored. */
+ * x has rates if `of_rates`, otherwise positions, where an attitude counts as 1. Rounding is that
+ * of the largest component of x, which counts as at least `least`; M must be factored. */
 #define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* residual relative to the sizes of its terms */
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
                          const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
-                         int of_rates);
+                         int of_rates, pk_real least);
+/* Returns the size of the positions where the last step began, 0 before the first: all positions
+ * may vanish where a run begins again at a switch. */
+pk_real pk_project_passed(const struct pk_integrator *it, const struct pk_projection *w);
 /* Returns the norm, in the metric of M, of rates so small that they move the state by no more than
  * its rounding in a step. If the constraints allow no motion at all, as in a rigid truss, rates are
  * at most that large. */

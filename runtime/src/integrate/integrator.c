@@ -153,9 +153,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
-    /* Sets to 0 the parts of the state that a method may not use, and the inputs, which stay 0
-     * without an input function. */
-    pk_zero(it->own->next, pk_state_offset(n_q, n, PK_PARTS));
+    /* inputs stay 0 without an input function */
     pk_zero(it->own->u, it->problem.system->n_inputs * (1 + PK_LANES));
     it->t = it->last_t = it->own->next_t = t;
     it->own->direction = 0;
@@ -165,7 +163,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->own->short_force.reach = it->own->short_force.calm = 0;
     it->own->flags = 0;
     it->own->h = 0;
-    it->status = pk_project_start(it);
+    it->status = pk_project_start(it); /* by the size of the state before, in own->next */
+    pk_zero(it->own->next, pk_state_offset(n_q, n, PK_PARTS));
     if (it->status >= 0)
         pk_scale_start(it);
     if (it->status >= 0 && it->method->init)
