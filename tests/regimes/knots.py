@@ -48,7 +48,7 @@ PREDICTIONS = [
         no_method="the table holds the alias, whatever the method: an oscillator of 5 Hz",
     ),
     shown(
-        "KN3", "integral of sqrt((t - 1)^2 + 1e-12), rk4, h = 2/21",
+        "KN3", "integral of sqrt((t - 1)^2 + 1e-18), rk4, h = 2/21",
         "steps over a corner that is rounded by hand: h^2/12 is lost", (2 / 21) ** 2 / 12, 1e-6,
         "pkgen run corner.lag --method rk4 --step 2/21 --until 2 --every 2", "1 - z[-1]",
         "--method gauss",
