@@ -56,8 +56,12 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
     pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     int changed = 1, reset = 0;
     e->kept = goes_on(e, it);
-    if (e->n_switches == 0 || it->own->direction != 0)
+    if (e->n_switches == 0)
         return PK_DONE;
+    if (it->own->direction != 0) { /* the sides were settled at the start of an earlier step */
+        pk_zero(e->fresh, e->n_switches);
+        return PK_DONE;
+    }
     for (size_t round = 0; changed; round++) {
         if (round > e->n_switches + 1) {
             return pk_fail(it, PK_SLIDING, 0);
