@@ -1,17 +1,19 @@
-"""Lagrangians of first degree in the rates: forms that vanish, a collapse, vortices under each rule.
+"""Lagrangians of first degree in the rates: a form that vanishes, a collapse, two vortices.
 
 FO1: L = e B (x + x^2/(2 R)) y' - k (x^2 + y^2)/2 has the form e B (1 + x/R), zero at x = -R, where
 motions end (D. Correa-Restrepo, H. K. Wimmel, Phys. Scr. 32 (1985) 552). On the circle of radius r,
 x = r cos(a), it is reached at t = e B/k (a + r/R sin(a)), cos(a) = -R/r.
 FO2: vortices with G1 G2 + G2 G3 + G3 G1 = 0 and sum of Gi Gj dij^2 = 0 keep their shape and meet
-(W. Groebli, 1877; H. Aref, Phys. Fluids 22 (1979) 393), at -d12^2 over its rate, (2/pi) G3 A (1/d23^2
-- 1/d31^2), A the area. For 2, 2, -1 at d12^2 = 4, d23^2 = 2, d31^2 = 6: t = 3 sqrt(2) pi.
+(W. Groebli, 1877; H. Aref, Phys. Fluids 22 (1979) 393), at -d12^2 over its rate, of the size (2/pi)
+G3 A (1/d23^2 - 1/d31^2), A the area. For 2, 2, -1 at d12^2 = 4, d23^2 = 2, d31^2 = 6 this is
+3 sqrt(2) pi.
 FO3 to FO6: the difference z of two equal vortices has z' = i z/|z|^2 in units of d and of 1/W, W
-their rate. By the midpoint rule |z| stays and sin(turn) = h W, which has no root for h W > 1, though
-the rule is A-stable. By rk2 the step is exactly (1 + i y/2)/(1 - i y/2), y = h W: it has no limit,
-though rk2 is unstable for every oscillator. By rk4 |z|^2 grows by 1 + y^6/144 + y^8/72 (where that
-of an oscillator shrinks by y^6/72), by euler by 1 + y^2: |z|^4 by 2 y^2 a step.
-FO7: log x and log y turn about (1, 1) with the rate 1, rk4's limit there is L9's.
+their rate; y = h W. By the midpoint rule |z| stays and sin(turn) = y, which has no root for y > 1,
+though the rule is A-stable. A step of rk2 is (1 + i y/2)/(1 - i y/2): it has no limit, though no
+step of rk2 is stable for an oscillator. By rk4 |z|^2 grows by 1 + y^6/144 + y^8/72 + O(y^10), where
+that of an oscillator shrinks by 1 - y^6/72. By euler it grows by 1 + y^2, |z|^4 by 2 y^2 a step.
+FO7: log x and log y turn about (1, 1) with the rate 1, where rk4 has its limit on the imaginary
+axis (HW IV.2).
 """
 
 from math import atan, pi, sqrt

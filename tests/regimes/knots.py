@@ -5,10 +5,11 @@ Verlet are a and b, the trace over a row is 2 - (w d)^2 + a b d^2 w^4/4, the pro
 of GNI I.1.4. It is below -2 for 2/sqrt(a d) < w < 2/sqrt(b d), a > b. A step that divides d has no
 such band.
 KN2: straight lines between samples at the rate s pass on each image f + n s of a frequency f,
-times sinc(pi (f + n s)/s)^2 (M. Unser, Proc. IEEE 88 (2000) 569). At resonance an oscillator at rest
-grows by half of its force over w.
-KN3: rk4 takes the integral of a given force by Simpson's rule, which for |t| over a step h about its
-corner is h^2/6 in place of h^2/4. Steps end at a corner of abs() or of a table.
+times sinc(pi (f + n s)/s)^2 (M. Unser, Proc. IEEE 88 (2000) 569). At resonance an oscillator at
+rest grows by half of its force over w.
+KN3: rk4 takes the integral of a given force by Simpson's rule, which for |t| over a step h about
+its corner is h^2/6 in place of h^2/4. Steps end at a corner of abs() or of a table, and the order
+is kept (KN1c).
 KN4: the bend M of a spline has M[k-1] + 4 M[k] + M[k+1] = 6 (y[k-1] - 2 y[k] + y[k+1])/d^2 (C. de
 Boor, A Practical Guide to Splines, IV). A ramp of half of a digit q a row is logged with the error
 +-q/4 in turn, so M = -+12 (q/4)/d^2. Fewer rows than digits, or an approximation, do not ring.
@@ -18,6 +19,7 @@ if |x'| < c (A. F. Filippov, Differential Equations with Discontinuous Righthand
 
 from math import pi, sin, sqrt
 
+from .prediction import ORDER
 from .shown import shown
 
 STEP = 0.6  # of KN1, on rows 1 apart
@@ -39,6 +41,12 @@ PREDICTIONS = [
                 ("to w = 2/sqrt(b d)", 1 - STEP, "3.1 3.22"),
             )
         )
+    ),
+    shown(
+        "KN1c", "oscillator beside a table of rows 1 apart, rk4, its chart",
+        "keeps its order at the corners: the error goes with the power of h", 4.0, ORDER,
+        "pkgen chart rows.lag --methods rk4 --until 7 --quick --json",
+        'slope(*errors(report, 1e-3, 0.1, "rk4", "rk3"))', "--methods rk3", long=True,
     ),
     shown(
         "KN2", "oscillator of 3 Hz, a sine of 5 Hz in a linear table of 8 rows a second, gauss",
