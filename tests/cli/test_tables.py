@@ -145,3 +145,17 @@ def test_a_table_that_bends_is_told(model: Path) -> None:
     assert "road of the motion" not in ran("check", model).stderr
     model.write_text(MODEL.replace("spline", "linear"))
     assert "potential contains road of the motion" in ran("check", model).stderr
+
+
+@pytest.mark.parametrize("force", ["wave(t)", "abs(mod(t + 1, 2) - 1)"])
+def test_fixed_steps_that_end_at_rows_see_them(tmp_path: Path, force: str) -> None:
+    """A start at a row was taken for a wrong guess of the piece at the next row that a step met."""
+    (tmp_path / "wave.csv").write_text("x,y\n0,0\n1,1\n2,0\n3,1\n4,0\n")
+    path = tmp_path / "pushed.lag"
+    path.write_text(
+        'model pushed\ntable wave = "wave.csv" x, y\ncoord x\nkinetic x\'^2/2\n'
+        f"force x = {force} + 0*wave(t)\n"
+    )
+    for step in ("0.1", "0.25", "1"):
+        out = ran("run", path, "--until", 3.5, "--every", 3.5, "--method", "rk4", "--step", step)
+        assert last(out.stdout) == pytest.approx(145 / 48, abs=1e-12), step

@@ -1,11 +1,12 @@
 """L of first degree in the rates: the rates against SymPy, which solves Lagrange's equations."""
 
 import random
+from pathlib import Path
 
 import pytest
 import sympy as sp
 
-from conftest import seeds
+from conftest import run_pkgen, seeds
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -51,3 +52,13 @@ def test_rates_are_those_of_sympy(seed: int) -> None:
     values |= {Symbol(Kind.TIME): 0.4, Symbol(Kind.PARAMETER, 0): 0.7}
     found = evaluate(e.graph, e.state_rates, values)
     assert found == pytest.approx([float(x) for x in wanted], rel=1e-9, abs=1e-9)
+
+
+def test_an_energy_that_is_zero_has_a_scale(tmp_path: Path) -> None:
+    """H of vortices a unit apart is 0, and was said to be off by all of its scale: its rounding."""
+    path = tmp_path / "pair.lag"
+    path.write_text(
+        "model pair\ncoord x, y\nlagrangian y*x' + ln(x^2 + y^2)/2\nstart x = 1\n",
+    )
+    said = run_pkgen("run", path, "--method", "gauss1", "--step", "0.5", "--until", 6).stderr
+    assert "energy kept to" in said and "warning" not in said

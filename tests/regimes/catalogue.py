@@ -6,7 +6,9 @@ from . import (
     coupled,
     driven,
     ends,
+    first_order,
     kepler,
+    knots,
     linear,
     located,
     maps,
@@ -36,6 +38,8 @@ OWN = (
     waves,
     maps_drawn,
     sampled,
+    knots,
+    first_order,
 )
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]

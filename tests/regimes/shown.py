@@ -79,9 +79,10 @@ def times(report: dict, name: str) -> np.ndarray:
 
 
 def errors(report: dict, low: float, high: float, *methods: str) -> np.ndarray:
-    """Tolerances between these, and the errors of these methods at them, of a chart."""
+    """Tolerances between these, or fixed steps, and the errors of these methods at them, of a
+    chart."""
     points = [p for p in report["points"] if p["method"] in methods and p["error"] is not None]
-    found = [(p["rtol"], p["error"]) for p in points if low < p["rtol"] < high]
+    found = [(x, p["error"]) for p in points if low < (x := p["rtol"] or p["step"]) < high]
     if len(found) < 3:
         pytest.skip(f"the chart had no time for {methods[0]}: a machine with more to do")
     return np.array(found).T

@@ -2,6 +2,7 @@
 stopped at each knot, which goes on with the polynomial of the next piece."""
 
 import bisect
+import math
 import random
 from pathlib import Path
 

@@ -3,7 +3,8 @@
  *     max   = max |X - X(0)| / S       final = (X(end) - X(0)) / S
  *     slope = least-squares slope of (X - X(0)) over t, / S
  *     S     = the largest of max |X|, max |X| of the vector's other components, and a tenth of
- *             the scale of X, since X may vanish;  for the energy  max (|v.p| + |L|),  L = v.p - h
+ *             the scale of X, since X may vanish;  for the energy  max (|v.p| + |L|),  L = v.p - h,
+ *             and of a system without coordinates as for any X
  *
  * Here p are the momenta and h is the energy. The scale of X is the root of the sum of (y_i
  * dX/dy_i)^2 over all numbers y_i of the state; components of one vector have names that differ in

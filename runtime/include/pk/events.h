@@ -117,7 +117,6 @@ struct pk_events {
     int brief;      /* number of successive switchings after very short steps */
     int at_switch;  /* flag: the step begins at the root of a switch */
     int begun;      /* flag: the first step was made; also if the start is a limit, where it ends */
-    int settled;    /* flag: the sides were set anew, and no step was made since */
     int kept;       /* flag: the next step begins at the time `left`, where the last one ended */
     pk_real left;   /* end time of the last step */
     /* for each event a number whose size is the rounding error of g: if |g| at the start of the

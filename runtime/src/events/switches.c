@@ -64,9 +64,12 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
     pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     int changed = 1, reset = 0;
     e->kept = goes_on(e, it);
-    if (e->n_switches == 0 || it->own->direction != 0)
+    if (e->n_switches == 0)
         return PK_DONE;
-    e->settled = 1;
+    if (it->own->direction != 0) { /* the sides were settled at the start of an earlier step */
+        pk_zero(e->fresh, e->n_switches);
+        return PK_DONE;
+    }
     for (size_t round = 0; changed; round++) {
         if (round > e->n_switches + 1) {
             return pk_fail(it, PK_SLIDING, 0);
@@ -101,12 +104,12 @@ int pk_switches_free(struct pk_events *e, struct pk_integrator *it)
     for (size_t k = 0; k < e->n_switches; k++) {
         const int stays = pk_abs(end[k]) <= PK_TINY;
         if (!(pk_abs(begin[k]) <= PK_TINY) || pk_switches_counted(it, k) ||
-            pk_switches_impulse(it, k) || stays == is_free(e, k) || (stays && !e->settled))
+            pk_switches_impulse(it, k) || stays == is_free(e, k) || (stays && !(e->fresh[k] > 0)))
             continue;
+        e->fresh[k] = 0;
         e->sides[k] = stays ? (pk_real)NAN : end[k] < 0 ? -1 : 1;
         e->again = 1;
     }
-    e->settled = 0;
     if (e->again)
         pk_integrator_reset(it, e->from, e->q0, e->v0);
     return e->again;

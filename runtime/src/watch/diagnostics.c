@@ -212,7 +212,8 @@ static int same_vector(const char *a, const char *b)
  * sum that cancels. So S is at least SHARE of the size of its terms |y_i dX/dy_i|, where y_i are
  * the numbers of the state, and the components of a vector share the largest S. The size is a root
  * mean square over random signs of the changes of y_i; two evaluations per direction give it for
- * any number of y_i. */
+ * any number of y_i. The energy of a system without coordinates, which has no v.p, is treated so
+ * too: it is H of a Lagrangian of first degree in the rates. */
 static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, pk_real *work)
 {
@@ -221,10 +222,12 @@ static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const
     const size_t n = pk_system_count(system, params), m = pk_system_coordinates(system, params);
     const size_t count = momenta_of(&monitor->problem) + system->n_conserved;
     pk_real *pdot = work, *y = pdot + n, *a = y + 2 * n, *b = a + count, *sum = b + count;
+    pk_real change, energy = 0;
     unsigned long random = 1;
     memset(sum, 0, count * sizeof *sum);
     for (int k = 0; k < DIRECTIONS; k++) {
         const unsigned long begun = random;
+        change = 0;
         for (int side = 1; side >= -1; side -= 2) {
             random = begun;
             for (size_t i = 0; i < m + n; i++) {
@@ -234,10 +237,14 @@ static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const
                                            (pk_real)((random >> 16) & 1 ? side : -side) * STEP * x;
             }
             constants(&monitor->problem, t, y, y + n, u, pdot, side > 0 ? a : b);
+            if (monitor->has_energy && m == 0)
+                change += (pk_real)side * system->energy(params, t, y, y + n, u);
         }
+        energy += change * change;
         for (size_t i = 0; i < count; i++)
             sum[i] += (a[i] - b[i]) * (a[i] - b[i]);
     }
+    raise_scale(&monitor->energy, SHARE * PK_F(sqrt)(energy / DIRECTIONS) / (2 * STEP));
     for (size_t i = 0; i < count; i++)
         raise_scale(&monitor->momenta[i], SHARE * PK_F(sqrt)(sum[i] / DIRECTIONS) / (2 * STEP));
     for (size_t i = 0; i < system->n_conserved; i++)
@@ -272,7 +279,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
         for (size_t i = 0; i < system->n_conserved; i++)
             pk_drift_update(&monitor->conserved[i], t, c[i]);
     }
-    unsigned long samples = 0;
+    unsigned long samples = monitor->energy.samples;
     for (size_t i = 0; i < momenta_of(problem) + system->n_conserved; i++)
         samples |= monitor->momenta[i].samples;
     if (samples && (samples & (samples - 1)) == 0) /* if the number of samples is 1, 2, 4, 8, ... */

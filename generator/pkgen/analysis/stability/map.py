@@ -67,7 +67,7 @@ def make(
 ) -> StabilityMap:
     """Makes the map. Raises NumericsFailed, BuildError, UsageError."""
     structure = compilation.structure
-    if all(structure.cyclic) and structure.conservative:
+    if structure.cyclic and all(structure.cyclic) and structure.conservative:
         raise UsageError(
             f"every coordinate of {compilation.model.name} is cyclic: their momenta are constant, "
             "the motion goes on evenly by any method and step, and there is nothing to map"
