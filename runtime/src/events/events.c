@@ -16,6 +16,7 @@
 
 enum { HALVINGS = 20 }; /* limit of steps towards a singularity, each by half of the time left */
 enum { SHORTER = 17 };  /* limit of retries of a step, each 8 times shorter */
+enum { FROM_REST = 3 }; /* their limit if all is 0 at its start, so that any step outgrows it */
 #define GROWTH PK_C(64.0)
 enum { ROUNDINGS = 16 }; /* limit, in units in the last place, of a value that counts as 0 */
 
@@ -227,7 +228,7 @@ static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, siz
 /* Returns whether an adaptive step is too long to resolve how a function began: it is much longer
  * than all time integrated before this step, and the function has grown very much in it. This may
  * happen in a first step from a state of zeros, where the scale of errors is from the run alone. */
-static int outgrown(struct pk_events *e, const struct pk_integrator *it)
+static int outgrown(struct pk_events *e, const struct pk_integrator *it, int count)
 {
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
     const pk_real h = pk_abs(it->t - e->from);
@@ -241,7 +242,8 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
         if (!(pk_abs(begin[k]) > PK_TINY) && at_rest < 0)
             at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
         found = !(pk_abs(end[k]) <= GROWTH * pk_abs(begin[k])) &&
-                (pk_abs(begin[k]) > PK_TINY ? pk_abs(begin[k]) > rounding(e, it, k) : at_rest);
+                (pk_abs(begin[k]) > PK_TINY ? pk_abs(begin[k]) > rounding(e, it, k)
+                                            : at_rest && count < FROM_REST);
     }
     return found;
 }
@@ -287,7 +289,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
         const enum pk_status end = at_end(e, it, 1, it->q, it->v);
         if (end >= 0 && count == 0 && pk_switches_free(e, it))
             return it->status;
-        if (count == SHORTER || !outgrown(e, it))
+        if (count == SHORTER || !outgrown(e, it, count))
             return end < 0 ? end : pk_events_look(e, it);
         limit = e->from + (it->t - e->from) / 8;
         PK_TRY(take_back(e, it));
