@@ -19,7 +19,7 @@ Nonsmooth Mechanics, 3rd ed., Springer 2016, chapters 1 and 3.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from ...equations import Equations, Quantity, Switch
@@ -173,7 +173,15 @@ def with_impulses(
         return known
     if counted := [x for x in arguments if counts(e.graph, x)]:
         where, help = _where(e.graph, counted[0], name)
-        raise _refused(e, f"L or a constraint jumps {where}", help)
+        of_energy = counted[0] in arguments_of(e.graph, [e.lagrangian])
+        of_row = [
+            span
+            for node, span in (
+                () if of_energy or c is None else zip(c.residual, c.spans, strict=True)
+            )
+            if counted[0] in arguments_of(e.graph, [node])
+        ]
+        raise _refused(e, f"L or a constraint jumps {where}", help, of_row)
     across, found, marked = Across(e.graph), {}, []
     surfaces = across.surfaces
     places = {surfaces(x.node)[0]: x.node for x in known}
@@ -271,10 +279,10 @@ def _slopes(
     return slope, rate
 
 
-def _refused(e: Equations, message: str, help: str = "") -> ModelError:
-    """Returns an error at the energy in the model's text."""
+def _refused(e: Equations, message: str, help: str = "", of_row: Sequence[Span] = ()) -> ModelError:
+    """Returns an error at a constraint row or, if there is none, at the energy."""
     found = (*e.model.potential, *e.model.kinetic, *e.model.lagrangian, e.model)
-    return error(e.model, message, found[0].span, help)
+    return error(e.model, message, (*of_row, found[0].span)[0], help)
 
 
 def check_rates(
