@@ -49,7 +49,10 @@ class Curve:
     def piece(self, u: float) -> tuple[int, int]:
         """The number of the turn, and of the piece in it: -1 below, len(x) - 1 above."""
         turn = int(np.floor((u - self.x[0]) / self.period)) if self.outside == "periodic" else 0
-        return turn, bisect.bisect_right(self.x, u - turn * self.period) - 1
+        place = u - turn * self.period
+        if self.outside == "periodic":
+            place = max(place, self.x[0])  # below it by rounding
+        return turn, bisect.bisect_right(self.x, place) - 1
 
     def value(self, u: float, d: int = 0, at: tuple[int, int] | None = None) -> float:
         turn, n = self.piece(u) if at is None else at
@@ -82,7 +85,7 @@ class Curve:
 
 
 @pytest.mark.parametrize("outside", OUTSIDE)
-@pytest.mark.parametrize("seed", seeds(range(4), 16))
+@pytest.mark.parametrize("seed", seeds(range(4), 16, late=[739949011]))
 def test_values_and_slopes_are_those_of_scipy(seed: int, outside: str, tmp_path: Path) -> None:
     draw, kind = random.Random(seed), KINDS[seed % 4]
     curve = Curve(draw, kind, outside, tmp_path, "f")
@@ -225,7 +228,7 @@ def test_motions_are_those_of_scipy_stopped_at_each_knot(seed, method, tmp_path)
 def test_a_constrained_motion_passes_a_knot_where_all_positions_vanish(method, tmp_path) -> None:
     (tmp_path / "k.csv").write_text("x,F\n-90,1\n0,0\n90,3\n")
     (tmp_path / "k.lag").write_text(
-        'model k\ntable f = "k.csv" x, F linear\ncoord x, y\nkinetic (x\'^2 + y\'^2)/2\n'
+        "model k\ntable f = \"k.csv\" x, F linear\ncoord x, y\nkinetic (x'^2 + y'^2)/2\n"
         "constraint tie: x = 2*y + sin(y)\nforce x = f(x)\n"
     )
     m = pkgen.load(tmp_path / "k.lag")

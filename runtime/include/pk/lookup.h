@@ -13,6 +13,8 @@ static inline pk_real pk_axis_place(const struct pk_table_axis *a, pk_real x)
     if (a->period > 0) {
         turns = PK_F(floor)((x - k[0]) / a->period);
         x -= turns * a->period;
+        if (x < k[0]) /* by rounding */
+            x = k[0];
         turns *= last;
     }
     const size_t end = a->count - 1;
