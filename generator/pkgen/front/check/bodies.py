@@ -24,8 +24,9 @@ from .body_joints import BodyJoints
 from .names import UNKNOWN, Entry, Members
 from .scope import PLACES, Scope
 from .shared import Shared
+from .vectors import UNIT
+from .written import written
 
-_AXES = ("[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]")
 _IDENTITY = "rot([0, 0, 1], 0)"
 _REST = "[0, 0, 0]"
 _LOOP = "what hangs on two bodies closes a loop: keep one joint and add a 'constraint'"
@@ -225,7 +226,7 @@ class Bodies(BodyJoints):
 
     def _say(self, what: str, text: str, span: Span) -> None:
         """Adds a term to an energy, or defines the name `what`."""
-        value = self.parsed_text(text, span)
+        value = written(text, span, pieces=self.source.pieces)
         if what in ("kinetic", "potential"):
             self.run(st.Single(what, value, span))
             return
@@ -245,7 +246,7 @@ class Bodies(BodyJoints):
         there = self.names.table.get(found[0])
         for index in sorted(entry.turning):
             if there is None or not there.members.hold(index, index):
-                for column, axis in zip(found, _AXES, strict=True):
+                for column, axis in zip(found, UNIT.values(), strict=True):
                     self._say(indexed(column, index), f"{indexed(name, index)}*{axis}", entry.span)
         return found
 

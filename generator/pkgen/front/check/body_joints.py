@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import fields, replace
 from fractions import Fraction
 from itertools import pairwise
 
-from ...source import Source, Span
+from ...source import Span
 from ...system.near import meant
 from ...tree import Expr, Name, Negate, Number, Quantity
 from .. import statements as st
 from ..joints import CLAUSES, KINDS, LIMITS, TO, Kind, joint_names
-from ..parse import parse_all
 from ..units import LENGTH, NONE
 from .body_families import family, with_number
 from .body_parts import BodyParts
 from .names import UNKNOWN, Entry
 from .plane import across
 from .shared import Shared
+from .written import written
 
 
 class BodyJoints(BodyParts):
@@ -168,16 +167,9 @@ class BodyJoints(BodyParts):
             return ()
         return items
 
-    def parsed_text(self, text: str, span: Span) -> Expr:
-        """Returns an expression whose text may have names of all parts."""
-        text = f"let made = {text}\n"
-        parts = tuple(replace(piece, start=len(text) + 1) for piece in self.source.pieces)
-        made = parse_all.__wrapped__(Source("", text, parts)).statements
-        return _moved(made[0].value, span)
-
     def _limit(self, of: st.Joint, own: str, name: str, end: str, span: Span) -> None:
         event = "_".join(filter(None, (*re.split(r"[\[\]]", name), end)))
-        made = self.parsed_text(f"{own} - {name}.{end}", span)
+        made = written(f"{own} - {name}.{end}", span, pieces=self.source.pieces)
         said = f"the {end} limit of the joint {name}"
         self.run(st.Event(event, span, made, LIMITS[end][0], True, said, span, limit=True))
 
@@ -187,14 +179,3 @@ def _infinite(value: Expr) -> int:
     value = value.of if isinstance(value, Quantity) else value
     of = value.of if isinstance(value, Negate) else value
     return (isinstance(of, Name) and of.id == "inf") * (-1 if of is not value else 1)
-
-
-def _moved(part: object, span: Span) -> object:
-    """Returns an expression, or a part of it, with all its source positions replaced by `span`."""
-    if isinstance(part, Span):
-        return span
-    if isinstance(part, tuple):
-        return tuple(_moved(item, span) for item in part)
-    if isinstance(part, Expr):
-        return replace(part, **{f.name: _moved(getattr(part, f.name), span) for f in fields(part)})
-    return part

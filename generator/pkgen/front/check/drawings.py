@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from fractions import Fraction
 
 from ... import model as m
 from ...source import Span
 from ...system.near import meant
-from ...tree import AXES, Expr, Multiply, Name, Number, Range, Vector
+from ...tree import AXES, Expr, Multiply, Name, Range, Vector
 from .. import shapes
 from .. import statements as st
 from ..units import LENGTH, NONE, Dimension, described, over, si_text
 from .expr import Target
 from .scope import PLACES, Scope
 from .shared import Checks, Shared
-from .vectors import applied, component
+from .vectors import UNIT, applied, component
+from .written import written
 
 
 class Drawings(Checks):
@@ -252,7 +252,8 @@ class Drawings(Checks):
             )
             return ()
         self.use_inputs(facts)
-        columns = [applied(facts.turns, _unit(axis, value.span), value.span) for axis in range(3)]
+        at = value.span
+        columns = [applied(facts.turns, written(axis, at), at) for axis in UNIT.values()]
         return tuple(component(column, axis) for column in columns for axis in range(len(AXES)))
 
     def _coordinates(self, statement: st.Draw) -> tuple[str, ...]:
@@ -300,7 +301,3 @@ def _end(span: Span) -> Span:
 
 def _components(vector: Expr) -> tuple[Expr, ...]:
     return tuple(component(vector, axis) for axis in range(len(AXES)))
-
-
-def _unit(axis: int, span: Span) -> Vector:
-    return Vector(tuple(Number(Fraction(int(k == axis)), span) for k in range(len(AXES))), span)

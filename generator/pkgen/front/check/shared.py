@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 
 from ...indices import integer
 from ...record import record
 from ...source import Span
 from ...system.near import meant
-from ...tree import AXES, Expr, Name, Number, Quantity, Range, Vector, replaced
+from ...tree import Expr, Name, Quantity, Range, replaced
 from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
@@ -17,6 +16,7 @@ from ..units import NONE, Dimension, si_text
 from .expr import Expressions, Target
 from .names import KIND_TEXT, MOVING, UNKNOWN, Entry, Facts, Members
 from .scope import PLACES, Scope
+from .written import written
 
 ORIGIN = "O"
 
@@ -81,7 +81,7 @@ class Checks:
 
         def zero(part: Expr) -> Expr | None:
             if isinstance(part, Name) and part.id == ORIGIN and part.index is None:
-                return Vector((Number(Fraction(0), part.span),) * len(AXES), part.span)
+                return written("[0, 0, 0]", part.span)
             return None
 
         return replaced(value, zero)
