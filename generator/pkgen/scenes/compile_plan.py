@@ -205,7 +205,9 @@ class RunUse(SceneUse):
         definite = structure and getattr(structure, "definite", True)
         solved = made and getattr(made[0], "constraints", ())  # else: kernel `inertia`
         needed = not definite or not (self.many(scene) or solved or structure.mass_diagonal)
-        if needed and not (made and _without_mass(made[0])):
+        e = made and made[0]  # The accelerations of a tree of bodies may need no M, which is large.
+        tree = isinstance(e, Equations) and e.acceleration is not None
+        if needed and not (tree and looped(e.graph, e.mass)):
             found |= {"mass"}
         return frozenset(found)
 
@@ -290,11 +292,6 @@ def _asked(
     )
 
 
-def _without_mass(e: object) -> bool:
-    """Whether the accelerations of a tree of bodies are computed without M, since M is large."""
-    return isinstance(e, Equations) and e.acceleration is not None and looped(e.graph, e.mass)
-
-
 def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
     """Whether ensemble members run in SIMD lanes. Models with constraints or loops do not."""
     if not isinstance(equations, Equations) or equations.constraints:
@@ -303,9 +300,7 @@ def _side_by_side(equations: Equations, structure: Structure, method: Method | N
 
 
 def whole(
-    options: argparse.Namespace,
-    columns: tuple[str, ...] | None = None,
-    off: frozenset[str] = EVERY,
+    options: argparse.Namespace, columns: tuple[str, ...] | None = None, off: frozenset[str] = EVERY
 ) -> Use | None:
     """Returns which parts of a model charts use: all except coordinates whose motion the scene
     prescribes."""

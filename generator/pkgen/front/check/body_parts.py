@@ -60,15 +60,10 @@ class BodyParts(Checks):
         if found is not None and found < 0:
             self.error("a mass is not negative", value)
 
-    def place(self, name: str, value: Expr | None, of: st.Body) -> None:
-        """Checks a body's `at`, the position of its centre of mass in the body's frame."""
-        self.given(
-            f"{name}.at", value or written("[0, 0, 0]", of.name_span), "a place needs [m]", LENGTH
-        )
-
-    def moving_place(self, name: str, value: Expr | None, of: st.Joint) -> None:
-        value = value or written("[0, 0, 0]", of.name[1])
-        self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place="joint")
+    def place(self, name: str, value: Expr | None, at: Span, place: str = "body") -> None:
+        """Checks the `at` of a joint, or of a body: its centre of mass in the body's frame."""
+        value = value or written("[0, 0, 0]", at)
+        self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place=place)
 
     def inertia(self, name: str, value: Expr | None) -> None:
         """Checks the inertia tensor about the centre of mass. Off-diagonal elements have the sign

@@ -131,7 +131,8 @@ class Drawings(Checks):
         elif statement.axis and statement.axis not in AXES:
             self.error(f"there is no axis '{statement.axis}': it is x, y or z", statement, form)
         if (statement.subject is None) and shape.subject and not shape.subject_optional:
-            self.error(f"'{name}' needs {_A[shape.subject]}", statement.shape_span, form)
+            needed = _NEEDED.get(shape.subject, f"a {shape.subject}")
+            self.error(f"'{name}' needs {needed}", statement.shape_span, form)
         if statement.subject is not None and not shape.subject:
             self.error(f"'{name}' takes its parts alone", statement.subject, form)
         seen: set[str] = set()
@@ -245,11 +246,9 @@ class Drawings(Checks):
         if not facts.known:
             return ()
         if not facts.turns:
-            self.error(
-                f"{self.text(value)} is no rotation: a body is drawn as one turns it",
-                value,
-                "e.g. draw body rot([0, 0, 1], phi) at P box [a, b, c]; or leave it out",
-            )
+            message = f"{self.text(value)} is no rotation: a body is drawn as one turns it"
+            help = "e.g. draw body rot([0, 0, 1], phi) at P box [a, b, c]; or leave it out"
+            self.error(message, value, help)
             return ()
         self.use_inputs(facts)
         at = value.span
@@ -285,14 +284,7 @@ class Drawings(Checks):
         return (found,)
 
 
-_A = {
-    shapes.PLACE: "a place",
-    shapes.VECTOR: "a vector",
-    shapes.ROTATION: "a rotation",
-    shapes.AXIS: "an axis and a value",
-    shapes.PLANE: "a plane",
-    shapes.VALUE: "an expression",
-}
+_NEEDED = {shapes.AXIS: "an axis and a value", shapes.VALUE: "an expression"}
 
 
 def _end(span: Span) -> Span:

@@ -83,11 +83,9 @@ class RotationCalls(Checking):
         if not facts.known:
             raise Wrong
         if not facts.turns:
-            raise Wrong(
-                f"{expr.function} takes a rotation, {self.text(argument)} is none",
-                "declare one: rotation R; or make one of an axis and an angle: rot(n, a)",
-                expr.arguments[0],
-            )
+            message = f"{expr.function} takes a rotation, {self.text(argument)} is none"
+            help = "declare one: rotation R; or make one of an axis and an angle: rot(n, a)"
+            raise Wrong(message, help, expr.arguments[0])
         if expr.function == "inverse":
             return expr, replace(facts, turns=_inverse(facts.turns))
         if expr.function == "omega":
@@ -104,11 +102,8 @@ class RotationCalls(Checking):
         (axis, of_axis), (angle, of_angle) = parts
         if of_axis.turns or of_axis.vector is False:
             what = "rotation" if of_axis.turns else "number"
-            raise Wrong(
-                f"the axis of a rotation is a vector, {self.text(axis)} is a {what}",
-                f"e.g. {EXAMPLE}",
-                expr.arguments[0],
-            )
+            message = f"the axis of a rotation is a vector, {self.text(axis)} is a {what}"
+            raise Wrong(message, f"e.g. {EXAMPLE}", expr.arguments[0])
         if of_angle.turns or of_angle.vector:
             what = "rotation" if of_angle.turns else "vector"
             text = self.text(angle)
