@@ -205,9 +205,7 @@ class RunUse(SceneUse):
         definite = structure and getattr(structure, "definite", True)
         solved = made and getattr(made[0], "constraints", ())  # else: kernel `inertia`
         needed = not definite or not (self.many(scene) or solved or structure.mass_diagonal)
-        e = made and made[0]  # The accelerations of a tree of bodies may need no M, which is large.
-        tree = isinstance(e, Equations) and e.acceleration is not None
-        if needed and not (tree and looped(e.graph, e.mass)):
+        if needed and not (made and _without_mass(made[0])):
             found |= {"mass"}
         return frozenset(found)
 
@@ -290,6 +288,11 @@ def _asked(
         several=options.ensemble is not None,
         options=options,
     )
+
+
+def _without_mass(e: object) -> bool:
+    """Whether the accelerations of a tree of bodies are computed without M, since M is large."""
+    return isinstance(e, Equations) and e.acceleration is not None and looped(e.graph, e.mass)
 
 
 def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
