@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from .source import Span
 from .tree import COMPONENTS, Add, Expr, Multiply, Name, Negate, Number, Range
@@ -58,6 +59,16 @@ def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterato
     first, rest = ranges[0], ranges[1:]
     for i in range(integer(first.lo, values), integer(first.hi, values) + 1):
         yield from assignments(rest, {**values, first.variable: i})
+
+
+def unrolled(item: Any, values: Mapping[str, int]) -> Iterator[tuple[int | None, dict[str, int]]]:
+    """Yields the index of each member that a statement is about, or None if it has no index, and
+    `values` with the value of its loop variable."""
+    if item.range is None:
+        yield None if item.index is None else integer(item.index, values), dict(values)
+        return
+    for loop in assignments((item.range,), values):
+        yield loop[item.range.variable], loop
 
 
 def indexed(name: str, index: int | str | None) -> str:

@@ -28,24 +28,15 @@ DEFAULTS = {**OPTIONS, "tableau": (), "composition": (), "output": None, "json":
 Check = Callable[[object], bool]
 
 
-def _is_number(x: object) -> bool:
-    return isinstance(x, Real) and not isinstance(x, bool)
+def _is(*types: type) -> Check:
+    return lambda x: isinstance(x, types) and not isinstance(x, bool)
 
 
-def _is_value(x: object) -> bool:
-    return isinstance(x, str) or _is_number(x)
-
-
-def _is_whole(x: object) -> bool:
-    return isinstance(x, Integral) and _is_number(x)
+_is_number, _is_value, _is_whole, _is_text = _is(Real), _is(str, Real), _is(Integral), _is(str)
 
 
 def is_path(x: object) -> bool:
     return isinstance(x, str | os.PathLike) and "\0" not in os.fspath(x)
-
-
-def _is_text(x: object) -> bool:
-    return isinstance(x, str)
 
 
 def _some(one: Check) -> Check:
@@ -69,10 +60,6 @@ def is_computed(x: object) -> bool:
     return callable(x) or (isinstance(x, tuple) and len(x) in (2, 3))
 
 
-def _is_input(x: object) -> bool:
-    return _is_value(x) or is_computed(x)
-
-
 _VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"
 # For each argument: the check of its type, and the name of the type in messages.
 ALLOWED: dict[str, tuple[Check, str]] = {
@@ -81,7 +68,10 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     "allow_path": (_some(is_path), "a folder, or a list of folders"),
     "params": (_named(_is_value), _VALUE),
     "start": (_named(_is_value), "a dictionary of values by name, as {'theta1': 0.5}"),
-    "inputs": (_named(_is_input), "a dictionary by name: {'u': 2.5}, {'u': f}, {'u': (t, values)}"),
+    "inputs": (
+        _named(lambda x: _is_value(x) or is_computed(x)),
+        "a dictionary by name: {'u': 2.5}, {'u': f}, {'u': (t, values)}",
+    ),
     "controllers": (_named(callable), "a dictionary of functions by name: {'ctrl': f}"),
     "iteration": (lambda x: _is_text(x) and x in ITERATIONS, " or ".join(map(repr, ITERATIONS))),
     "tableau": (_some(is_path), "a path, or a list of paths"),

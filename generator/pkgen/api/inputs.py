@@ -73,7 +73,8 @@ class Computed:
         fixed = method is not None and method.fixed
         held = [law.stops for _, law in laws if law.held]
         step = settings.step if fixed else None
-        if step and any(_uneven(t / step) for times in held for t in times):
+        parts = numpy.concatenate([[0.0], *held]) / (step or 1.0)
+        if step and (abs(parts - parts.round()) > 1e-9 * abs(parts)).any():
             raise UsageError(f"step={settings.step!r}: inputs are held for a whole number of steps")
         stops = held if fixed else [law.stops for _, law in laws]
         times = numpy.unique(numpy.concatenate([*stops, [0.0]]))
@@ -135,7 +136,3 @@ class Computed:
         except WrongData as wrong:
             raise UsageError(str(wrong)) from None
         return Law(lambda at, _q, _v: float(data.value((0,), at)), t)
-
-
-def _uneven(x: float) -> bool:
-    return bool(abs(x - round(x)) > 1e-9 * abs(x))

@@ -16,7 +16,7 @@ from ..compiler import Compilation, compile_model
 from ..defaults import ITERATIONS, MAX_STEPS
 from ..front.check.values import NoValue
 from ..front.read import allowing, read
-from ..indices import assignments, indexed, parted
+from ..indices import indexed, parted, unrolled
 from ..middle.sampled import refuse_samples
 from ..model import Scene
 from ..own.given import given as own_methods
@@ -38,10 +38,9 @@ from .inputs import Computed, Function, Table
 from .integrator import Integrator
 from .kernels import Kernels
 from .page import Page, shown
-from .parameters import Parameters
+from .parameters import Parameters, Tables
 from .prepare import prepare
 from .result import Result
-from .tables import Tables
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -85,7 +84,8 @@ class Model(Kernels):
         self._sizes = lengths.given([f"{name}={length}" for name, length in sizes.items()])
         self._made: dict[object, Compilation] = {}
         self._warned: set[str] = set()
-        self.params, self.tables = Parameters(self), Tables(self)
+        self.params = Parameters(self, self._forget)
+        self.tables = Tables(self, self._compile_anew)
         if scene is not None:  # raises errors of the scene here, not in run()
             chosen(self.compilation.declared, scene)
         self.compilation  # noqa: B018
@@ -180,13 +180,12 @@ class Model(Kernels):
         del given["controllers"]
         arguments.checked(inputs=inputs, hold=hold, linear=linear, controllers=controllers)
         functions = {k: x for k, x in (inputs or {}).items() if arguments.is_computed(x)}
-        computed = Computed(functions, hold, linear) if functions or hold or linear else None
-        if computed is not None:
+        computed: Computed | Controllers | None = Controllers(controllers) if controllers else None
+        if functions or hold or linear:
+            computed = laws = Computed(functions, hold, linear)
             refuse_samples(self.compilation.declared, "inputs")
-        elif controllers:
-            return self._run(arguments.options(self, given), computed=Controllers(controllers))
-        if computed is not None and computed.needs_explicit and method is None:
-            given["method"] = "dop853"
+            if laws.needs_explicit and method is None:
+                given["method"] = "dop853"
         return self._run(arguments.options(self, given), computed=computed)
 
     def ensemble(
@@ -244,8 +243,8 @@ class Model(Kernels):
         (times,) = arguments.arrays(t=t)
         arrays, found = Arrays(known.values, "t", times), {}
         for form in scene.exacts:
-            for loop in assignments((form.range,) if form.range else (), known.sizes):
-                name = indexed(form.name, form.range and loop[form.range.variable])
+            for index, loop in unrolled(form, known.sizes):
+                name = indexed(form.name, index)
                 try:
                     with numpy.errstate(all="ignore"):
                         found[name] = numpy.full(times.shape, arrays.value(form.value, loop))

@@ -6,23 +6,39 @@ import argparse
 
 from ..defaults import GAUSS_RTOL, ITERATIONS, OPTIONS, RTOL, UNTIL
 
+WIDTH = "--width float:MM of the picture: 90, a column, or 180, a page"
+
+
+def rows(parser: argparse.ArgumentParser, table: str) -> None:
+    """Adds options, one a line: its flag, the name of its value, its help. The name is - for none;
+    it ends with + if the option may be repeated, and may begin with the value's type."""
+    for line in table.strip().split("\n"):
+        flag, value, help_ = line.split(maxsplit=2)
+        kind, _, name = value.rpartition(":")
+        how: dict = {"action": "store_true"} if value == "-" else {"metavar": name.rstrip("+")}
+        how |= {"action": "append", "default": []} if value.endswith("+") else {}
+        how |= {"type": {"int": int, "float": float}[kind]} if kind else {}
+        parser.add_argument(flag, help=help_, **how)
+
 
 def of_a_motion(parser: argparse.ArgumentParser, until: str = f"{UNTIL:g}") -> None:
     """Adds the options scene, parameters, start and duration. `until` is the default duration."""
-    add = parser.add_argument
-    add("--scene", metavar="NAME", help="one scene of the model; options override it")
-    add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
-    add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
-    add("--until", metavar="T", help=f"duration (default: {until})")
+    text = f"""
+        --scene  NAME      one scene of the model; options override it
+        --set    p=VALUE+  a parameter or input
+        --start  a=VALUE+  a coordinate or a rate
+        --until  T         duration (default: {until})
+    """
+    rows(parser, text)
 
 
 def own_methods(parser: argparse.ArgumentParser) -> None:
     """Adds options that define integration methods; each option may be repeated."""
-    add = parser.add_argument
-    help_ = "a method by its tableau: rows of A, weights b, perhaps bhat"
-    add("--tableau", action="append", default=[], metavar="FILE", help=help_)
-    help_ = "a method of Verlet steps, each of a part of the step"
-    add("--composition", action="append", default=[], metavar="W1,W2,…", help=help_)
+    text = """
+        --tableau      FILE+     a method by its tableau: rows of A, weights b, perhaps bhat
+        --composition  W1,W2,…+  a method of Verlet steps, each of a part of the step
+    """
+    rows(parser, text)
 
 
 def of_implicit_methods(parser: argparse.ArgumentParser) -> None:
@@ -31,8 +47,7 @@ def of_implicit_methods(parser: argparse.ArgumentParser) -> None:
 
 
 def tolerance(parser: argparse.ArgumentParser) -> None:
-    help_ = f"of an adaptive method (default {RTOL:g})"
-    parser.add_argument("--rtol", metavar="R", help=help_)
+    rows(parser, f"--rtol R of an adaptive method (default {RTOL:g})")
 
 
 def directory(parser: argparse.ArgumentParser, usual: str = "here") -> None:
@@ -41,15 +56,13 @@ def directory(parser: argparse.ArgumentParser, usual: str = "here") -> None:
 
 
 def canonical(parser: argparse.ArgumentParser) -> None:
-    help_ = "the canonical form too: H(q, p) and its gradients"
-    parser.add_argument("--canonical", action="store_true", help=help_)
+    rows(parser, "--canonical - the canonical form too: H(q, p) and its gradients")
 
 
 def sincos(parser: argparse.ArgumentParser) -> None:
-    help_ = "sine and cosine of the C library, not the inline pair"
-    parser.add_argument("--libm", action="store_true", help=help_)
+    rows(parser, "--libm - sine and cosine of the C library, not the inline pair")
     help_ = "no fused multiply-add: the same bits on processors with it and without"
-    parser.add_argument("--portable", action="store_true", help=help_)
+    rows(parser, f"--portable - {help_}")
 
 
 def no_reduce(parser: argparse.ArgumentParser) -> None:
@@ -65,13 +78,13 @@ def no_reduce(parser: argparse.ArgumentParser) -> None:
 
 def of_a_model(parser: argparse.ArgumentParser) -> None:
     """Adds options for compiling a model."""
-    add = parser.add_argument
-    add("--size", action="append", default=[], metavar="N=64", help="length of a family")
-    help_ = "read a table of the model from another file"
-    add("--table", action="append", default=[], metavar="ROAD=FILE", help=help_)
-    add("--max-seconds", metavar="S", help="CPU time that compiling may take")
-    help_ = "models and plans may name files in DIR too, besides their own folder"
-    add("--allow-path", action="append", default=[], metavar="DIR", help=help_)
+    text = """
+        --size         N=64+       length of a family
+        --table        ROAD=FILE+  read a table of the model from another file
+        --max-seconds  S           CPU time that compiling may take
+        --allow-path DIR+ models and plans may name files in DIR too, besides their own folder
+    """
+    rows(parser, text)
 
 
 def unrolling(parser: argparse.ArgumentParser) -> None:
@@ -91,13 +104,13 @@ def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
     add("--path", action="append", metavar="x,y", help="path in the plane; x,y,z: in space")
     add("--spectrum", metavar="a,b", help="amplitudes over frequency")
     add("--drift", action="store_true", help="how far constants come from their start")
-    add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
+    rows(parser, WIDTH)
 
 
 def of_a_look(parser: argparse.ArgumentParser) -> None:
     """Adds options for the width, format and colours of pictures."""
+    rows(parser, WIDTH)
     add = parser.add_argument
-    add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
     add("--format", default="svg,png", metavar="LIST", help="of the picture: svg,png,pdf,pgf")
     add("--dark", action="store_true", help="a picture for a dark page")
 
@@ -105,12 +118,7 @@ def of_a_look(parser: argparse.ArgumentParser) -> None:
 def of_a_run(parser: argparse.ArgumentParser) -> None:
     of_an_integration(parser)
     add = parser.add_argument
-    add(
-        "-o",
-        dest="output",
-        metavar="FILE",
-        help="FILE.csv or FILE.npy; default: standard output",
-    )
+    add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
     add("--plot", metavar="FILE", help="a picture too: FILE.svg, FILE.png or FILE.pdf")
     add("--report", metavar="FILE", help="one page of all that there is to say: FILE.html")
     of_a_picture(parser, "all columns")
@@ -129,16 +137,19 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
         f"for --rtol above {GAUSS_RTOL:.0e}".replace("e-0", "e-"),
     )
     own_methods(parser)
-    add("--step", metavar="H", help="of a method with fixed steps; else the first step")
-    add("--max-step", metavar="H", help="of an adaptive method, and of respa's inner steps")
-    tolerance(parser)
-    add("--atol", metavar="A", help="default: R times the scale that the motion shows")
-    add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
-    add("--units", action="store_true", help="units in the header of the CSV")
-    add("--record", metavar="a,b,energy", help="only these columns, behind t")
-    add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
-    add("--ensemble", metavar="FILE", help="CSV or Parquet, a row a trajectory: starts, parameters")
-    add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
+    text = f"""
+        --step      H           of a method with fixed steps; else the first step
+        --max-step  H           of an adaptive method, and of respa's inner steps
+        --rtol      R           of an adaptive method (default {RTOL:g})
+        --atol      A           default: R times the scale that the motion shows
+        --every     DT          time between rows (default: a thousandth of the duration)
+        --units     -           units in the header of the CSV
+        --record    a,b,energy  only these columns, behind t
+        --at        EVENT       a row at each crossing, and by time only with --every
+        --ensemble  FILE        CSV or Parquet, a row a trajectory: starts, parameters
+        --threads   int:N       of an ensemble (default: all cores)
+    """
+    rows(parser, text)
     unrolling(parser)
     help_ = "none: constants are not watched, and their drifts not told"
     add("--watch", choices=("all", "none"), help=help_)

@@ -12,7 +12,7 @@ from ..api.prepare import prepare
 from ..run.build import build_program
 from ..run.library import initializer, load
 from ..run.simulate import build as library_of
-from ..system.exits import DONE, UsageError
+from ..system.exits import UsageError
 from . import arguments as shared
 from .compilation import compile_within_limits
 
@@ -31,7 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("-o", dest="program", required=True, metavar="FILE", help="the program")
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Make a program that integrates the model and has the options of `pkgen run`."""
     path = Path(options.program)
     if path.is_dir():
@@ -62,4 +62,3 @@ def run(options: argparse.Namespace) -> int:
     )
     if options.json:
         print(json.dumps({"program": str(path)}))
-    return DONE

@@ -62,12 +62,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--cost", choices=tuple(COSTS), help="of the picture (default: time)")
     add("--full", action="store_true", help="pictures of all methods too, and of each family")
     shared.of_a_look(parser)
-    add("--long", action="store_true", help="drifts over 1e1 to 1e7 fixed steps instead")
-    add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
-    help_ = f"fewer points, shorter laps, {QUICK[2]:g} s of processor time"
-    add("--quick", action="store_true", help=help_)
-    help_ = f"processor time of all but drawing (default {FULL[2]:g})"
-    add("--seconds", type=float, metavar="S", help=help_)
+    text = f"""
+        --long     -        drifts over 1e1 to 1e7 fixed steps instead
+        --step     H        of --long (default: 1/32 of the fastest period)
+        --quick    -        fewer points, shorter laps, {QUICK[2]:g} s of processor time
+        --seconds  float:S  processor time of all but drawing (default {FULL[2]:g})
+    """
+    shared.rows(parser, text)
     parser.set_defaults(others=None, **OF_CHART)  # An add-on may replace `others`.
 
 
@@ -87,24 +88,15 @@ def run(options: argparse.Namespace) -> int:
     if options.long:
         return _long(options, compilation, settings, chosen, look, directory, began)
     with progress(compilation.model.name) as show:
-        chart = charts.measure(
-            compilation,
-            settings,
-            chosen,
-            effort,
-            show or unseen,
-            KINDS[options.error],
-            options.starts,
-            others,
-        )
+        how = effort, show or unseen, KINDS[options.error], options.starts, others
+        chart = charts.measure(compilation, settings, chosen, *how)
     if not any(track.good for track in chart.tracks):
         if chart.interrupted:
             raise KeyboardInterrupt
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
     files = _write(directory, chart, options, look)
-    show_result(
-        options, _record(chart), report(chart, options.model, _given(options)), files, began
-    )
+    text = report(chart, options.model, _given(options))
+    show_result(options, _record(chart), text, files, began)
     if chart.interrupted:
         say(interrupted(chart))
     return INTERRUPTED if chart.interrupted else DONE
@@ -184,8 +176,7 @@ def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Loo
     with scratch() as folder:
         stem = folder / f"{chart.model}_chart"
         files = picture.write(chart, stem, look, COSTS[options.cost])
-        if options.full:
-            files += draw.pictures(chart, stem)
+        files += draw.pictures(chart, stem) if options.full else []
         contents = {".csv": table.as_csv(chart.tracks)}
         if html:
             text = report(chart, options.model, _given(options))

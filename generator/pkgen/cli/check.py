@@ -10,7 +10,6 @@ from ..front.read import read
 from ..scenes import check as scene_check
 from ..scenes import lengths
 from ..source import ModelError
-from ..system.exits import DONE
 from . import arguments as shared
 from .compilation import warn, within_limits
 
@@ -24,7 +23,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.unrolling(parser)
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Report the errors and warnings of a model, and write nothing."""
     source = read(options.model)
     sizes = lengths.given(options.size)
@@ -40,4 +39,3 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps({"diagnostics": [w.record(source) for w in warnings]}))
     else:
         warn(source, warnings)
-    return DONE

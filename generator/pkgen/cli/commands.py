@@ -108,15 +108,13 @@ def overview() -> str:
             group = command.group
             lines += ["", f"{group}:"]
         lines.append(f"  {command.name:10} {command.does}")
-    return "\n".join(
-        [
-            *lines,
-            "",
-            "Each takes --json, -q (quiet) and -v (verbose); a file may be - (the standard",
-            "input or output). Its options and examples: pkgen help COMMAND, or --help.",
-            "The version: pkgen -V.",
-        ]
-    )
+    lines += [
+        "",
+        "Each takes --json, -q (quiet) and -v (verbose); a file may be - (the standard",
+        "input or output). Its options and examples: pkgen help COMMAND, or --help.",
+        "The version: pkgen -V.",
+    ]
+    return "\n".join(lines)
 
 
 class _Help(argparse.HelpFormatter):

@@ -16,7 +16,7 @@ from ..scenes import check as scene_check
 from ..scenes import compile_plan as scene_use
 from ..scenes import lengths, scene
 from ..scenes import run_settings as parsing
-from ..system.exits import DONE, UsageError
+from ..system.exits import UsageError
 from ..system.files import STANDARD, replace
 from . import arguments as shared
 from .compilation import compile_within_limits, within_limits
@@ -46,7 +46,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
     refuse_both(options, options.directory)
     source = read(options.model)
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
         with within_limits(options):
             text = dump(options.dump, source, lengths.given(options.size), kernels, options.libm)
         print(text)
-        return DONE
+        return
     compilation = compile_within_limits(
         options,
         source,
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
         if options.depfile:
             raise UsageError("-o - makes no file that others could depend on; --depfile needs one")
         replace({STANDARD: _as_one(compilation)})
-        return DONE
+        return
     directory = parsing.directory(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
     files = {directory / name: text for name, text in compilation.files.items()}
@@ -91,7 +91,6 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps({"files": files, "warnings": warnings}))
     elif sys.stdout.isatty():
         print(_made(compilation, directory, options))
-    return DONE
 
 
 def _made(compilation: Compilation, directory: Path, options: argparse.Namespace) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..methods import METHODS
-from ..system.exits import DONE, UsageError
+from ..system.exits import UsageError
 from .commands import commands, overview, parser_of
 
 SHELLS = ("bash", "zsh", "fish")
@@ -19,7 +19,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("shell", choices=SHELLS, metavar="SHELL", help=", ".join(SHELLS))
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Write a script by which a shell completes commands, options, methods and files."""
     try:
         import shtab
@@ -30,7 +30,6 @@ def run(options: argparse.Namespace) -> int:
             f"completion: this shtab is too old for {options.shell}: pip install -U shtab"
         )
     print(shtab.complete(_whole(shtab), shell=options.shell, root_prefix="pkgen"))
-    return DONE
 
 
 def _whole(shtab) -> argparse.ArgumentParser:

@@ -6,7 +6,6 @@ import argparse
 import json
 
 from ..describe.page_data import describe
-from ..system.exits import DONE
 from .arguments import as_of_a_run, of_a_motion, own_methods
 from .compilation import compile_within_limits
 
@@ -24,7 +23,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     own_methods(parser)
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Names, units, bounds, starts, outputs, events, methods and drawings of a model, as JSON with
     --json."""
     found = describe(
@@ -32,10 +31,8 @@ def run(options: argparse.Namespace) -> int:
     ).description
     if options.json:
         print(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False))
-        return DONE
-    for line in _lines(found):
-        print(line)
-    return DONE
+    else:
+        print("\n".join(_lines(found)))
 
 
 def _lines(found: dict) -> list[str]:

@@ -17,7 +17,7 @@ from ..middle.dependence import to_be_shown
 from ..scenes import compile_plan as scene_use
 from ..scenes import lengths
 from ..system import addons
-from ..system.exits import DONE, UsageError
+from ..system.exits import UsageError
 from ..system.files import replace
 from ..system.progress import say
 from . import arguments as shared
@@ -73,7 +73,7 @@ def _scenes(
     return made
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Show a model's equations and structure."""
     html = addons.load("pages", PAGE).html if options.html else None
     if find_spec("sympy") is None:
@@ -101,4 +101,3 @@ def run(options: argparse.Namespace) -> int:
         replace({Path(options.html): written})
     if text:
         print(text)
-    return DONE

@@ -13,7 +13,7 @@ from ..back.exported import Exported, Host
 from ..describe.page_data import describe
 from ..middle.sampled import refuse_samples
 from ..system import addons
-from ..system.exits import DONE, UsageError
+from ..system.exits import UsageError
 from ..system.files import replace
 from ..system.near import near
 from . import arguments as shared
@@ -64,7 +64,7 @@ def _flags() -> dict[str, list[Host]]:
     return found
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Write the files that another program needs to use the model: C, interface, description."""
     host = _host(options)
     found = describe(
@@ -91,12 +91,11 @@ def run(options: argparse.Namespace) -> int:
     replace(files)
     if options.json:
         print(json.dumps({"files": [str(path) for path in files]}))
-        return DONE
+        return
     size = math.ceil(sum(map(len, files.values())) / 1000)
     shown = next(iter(files)) if host.suffix else f"{_folder(host, model.name, options.path)}/"
     count = "" if host.suffix else f"{len(files)} files, "
     print(f"{shown}: {count}{size} kB")
-    return DONE
 
 
 def _host(options: argparse.Namespace) -> Host:

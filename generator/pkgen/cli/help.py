@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from ..system.exits import DONE, UsageError
+from ..system.exits import UsageError
 from ..system.near import near
 from .commands import command_of, commands, overview, parser_of
 
@@ -19,7 +19,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("command", nargs="?", metavar="COMMAND", help="default: all, a line each")
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Show all commands, or the options of one, with examples."""
     if options.command is not None and command_of(options.command) is None:
         said = near(options.command, list(commands()), "command")
@@ -30,4 +30,3 @@ def run(options: argparse.Namespace) -> int:
         print(overview())
     else:
         parser_of(options.command).print_help()
-    return DONE

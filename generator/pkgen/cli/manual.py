@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..system.exits import DONE
 from ..system.files import STANDARD, replace
 from ..version import __version__
 from . import arguments as shared
@@ -38,19 +37,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.directory(parser, "here; -: all on standard output")
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """Write man pages: pkgen.1, and one for each command."""
     pages = {"pkgen.1": _of_all()}
     pages |= {f"pkgen-{c.name}.1": _of_command(c) for c in commands().values()}
     directory = Path(options.directory)
     if directory == STANDARD:
         replace({STANDARD: "".join(pages.values())})
-        return DONE
+        return
     directory.mkdir(parents=True, exist_ok=True)
     replace({directory / name: text for name, text in pages.items()})
     if options.json:
         print(json.dumps({"files": [str(directory / name) for name in pages]}))
-    return DONE
 
 
 def _plain(text: str) -> str:

@@ -55,16 +55,17 @@ def needs(module: str) -> None:
         raise ModuleNotFoundError(name=module)
 
 
-def told(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    """Runs a command; returns its exit code. -q hides messages on success, -v shows progress."""
+def told(command: Callable[[argparse.Namespace], int | None], options: argparse.Namespace) -> int:
+    """Runs a command; returns its exit code, DONE for None. -q hides messages on success, -v shows
+    progress."""
     if options.verbose:
         with progress.watched():
-            return command(options)
+            return command(options) or DONE
     if not options.quiet:
-        return command(options)
+        return command(options) or DONE
     kept = io.StringIO()
     with contextlib.redirect_stderr(kept):
-        code = command(options)
+        code = command(options) or DONE
     if code != DONE:
         sys.stderr.write(kept.getvalue())
     return code

@@ -12,7 +12,6 @@ from ..own.made import facts, fit
 from ..own.tableau import read_tableau
 from ..run.build import own_methods, runtime_methods
 from ..run.methods_table import methods_text, own_text
-from ..system.exits import DONE
 from . import arguments as shared
 
 EXAMPLES = """
@@ -26,18 +25,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(model="")
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> None:
     """List the integration methods, or the properties of a tableau or composition."""
-    if options.tableau or options.composition:
-        found = _own(options)
-        print(json.dumps(found, indent=1) if options.json else own_text(found))
-        return DONE
-    found = runtime_methods()
-    if options.json:
-        print(json.dumps(found, indent=1))
-        return DONE
-    print(methods_text(found))
-    return DONE
+    own = options.tableau or options.composition
+    found, text = (_own(options), own_text) if own else (runtime_methods(), methods_text)
+    print(json.dumps(found, indent=1) if options.json else text(found))
 
 
 def _own(options: argparse.Namespace) -> list[dict[str, object]]:

@@ -68,9 +68,13 @@ def run(options: argparse.Namespace) -> int:
         _show(options, _map(options, view, folders[sweeps[0]]), file, width)
         return DONE
     tables, codes = [], []
-    for name, label in zip(options.files, _labels(options.files), strict=True):
+    names = [Path(file).name for file in options.files]
+    labels = names if len({*names}) == len(names) else options.files
+    for name, label in zip(options.files, labels, strict=True):
         if name.endswith(READ):
-            table, code = _read(name, label), DONE
+            from ..plot.table import read
+
+            table, code = replace(read(name), label=label), DONE
         else:
             options.model = name
             table, code = _run(options, view, label)
@@ -127,18 +131,6 @@ def _files(given: list[str]) -> list[str]:
             raise UsageError(f"{name}: no *.csv in this directory")
         files += found
     return files
-
-
-def _labels(files: list[str]) -> list[str]:
-    """Returns labels of files: their names, or their paths if two names are equal."""
-    names = [Path(file).name for file in files]
-    return names if len(set(names)) == len(names) else files
-
-
-def _read(name: str, label: str) -> Table:
-    from ..plot.table import read
-
-    return replace(read(name), label=label)
 
 
 def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | None, int]:

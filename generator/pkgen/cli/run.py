@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from ..api.prepare import Prepared, prepare
-from ..model import Model
 from ..run import diagnostics, diagnostics_text
 from ..run.library import load
 from ..run.simulate import Outcome, sidecar, simulate
@@ -64,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
     if output is not None:
         outcome, left = _to_file(options, what, output, wanted is None, more)
         if wanted:
-            _pictures(options, wanted, what, outcome, left or output)
+            _pictures(wanted, what, outcome, left or output)
     elif alone and not shown:
         sys.stdout.flush()
         outcome = _simulate(what, sys.stdout.fileno(), **more)
@@ -76,20 +75,26 @@ def run(options: argparse.Namespace) -> int:
             if shown:
                 print(_some_rows(path))
             elif options.json:
-                print(json.dumps(_result(what, outcome, path), indent=1))
+                found = _describe(what, outcome, "rows")
+                with open(path, newline="", encoding="utf-8") as file:
+                    rows = list(csv.reader(file))[1:]
+                found["rows"] = [[float(x) for x in row] for row in rows]
+                print(json.dumps(found, indent=1))
             elif options.output == "-":
                 with open(path, "rb") as file:
                     shutil.copyfileobj(file, sys.stdout.buffer)
             if wanted:
-                _pictures(options, wanted, what, outcome, path)
+                _pictures(wanted, what, outcome, path)
     checkpoints.over(options, outcome)
     if outcome.code == DONE and not outcome.whole:  # e.g. in `pkgen run MODEL | head`
         return DONE
     tell(options, what, outcome)
     if left is not None and not options.json:
         say(f"rows as far as they came: {left}")
-    if outcome.code == DONE and not options.diagnose:
-        _hint(options, what.compilation.declared)
+    names = ", ".join(item.name for item in what.compilation.declared.scenes if item.listed)
+    plain = options.scene is None and not (options.json or options.diagnose)
+    if outcome.code == DONE and plain and names:
+        print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
     return LEFT if outcome.code == LEFT else judge(options, what, outcome)
 
 
@@ -136,9 +141,7 @@ def _some_rows(path: Path) -> str:
     return "\n".join(lines)
 
 
-def _pictures(
-    options: argparse.Namespace, wanted: Wanted, what: Prepared, outcome: Outcome, path: Path
-) -> None:
+def _pictures(wanted: Wanted, what: Prepared, outcome: Outcome, path: Path) -> None:
     """Writes the files of --plot and --report after a run, even if the run failed."""
     table = table_of(what, outcome, path, what.compilation.model.name)
     if wanted.plot is not None and table is None:
@@ -155,13 +158,6 @@ def _pictures(
         html = addons.load("pages", "run.report").html
         text = html(what.compilation, told, table, outcome.messages, wanted.view, given)
         replace({wanted.report: text})
-
-
-def _hint(options: argparse.Namespace, model: Model) -> None:
-    """Prints the names of the model's scenes if no scene is chosen."""
-    names = ", ".join(item.name for item in model.scenes if item.listed)
-    if options.scene is None and names and not options.json:
-        print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
 
 
 def _to_file(
@@ -226,14 +222,6 @@ def judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int
     return NUMERICS_FAILED if missed and outcome.code == DONE else outcome.code
 
 
-def _result(asked: Prepared, outcome: Outcome, table: Path) -> dict[str, object]:
-    """Returns the description of a run and its rows as one JSON object."""
-    result = _describe(asked, outcome, "rows")
-    with open(table, newline="", encoding="utf-8") as file:
-        result["rows"] = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
-    return result
-
-
 def _simulate(
     asked: Prepared, output: IO[bytes] | int, npy: bool = False, **more: object
 ) -> Outcome:
@@ -258,18 +246,17 @@ def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
     lines = outcome.messages.splitlines()
     if not options.json and _whole(outcome):
         report = outcome.report
-        lines += _of_members(report) if "members" in report else _summary(report, options.verbose)
+        if "members" in report:
+            lines.append(
+                f"{report['method']}: {report['done']} members by {report['threads']} threads, "
+                f"{1000 * report['seconds']:.3g} ms with their rows"
+            )
+        else:
+            lines += _summary(report, options.verbose)
         time = "" if what.compilation.model.dimensionless else "s"
         lines += diagnostics_text.lines(report.get("diagnostics", {}), time)
     for line in lines:
         print(line, file=sys.stderr)
-
-
-def _of_members(report: dict) -> list[str]:
-    return [
-        f"{report['method']}: {report['done']} members by {report['threads']} threads, "
-        f"{1000 * report['seconds']:.3g} ms with their rows"
-    ]
 
 
 def _summary(report: dict, verbose: bool) -> list[str]:

@@ -39,20 +39,21 @@ pkgen stability models/double_pendulum.lag --methods verlet,rk4 --quick
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
-    add = parser.add_argument
     shared.directory(parser)
     shared.own_methods(parser)
     shared.of_a_motion(parser, f"{plan.PERIODS} periods of the slowest mode or of the cycle")
-    add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
-    add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
-    add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
-    add("--period", metavar="T", help="of what drives the model, where it is not sines of time")
     full, quick = ("x".join(map(str, size)) for size in (plan.FULL, plan.QUICK))
-    add("--points", metavar="NxM", help=f"steps x values (default {full})")
-    help_ = f"{quick} points, and resonances measured with less"
-    add("--quick", action="store_true", help=help_)
     usual = f"default {budget.FULL:g}; --quick {budget.QUICK:g}"
-    add("--seconds", metavar="S", help=f"of all but drawing ({usual}): fewer points")
+    text = f"""
+        --vary     NAME=LO..HI  a start or a parameter (default: the amplitude)
+        --methods  LIST         only these, e.g. verlet,rk4 (default: one a family)
+        --steps    LO..HI       default: to somewhat beyond the predicted limits
+        --period   T            of what drives the model, where it is not sines of time
+        --points   NxM          steps x values (default {full})
+        --quick    -            {quick} points, and resonances measured with less
+        --seconds  S            of all but drawing ({usual}): fewer points
+    """
+    shared.rows(parser, text)
     shared.of_a_look(parser)
     shared.of_implicit_methods(parser)
     parser.set_defaults(method="rk4")  # settings need a method, which maps ignore

@@ -132,10 +132,7 @@ class _Description:
 
     def parameters(self) -> Entries:
         looped = self.compilation.looped
-        chosen = {
-            *dict(self.settings.parameters),
-            *((k, j) for k, j, _ in self.settings.members),
-        }
+        chosen = {*dict(self.settings.parameters), *((k, j) for k, j, _ in self.settings.members)}
         declared = {p.name: p for p in self.declared.parameters}
         values = Values(self.declared, {})
         for flat, k, position, item, quantity in _flat(named.parameters(self.compilation)):

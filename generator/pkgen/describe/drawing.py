@@ -41,14 +41,13 @@ Entry = float | dict[str, int]
 PREFIX = "0_draw_"
 
 
-def with_drawing(model: Model) -> Model:
-    """Returns the model with hidden outputs for all nonconstant numbers of its drawing."""
-    return replace(model, observed=(*model.observed, *_Outputs(model).all()))
-
-
 def drawn(use: Use | None) -> Use:
     """Returns the transformation `use` of models, extended so that the transformed model also has
-    the outputs of its drawing. None stands for the identity."""
+    hidden outputs for all nonconstant numbers of its drawing. None stands for the identity."""
+
+    def with_drawing(model: Model) -> Model:
+        return replace(model, observed=(*model.observed, *_Outputs(model).all()))
+
     return replace(use or Use(), more_declared=with_drawing)
 
 
@@ -174,8 +173,7 @@ class _Outputs:
 
     def all(self) -> list[Definition]:
         for item in (*_drawings(self.model), *self.model.views):
-            for _ in self.shapes(item):
-                pass
+            list(self.shapes(item))
         return self.definitions
 
     def shapes(self, item: Drawing) -> Iterator[dict[str, object]]:

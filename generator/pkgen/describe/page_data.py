@@ -31,9 +31,7 @@ class Described:
 
 
 def describe(
-    options: argparse.Namespace,
-    compiled: Callable[..., Compilation],
-    draw: bool = True,
+    options: argparse.Namespace, compiled: Callable[..., Compilation], draw: bool = True
 ) -> Described:
     """Compiles a model, by `compiled(options, **how)`, and describes it. If `draw` is false, the
     compiled C has no outputs for the drawing. Raises UsageError, ModelError, BuildError, or

@@ -112,13 +112,8 @@ def _parameters(c: Contents) -> str:
         for q in [x.quantity]
     ]
     names, defaults, bounds = (max((len(row[i]) for row in rows), default=0) for i in range(3))
-    return section(
-        "Parameters",
-        (
-            f"{name:<{names}} = {default:<{defaults}}  {bound:<{bounds}}  {says}"
-            for name, default, bound, says in rows
-        ),
-    )
+    form = f"{{:<{names}}} = {{:<{defaults}}}  {{:<{bounds}}}  {{}}"
+    return section("Parameters", (form.format(*row) for row in rows))
 
 
 def _constant(c: Contents, node: Node) -> str:

@@ -155,21 +155,15 @@ def rates_title(e: Equations) -> str:
 
 def freedom(e: Equations) -> list[str]:
     """Returns counts such as "2 rates", "1 constraint", "1 degree of freedom"."""
-    n, states = len(e.coordinates), len(e.states) - e.quaternions
-    counts = []
-    if e.constraints is not None:
-        rows, holonomic = len(e.constraints.names), e.constraints.holonomic
-        counts = [f"{n} rates"]
-        counts += [f"{holonomic} constraint{'s' if holonomic != 1 else ''}"] if holonomic else []
-        counts += [f"{rows - holonomic} rolling"] if rows > holonomic else []
-        more = len(e.constraints.redundant_rows)
-        counts += [f"{more} redundant row{'s' if more != 1 else ''}"] if more else []
+    n, states, bound = len(e.coordinates), len(e.states) - e.quaternions, ()
+    if (c := e.constraints) is not None:
+        rows = len(c.names)
+        bound = (n, "rates"), (c.holonomic, "constraint*"), (rows - c.holonomic, "rolling")
+        bound += ((len(c.redundant_rows), "redundant row*"),)
         n -= rows
-    counts += [f"{n} degree{'s' if n != 1 else ''} of freedom"] if n or not states else []
-    turning = len(e.attitudes)
-    counts += [f"{turning} rotation{'s' if turning != 1 else ''}"] if turning else []
-    counts += [f"{states} state{'s' if states != 1 else ''}"] if states else []
-    return counts
+    free = (n, "degree* of freedom"), (len(e.attitudes), "rotation*"), (states, "state*")
+    shown = (row for row in (*bound, *free) if row[0] or (row is free[0] and not states))
+    return [f"{count} {what.replace('*', 's' * (count != 1))}" for count, what in shown]
 
 
 def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
@@ -178,12 +172,9 @@ def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
     if c is None:
         return
     names = [multiplied(q.name) for q in c.names]
-    for name, node in zip(names, (*c.positions, *c.residual[c.holonomic :]), strict=True):
-        yield name, node
-    for name, node in zip(names[: c.holonomic], c.residual, strict=False):
-        yield f"{name}'", node
-    for q, node in zip(c.names, c.multipliers, strict=True):
-        yield q.name, node
+    yield from zip(names, (*c.positions, *c.residual[c.holonomic :]), strict=True)
+    yield from zip((f"{name}'" for name in names[: c.holonomic]), c.residual, strict=False)
+    yield from zip((q.name for q in c.names), c.multipliers, strict=True)
 
 
 def redundant_names(equations: Equations) -> list[str]:

@@ -66,17 +66,15 @@ def contents(compilation: Compilation) -> Contents:
 def freedom(e: LoopEquations) -> str:
     """Returns counts of degrees of freedom, rotations and states, like "2 N degrees of freedom"."""
     write = Writer(e)
-    kinds = ("degrees of freedom", lambda g: not g.is_state), ("rotations", _is_first)
-    kinds += (("states", lambda g: g.is_state and "." not in g.name),)
+    kinds = (
+        ("degrees of freedom", lambda g: not g.is_state),
+        ("rotations", lambda g: g.is_turn and g.name.endswith(".x")),  # the first of three
+        ("states", lambda g: g.is_state and "." not in g.name),
+    )
     counts = [(sum((g.count for g in e.coordinates if of(g)), Affine()), x) for x, of in kinds]
     parts = [f"{write.index(count)} {what}" for count, what in counts if count != Affine()]
     sizes = ", ".join(f"{s.name} = {s.value}" for s in e.model.sizes)
     return f"{' and '.join(parts)} ({sizes}); sizes are set at run time"
-
-
-def _is_first(group: Group) -> bool:
-    """Whether the group is the first component (.x) of a rotation's angular velocity."""
-    return group.is_turn and group.name.endswith(".x")
 
 
 def _record(lines: list[EquationLine]) -> dict[str, str]:
@@ -255,18 +253,14 @@ def _rows_of(write: Writer, form: str, states: bool) -> list[EquationLine]:
 
 
 def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
-    sides = [
-        (
-            ("{}'" if write.groups[n].is_state else "f[{}]").format(
-                indexed(write.groups[n].shown, write.i)
-            ),
-            node,
-        )
-        for n, node in pair.by_row
-    ]
-    sides += [(f"f[{indexed(write.groups[n].shown, write.j)}]", x) for n, x in pair.by_other]
-    sides += [(f"f[{write.groups[n].shown}]", node) for n, node in pair.by_scalar]
-    return [EquationLine(left, write.text([(node, M)])) for left, node in sides]
+    rows = (pair.by_row, write.i), (pair.by_other, write.j), (pair.by_scalar, None)
+    lines = []
+    for sides, index in rows:
+        for group, node in ((write.groups[name], node) for name, node in sides):
+            form = "{}'" if sides is pair.by_row and group.is_state else "f[{}]"
+            left = form.format(indexed(group.shown, index))
+            lines.append(EquationLine(left, write.text([(node, M)])))
+    return lines
 
 
 def beyond(write: Writer) -> list[str]:

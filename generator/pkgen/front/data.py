@@ -119,13 +119,8 @@ def _cells(path: Path, *_: int) -> Cells:
     if len(names) < sum(bool(cell.strip()) for cell in rows[0]):
         shown = rows[0][names[0]].strip()[:40]
         raise cells.wrong(0, names[0], f"'{shown}' is no number, though others of its row are")
-    titles = tuple(_title(cell) for cell in rows[0])
+    titles = tuple(_TITLE.fullmatch(cell).groups("") for cell in rows[0])
     return replace(cells, titles=titles, lines=cells.lines[1:], rows=cells.rows[1:])
-
-
-def _title(cell: str) -> tuple[str, str]:
-    name, unit = _TITLE.fullmatch(cell).groups()
-    return name, unit or ""
 
 
 def _float(cell: str) -> list[float]:

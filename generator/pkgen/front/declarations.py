@@ -17,6 +17,8 @@ def declarations(statements: Iterable[st.Statement]) -> Iterator[tuple[str, Span
         match statement:
             case st.Define(keyword="rate"):
                 pass  # `rate` declares no name.
+            case st.Accumulate(left=left):
+                yield left.name, left.span, "state"
             case st.Force(left=left, place=place) if place is not None and left is not None:
                 yield left.name, left.span, ""
             case st.Param(left=left) | st.Define(left=left) | st.Body(left=left):
@@ -32,8 +34,6 @@ def declarations(statements: Iterable[st.Statement]) -> Iterator[tuple[str, Span
                 yield name, span, ""
                 cells = (c.left for c in clauses if c.keyword == "memory")
                 yield from ((left.name, left.span, "") for left in cells)
-            case st.Accumulate(left=left):
-                yield left.name, left.span, "state"
             case st.Drive(input=item):
                 yield item.name, item.name_span, ""
             case (

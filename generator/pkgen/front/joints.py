@@ -87,9 +87,5 @@ def joint_names(joint) -> tuple[tuple[str, str], ...]:
     given = [e for word, _, items in joint.clauses if word == "coord" for e in items]
     names = [e.id for e in given if isinstance(e, Name)]
     own = [joint.left.name + suffix for suffix, _ in kind.coordinates]
-    return tuple(
-        (name, what)
-        for name, (_, what) in zip(
-            names if len(names) == len(own) else own, kind.coordinates, strict=True
-        )
-    )
+    names = names if len(names) == len(own) else own
+    return tuple((name, what) for name, (_, what) in zip(names, kind.coordinates, strict=True))

@@ -40,6 +40,7 @@ _PATTERN = re.compile(
 _MORE = re.compile(r"\.([^\W\d]\w*)")
 _PATH = re.compile(r"[ \t]*([^\s#]+)")
 _NAMED = re.compile(r"""[ \t]+([^\W\d]\w*|")""")
+_BRACKET = re.compile(r"[ \t]*\(")
 _UNIT = re.compile(r"\[([^\[\]\n#]*)\]")
 _OPERATORS = {
     "+": "PLUS", "-": "MINUS", "*": "TIMES", "/": "OVER", "^": "POWER", "**": "POWER",
@@ -149,7 +150,7 @@ class _Lexer:
             return self._add(name.upper(), name, at, end)
         if first in _DRAWN and not self.open and (kind := self._word_of_drawing(name, at, end)):
             return kind
-        called = self._next_is_bracket(end)
+        called = _BRACKET.match(self.text, end) is not None
         in_method = self.now.tokens and self.now.tokens[0].type == "METHOD"
         if in_method and name == TABLEAU and len(self.now.tokens) == 2:
             return self._file(self._add("TABLEAU", name, at, end))
@@ -210,12 +211,6 @@ class _Lexer:
         of_joint = self.now.tokens[0].type == "JOINT" and before.type == "WORD"
         kind = of_joint and words == WORDS_TO_KIND
         return before.type in _VALUE_ENDS or (kind and name in CLAUSES["joint"])
-
-    def _next_is_bracket(self, at: int) -> bool:
-        text = self.text
-        while at < len(text) and text[at] in " \t":
-            at += 1
-        return text.startswith("(", at)
 
     def _spell_out(self, spelt: str, at: int) -> str:
         letters: list[str] = []

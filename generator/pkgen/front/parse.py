@@ -84,9 +84,8 @@ def parse_all(source: Source) -> st.File:
     reader = _Reader(source)
     for number, lexed in enumerate(prefixed(source, statements(source))):
         if number == limits.STATEMENTS:
-            reader.errors.append(
-                Diagnostic(f"more than {limits.STATEMENTS} statements", lexed.span)
-            )
+            message = f"more than {limits.STATEMENTS} statements"
+            reader.errors.append(Diagnostic(message, lexed.span))
             reader.broken.append(st.Broken("", (), lexed.span))
             break
         reader.read(lexed)
@@ -102,10 +101,10 @@ class _Reader:
         self.errors: list[Diagnostic] = []
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
-        self.block: st.Head | st.Sample | None = None
+        self.block: st.Scene | st.Sample | None = None
         self.part = ""
         self.headless = ""  # Keyword of the current block if its first line did not parse.
-        self.clauses: list[st.Clause] = []
+        self.clauses: list[st.Statement] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
 
@@ -116,7 +115,7 @@ class _Reader:
         self.part = part
         fits = self._place(lexed)
         statement = self._parse(lexed)
-        if not isinstance(self.block, st.Head):
+        if not isinstance(self.block, st.Scene):
             self.units.update((str(t), None) for t in lexed.tokens if t.type == "UNIT")
         if statement is None:
             if lexed.keyword in ("scene", "sample"):
@@ -174,14 +173,9 @@ class _Reader:
         self._close_block(block.span)
 
     def _close_block(self, span: Span) -> None:
-        if self.block is None:
-            return
-        head, clauses = self.block, tuple(self.clauses)
-        if isinstance(head, st.Sample):
-            self.statements.append(replace(head, clauses=clauses, span=head.span.to(span)))
-        else:
-            said = clauses, head.description, head.span.to(span)
-            self.statements.append(st.Scene(head.name, head.name_span, *said))
+        if self.block is not None:
+            whole = self.block.span.to(span)
+            self.statements.append(replace(self.block, clauses=tuple(self.clauses), span=whole))
         self.block, self.clauses = None, []
 
     def _parse(self, lexed: Lexed) -> object | None:
@@ -216,7 +210,7 @@ def _own_names(statement: object) -> Iterator[tuple[str, Span]]:
     """Yields the names that a statement declares and that its author writes."""
     for item in statement.items if isinstance(statement, st.Declare) else ():
         yield item.name, item.name_span
-    if isinstance(statement, st.Event | st.Head | st.Use):
+    if isinstance(statement, st.Event | st.Head | st.Scene | st.Use):
         yield statement.name, statement.name_span
     left = getattr(statement, "left", None)
     if left is not None and not isinstance(statement, st.Force):

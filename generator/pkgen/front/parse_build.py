@@ -169,7 +169,8 @@ class Build(Transformer):
     # Callbacks of statements: their first argument is the keyword.
 
     def head(self, word, name):
-        return st.Head(str(word), str(name), _span(name), self.comment, _over(word, name))
+        of = st.Scene if word == "scene" else st.Head
+        return of(str(name), _span(name), self.comment, _over(word, name))
 
     def param(self, word, left, _, value, interval):
         return st.Param(left, value, interval, self.comment, _over(word, interval or value))
@@ -187,8 +188,8 @@ class Build(Transformer):
         whole = isinstance(value, tree.Call) and value.function == "integral"
         if condition is None and not whole:
             return self.define(word, left, None, value)
-        given = left, value, condition, self.comment
-        return st.Accumulate(*given, _over(word, condition or value))
+        span = _over(word, condition or value)
+        return st.Accumulate(str(word), left, value, self.comment, span, condition)
 
     def declare(self, word, *items):
         return st.Declare(str(word), items, self.comment, _over(word, items[-1]))
@@ -202,8 +203,7 @@ class Build(Transformer):
 
     def exact(self, word, *rest):
         *items, within = rest
-        last = within or items[-1][1]
-        return st.Exact(tuple(items), within, _over(word, last))
+        return st.Pairs(str(word), tuple(items), _over(word, within or items[-1][1]), within)
 
     def single(self, word, value):
         return st.Single(str(word), value, _over(word, value))
@@ -246,8 +246,7 @@ class Build(Transformer):
         return st.Joint(left, (parent, child), to, kind, *said)
 
     def column(self, name, unit):
-        text = None if unit is None else st.UnitText(str(unit), _span(unit))
-        return st.Column(str(name), text, _over(name, unit or name))
+        return replace(self.declared(name, *[None] * 5, unit), span=_over(name, unit or name))
 
     def table_word(self, word):
         return str(word), _span(word)
@@ -255,7 +254,7 @@ class Build(Transformer):
     def table(self, word, name, _, file, *parts):
         words = tuple(x for x in parts if isinstance(x, tuple))
         grid = any(isinstance(x, Token) for x in parts)
-        columns = tuple(x for x in parts if isinstance(x, st.Column))
+        columns = tuple(x for x in parts if isinstance(x, st.Declared))
         span = Span(word.start_pos, words[-1][1].end if words else columns[-1].span.end)
         given = str(name), _span(name), str(file), _span(file), columns, grid, words
         return st.Table(*given, self.comment, span)

@@ -30,12 +30,8 @@ def explain(source: Source, lexed: Lexed, error: UnexpectedToken) -> Diagnostic:
         return _not_a_statement(source, lexed)
     after = tokens[at + 1] if at + 1 < len(tokens) else None
     spot = Spot(source, lexed, token, tokens[at - 1], after, _acceptable(error.state))
-    for rule in RULES:
-        found = rule(spot)
-        if found is not None:
-            message, help, *span = found
-            return Diagnostic(message, span[0] if span else spot.span, help)
-    raise AssertionError("the last rule always answers")
+    message, help, *span = next(filter(None, (rule(spot) for rule in RULES)))  # the last answers
+    return Diagnostic(message, span[0] if span else spot.span, help)
 
 
 def _acceptable(parser) -> frozenset[str]:
@@ -85,20 +81,14 @@ def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
     span = Span(first.start_pos, first.end_pos)
     shown = source.text[first.start_pos : first.end_pos]
     types = [t.type for t in lexed.tokens]
-    if first.type in BINARY:
-        comment = foreign.statement(source.text[first.start_pos : lexed.span.end])
-        return Diagnostic(
-            f"a statement cannot start with '{shown}'",
-            span,
-            comment
-            or "an expression goes on in the next line only while a bracket is open: put it in ( )",
-        )
-    if shown in _ENERGIES and types[1:2] == ["EQUAL"]:
-        help = f"write '{_ENERGIES[shown]} …', which needs no name and no '='"
-        return Diagnostic(f"a statement cannot start with '{shown}'", span, help)
     near = get_close_matches(shown.lower(), sorted(STATEMENTS), 1, 0.7)
     line = source.text[first.start_pos : lexed.span.end]
-    if shown in STATEMENTS:
+    if first.type in BINARY:
+        help = "an expression goes on in the next line only while a bracket is open: put it in ( )"
+        help = foreign.statement(line) or help
+    elif shown in _ENERGIES and types[1:2] == ["EQUAL"]:
+        help = f"write '{_ENERGIES[shown]} …', which needs no name and no '='"
+    elif shown in STATEMENTS:
         help = f"the form is: {STATEMENTS[shown].form}"
     elif help := foreign.statement(line):
         pass

@@ -92,9 +92,7 @@ class Parts:
         for left, value in use.given:
             own = left.name.removeprefix(user)
             name, shown = part + own, [n.removeprefix(part) for n in places]
-            shown = [
-                n for n in shown if "." not in n
-            ]  # Those of its own parts are its own to give.
+            shown = [n for n in shown if "." not in n]  # A part gives those of its own parts.
             if name not in places or name in given or left.index or left.range:
                 help = meant(own, shown) or f"it has: {', '.join(shown[:12])}" * bool(shown)
                 message = f"'{use.file}' has no parameter or size '{own}'"
@@ -171,7 +169,7 @@ def _of_part(statement: st.Statement) -> st.Statement | None:
     if statement.keyword == "conserve":
         return replace(statement, keyword="observe")
     if isinstance(statement, st.Scene):
-        clauses = tuple(c for c in statement.clauses if not isinstance(c, st.Expect | st.Exact))
+        clauses = tuple(c for c in statement.clauses if c.keyword not in ("expect", "exact"))
         return replace(statement, clauses=clauses) if clauses else None
     return statement
 

@@ -57,17 +57,10 @@ def _shapes() -> Iterator[tuple[str, Shape]]:
         for row in rows.strip().split("\n"):
             name, subject, parts, form = row.replace("FORMS", forms).split(maxsplit=3)
             pairs = [part.split(":") for part in parts.strip("-").split(",") if part]
-            yield (
-                name,
-                Shape(
-                    f"{word} {name} {form}",
-                    subject.strip("-?"),
-                    subject.endswith("?"),
-                    {part.rstrip("?"): what for part, what in pairs},
-                    tuple(part[:-1] for part, _ in pairs if part.endswith("?")),
-                    word == "view",
-                ),
-            )
+            parts = {part.rstrip("?"): what for part, what in pairs}
+            optional = tuple(part[:-1] for part, _ in pairs if part.endswith("?"))
+            said = f"{word} {name} {form}", subject.strip("-?"), subject.endswith("?")
+            yield name, Shape(*said, parts, optional, word == "view")
 
 
 SHAPES = dict(_shapes())

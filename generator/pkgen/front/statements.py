@@ -14,6 +14,16 @@ from ..source import Diagnostic, Source, Span
 from ..tree import Expr, Name, Number, Range
 
 
+class Statement:
+    """A statement of a file, or a clause of a scene. It has a `keyword` and a `span`."""
+
+
+@record
+class Named(Statement):
+    name: str
+    name_span: Span
+
+
 @record
 class Left:
     name: str
@@ -31,12 +41,10 @@ class UnitText:
 
 
 @record
-class Head:
-    """`model NAME` or `scene NAME`; parse merges a scene's head and its clauses into a Scene."""
+class Head(Named):
+    """`model NAME`."""
 
-    keyword: str
-    name: str
-    name_span: Span
+    keyword: ClassVar[str] = "model"
     description: str
     span: Span
 
@@ -53,7 +61,7 @@ class Interval:
 
 
 @record
-class Param:
+class Param(Statement):
     keyword: ClassVar[str] = "param"
     left: Left
     value: Expr
@@ -64,7 +72,7 @@ class Param:
 
 
 @record
-class Define:
+class Define(Statement):
     """`size`, `const`, `let`, `observe`, `conserve` or `rate` NAME = EXPR."""
 
     keyword: str
@@ -75,20 +83,15 @@ class Define:
 
 
 @record
-class Accumulate:
-    """`observe NAME = integral(EXPR) while CONDITION`. Without a value, NAME is the time for which
-    the condition holds."""
+class Accumulate(Define):
+    """`observe NAME = integral(EXPR) while CONDITION`. If the value is None, NAME is the time for
+    which the condition holds."""
 
-    keyword: ClassVar[str] = "observe"
-    left: Left
-    value: Expr | None
     condition: Expr | None
-    description: str
-    span: Span
 
 
 @record
-class Force:
+class Force(Statement):
     """`force NAME = EXPR`, `force NAME at PLACE = EXPR`, or `force B.point([..]) = EXPR`, where
     `left` is None; the same of `torque`."""
 
@@ -101,7 +104,8 @@ class Force:
 
 @record
 class Declared:
-    """A name declared by `coord`, `input`, `state` or `rotation`; `lo..hi` for a family."""
+    """A name declared by `coord`, `input`, `state` or `rotation`, `lo..hi` for a family; or the
+    column of a table."""
 
     name: str
     lo: Expr | None
@@ -112,7 +116,7 @@ class Declared:
 
 
 @record
-class Declare:
+class Declare(Statement):
     keyword: str
     items: tuple[Declared, ...]
     description: str
@@ -120,27 +124,18 @@ class Declare:
 
 
 @record
-class Pairs:
-    """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`; in a scene `set p = EXPR, …` or `hold a
-    = EXPR, …`. Names without `= EXPR` have the value None."""
+class Pairs(Statement):
+    """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`, `exact x = EXPR, … within TOL`; in a
+    scene `set p = EXPR, …` or `hold a = EXPR, …`. Names without `= EXPR` have the value None."""
 
     keyword: str
     items: tuple[tuple[Left, Expr | None], ...]
     span: Span
+    within: Expr | None = None
 
 
 @record
-class Exact:
-    """`exact x = EXPR, … within TOL`."""
-
-    keyword: ClassVar[str] = "exact"
-    items: tuple[tuple[Left, Expr], ...]
-    within: Expr | None
-    span: Span
-
-
-@record
-class Single:
+class Single(Statement):
     """`kinetic`, `potential`, `lagrangian` or `dissipation` EXPR; in a scene `until` or `accuracy`
     EXPR."""
 
@@ -150,7 +145,7 @@ class Single:
 
 
 @record
-class Equation:
+class Equation(Statement):
     """`constraint NAME: A = B` or `rolling NAME: A = B`."""
 
     keyword: str
@@ -161,10 +156,8 @@ class Equation:
 
 
 @record
-class Event:
+class Event(Named):
     keyword: ClassVar[str] = "event"
-    name: str
-    name_span: Span
     value: Expr
     direction: str  # "rising", "falling" or "either"
     stop: bool
@@ -174,7 +167,7 @@ class Event:
 
 
 @record
-class Draw:
+class Draw(Statement):
     """`draw SHAPE …` or `view SHAPE …`. For `ground y = 0` the axis is "y" and the subject is the
     value 0. `also` is what follows a comma: the range of a drawn family, or the second coordinate
     of the plane of a `level` drawing."""
@@ -195,14 +188,13 @@ Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]
 Word = tuple[str, Span]
 
 
-def _said(name: str, of: Left | Name) -> Word:
-    """Returns the name of a body or joint, with its index in a family (`link[3]`), and its
-    position."""
-    return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None), of.span
+def numbered(name: str, of: Left | Name) -> str:
+    """Returns `name` with the index of `of`, such as link[3]; only `name` without one."""
+    return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None)
 
 
 @record
-class Body:
+class Body(Statement):
     """A body; a family is split into one Body for each member by check/body_families.py."""
 
     keyword: ClassVar[str] = "body"
@@ -213,7 +205,7 @@ class Body:
 
     @property
     def name(self) -> str:
-        return _said(self.left.name, self.left)[0]
+        return numbered(self.left.name, self.left)
 
     @property
     def name_span(self) -> Span:
@@ -221,7 +213,7 @@ class Body:
 
 
 @record
-class Joint:
+class Joint(Statement):
     """`joint NAME: PARENT to CHILD KIND AXIS`; `ends` are PARENT and CHILD, `to` the word "to"."""
 
     keyword: ClassVar[str] = "joint"
@@ -236,15 +228,15 @@ class Joint:
 
     @property
     def name(self) -> Word:
-        return _said(self.left.name, self.left)
+        return numbered(self.left.name, self.left), self.left.span
 
     @property
     def parent(self) -> Word:
-        return _said(self.ends[0].id, self.ends[0])
+        return numbered(self.ends[0].id, self.ends[0]), self.ends[0].span
 
     @property
     def child(self) -> Word:
-        return _said(self.ends[1].id, self.ends[1])
+        return numbered(self.ends[1].id, self.ends[1]), self.ends[1].span
 
 
 @record
@@ -259,7 +251,7 @@ class StartItem:
 
 
 @record
-class StartAt:
+class StartAt(Statement):
     """`start a = EXPR, …`, or `start consistent`, whose word is `how`."""
 
     keyword: ClassVar[str] = "start"
@@ -269,7 +261,7 @@ class StartAt:
 
 
 @record
-class Use:
+class Use(Statement):
     """`use "FILE" as NAME with PARAMETER = EXPR, …`"""
 
     keyword: ClassVar[str] = "use"
@@ -281,7 +273,7 @@ class Use:
 
 
 @record
-class Drive:
+class Drive(Statement):
     """An input of a part and the value that a `set` outside of scenes gives it."""
 
     keyword: ClassVar[str] = "set"
@@ -292,10 +284,8 @@ class Drive:
 
 
 @record
-class Method:
+class Method(Named):
     keyword: ClassVar[str] = "method"
-    name: str
-    name_span: Span
     step: Expr | None
     rtol: Expr | None
     file: str | None  # Path of the tableau file.
@@ -304,7 +294,7 @@ class Method:
 
 
 @record
-class Record:
+class Record(Statement):
     keyword: ClassVar[str] = "record"
     items: tuple[Expr, ...]
     every: Expr | None
@@ -313,25 +303,14 @@ class Record:
 
 
 @record
-class Column:
-    """A column of a table's file."""
-
-    name: str
-    unit: UnitText | None
-    span: Span
-
-
-@record
-class Table:
+class Table(Named):
     """`table NAME = "FILE" x [m], y [m] WORDS`, or with `-> z [N]` a `grid`. The last column has
     the values."""
 
     keyword: ClassVar[str] = "table"
-    name: str
-    name_span: Span
     file: str
     file_span: Span
-    columns: tuple[Column, ...]
+    columns: tuple[Declared, ...]
     grid: bool
     words: tuple[Word, ...]
     description: str
@@ -339,14 +318,14 @@ class Table:
 
 
 @record
-class Swarm:
+class Swarm(Statement):
     keyword: ClassVar[str] = "swarm"
     range: Range
     span: Span
 
 
 @record
-class Expect:
+class Expect(Statement):
     """`expect A = B within TOL at T`; the relation is "=", "<" or ">"."""
 
     keyword: ClassVar[str] = "expect"
@@ -358,33 +337,29 @@ class Expect:
     span: Span
 
 
-Clause = StartAt | Pairs | Exact | Single | Method | Record | Swarm | Expect
-
-
 @record
-class EndOfScene:
-    """`end`, which closes a scene; it is dropped after parsing."""
+class EndOfScene(Statement):
+    """`end`, which closes a block; it is dropped after parsing."""
 
+    keyword: ClassVar[str] = "end"
     span: Span
 
 
 @record
-class Scene:
+class Scene(Named):
+    """`scene NAME`; parse adds the clauses up to `end`."""
+
     keyword: ClassVar[str] = "scene"
-    name: str
-    name_span: Span
-    clauses: tuple[Clause, ...]
     description: str
     span: Span
+    clauses: tuple[Statement, ...] = ()
 
 
 @record
-class Sample:
+class Sample(Named):
     """`sample NAME every T offset T0 delay K`; parse adds the statements up to `end`."""
 
     keyword: ClassVar[str] = "sample"
-    name: str
-    name_span: Span
     every: Expr
     offset: Expr | None
     delay: Expr | None
@@ -392,29 +367,6 @@ class Sample:
     head: Span
     span: Span
     clauses: tuple[Define | Pairs, ...] = ()
-
-
-Statement = (
-    Head
-    | Param
-    | Define
-    | Declare
-    | Pairs
-    | Exact
-    | Single
-    | Equation
-    | Event
-    | Draw
-    | Body
-    | Joint
-    | Table
-    | Method
-    | StartAt
-    | Use
-    | Drive
-    | Scene
-    | Sample
-)
 
 
 @record

@@ -82,7 +82,7 @@ memory      define   -                   samples     -     -      NAME = VALUE [
 method      method   methods.declare     methods     -     -      NAME tableau FILE
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE
 exact       exact    exacts.exact        exacts      -     -      x = EXPRESSION of t
-scene       head     scenes.head         scenes      first -      NAME
+scene       head     scenes.check        scenes      first -      NAME
 """
 # The statements of a sample block, besides the `end` that closes it.
 IN_SAMPLE = frozenset(("memory", "let", "set"))

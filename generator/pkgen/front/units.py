@@ -158,6 +158,14 @@ def parse_unit(text: str) -> Unit:
         at += 1
 
 
+def parsed(text: str) -> Unit | None:
+    """Parses a unit; returns None for a wrong one."""
+    try:
+        return parse_unit(text)
+    except UnitError:
+        return None
+
+
 def _malformed(text: str, at: int) -> UnitError:
     rest = text[at:]
     character = rest[:1]

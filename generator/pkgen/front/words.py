@@ -51,19 +51,7 @@ CONSTANTS = {
 C_WORDS = frozenset(_C.split())
 C_HEADERS = frozenset(_HEADERS.split())
 
-_LOOK_ALIKES = {
-    "\u00b5": "mu",  # micro sign
-    "\u2126": "Omega",  # ohm sign
-    "\u2206": "Delta",  # increment
-    "\u03d1": "theta",
-    "\u03d5": "phi",
-    "\u03f5": "epsilon",
-    "\u03f1": "rho",
-    "\u03d6": "pi",
-    "\u03f0": "kappa",
-    "\u03c2": "sigma",
-    "\u03f4": "Theta",
-}
+_LOOK_ALIKES = {"\u2206": "Delta", "\u03c2": "sigma"}  # the increment, the sigma at a word's end
 
 
 def reserved(name: str) -> str:
@@ -93,6 +81,6 @@ def greek(character: str) -> str | None:
     for form in (character, unicodedata.normalize("NFKC", character)):
         words = unicodedata.name(form, "").split() if len(form) == 1 else []
         if len(words) == 4 and words[0] == "GREEK" and words[2] == "LETTER":
-            spelt = {"lamda": "lambda", "final": "sigma"}.get(words[3].lower(), words[3].lower())
+            spelt = words[3].lower().replace("lamda", "lambda")
             return spelt.capitalize() if words[1] == "CAPITAL" else spelt
     return None

@@ -40,9 +40,18 @@ def add_table(name: str, key: str, data: tables.Data) -> tables.Data:
 
 # The prefix of C functions with an argument `side` (back/c/helpers.py).
 SIDE = "side_"
-# Numbers of arguments of functions that front/check/calls.py rewrites: ln(x) becomes log(x). It
-# rewrites min and max of more than two arguments too.
-WRITTEN_OUT = {"ln": 1, "clamp": 3, "ceil": 1, "round": 1, "mod": 2, "sn": 2, "cn": 2, "dn": 2}
+# Functions that front/check/calls.py writes out: the number of their arguments a, b, c, and their
+# text. It writes min and max of more than two arguments out too.
+WRITTEN_OUT = {
+    "ln": (1, "log(a)"),
+    "clamp": (3, "min(max(a, b), c)"),
+    "ceil": (1, "-floor(-a)"),
+    "round": (1, "floor(a + 0.5)"),
+    "mod": (2, "a - b*floor(a/b)"),
+    "sn": (2, "sin(am(a, b))"),
+    "cn": (2, "cos(am(a, b))"),
+    "dn": (2, "sqrt(cos(am(a, b))^2 + (1 - b)*sin(am(a, b))^2)"),  # no digits cancel
+}
 # Maps names that other languages give to functions to the names in this language. Error messages
 # suggest the name in this language.
 MEANT = {
@@ -53,13 +62,3 @@ MEANT = {
 
 # The number of arguments of each vector function except `rot`, which is in front/check/vectors.py.
 VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}
-
-__all__ = [
-    "FUNCTIONS",
-    "MEANT",
-    "SIDE",
-    "VECTOR_FUNCTIONS",
-    "WRITTEN_OUT",
-    "Function",
-    "add_table",
-]

@@ -8,12 +8,11 @@ keeps each function on one branch (see middle/derive/switches.py).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 
 from .interval import NOT_NEGATIVE, POSITIVE, UNIT, Range
 from .row import Function, Kinked
-
-_NAN = "a + b: one of them is not a number"
 
 
 def _less(g, a, b):
@@ -23,6 +22,27 @@ def _less(g, a, b):
 
 def _not_less(g, a, b):
     return g.subtract(g.number(1), _less(g, a, b))
+
+
+def _extreme(name: str, real: Callable, before: str, sign: int) -> Function:
+    """Returns the row of min or max, whose value is a where a stands `before` b."""
+    return Function(
+        arguments=("a", "b"),
+        units="same",
+        body=f"a {before} b ? a : b {before}= a ? b : a + b",
+        remark="a + b: one of them is not a number",
+        kinked=Kinked(*("a", "b")[::-sign]),
+        real=real,
+        array=f"{name}imum",
+        exact=real,
+        derivative=lambda g, n, a, b: (_less(g, a, b), _not_less(g, a, b))[::-sign],
+        interval=lambda x, y: Range(real(x.lo, y.lo), real(x.hi, y.hi)),
+        ball=lambda b, x, y: b.pick(real, x, y),
+        enclosed=lambda e, x, y: getattr(e, name)(x, y),
+        opened=lambda p, a, b: p.larger(a, b, sign),
+        branched=True,
+        sympy=name.title(),
+    )
 
 
 KINKED: dict[str, Function] = {
@@ -42,40 +62,8 @@ KINKED: dict[str, Function] = {
         like_argument=True,
         sympy="Abs",
     ),
-    "min": Function(
-        arguments=("a", "b"),
-        units="same",
-        body="a < b ? a : b <= a ? b : a + b",
-        remark=_NAN,
-        kinked=Kinked("a", "b"),
-        real=min,
-        array="minimum",
-        exact=min,
-        derivative=lambda g, n, a, b: (_less(g, a, b), _not_less(g, a, b)),
-        interval=lambda x, y: Range(min(x.lo, y.lo), min(x.hi, y.hi)),
-        ball=lambda b, x, y: b.pick(min, x, y),
-        enclosed=lambda e, x, y: e.min(x, y),
-        opened=lambda p, a, b: p.larger(a, b, -1),
-        branched=True,
-        sympy="Min",
-    ),
-    "max": Function(
-        arguments=("a", "b"),
-        units="same",
-        body="a > b ? a : b >= a ? b : a + b",
-        remark=_NAN,
-        kinked=Kinked("b", "a"),
-        real=max,
-        array="maximum",
-        exact=max,
-        derivative=lambda g, n, a, b: (_not_less(g, a, b), _less(g, a, b)),
-        interval=lambda x, y: Range(max(x.lo, y.lo), max(x.hi, y.hi)),
-        ball=lambda b, x, y: b.pick(max, x, y),
-        enclosed=lambda e, x, y: e.max(x, y),
-        opened=lambda p, a, b: p.larger(a, b, 1),
-        branched=True,
-        sympy="Max",
-    ),
+    "min": _extreme("min", min, "<", -1),
+    "max": _extreme("max", max, ">", 1),
     "step": Function(  # 0 for x < 0, 1 for x >= 0
         units="any",
         body="x >= 0 ? 1 : x < 0 ? 0 : x",

@@ -31,18 +31,12 @@ APART = 15.0
 
 def picture(view: View, tables: Sequence[Table]) -> Picture:
     """Returns the picture of the tables. Raises UsageError if they lack columns to draw."""
-    kind = view.kind or _usual(view, tables)
+    planes = (table.at_events or (table.several and few_times(table)) for table in tables)
+    kind = view.kind or ("varying" if not view.names and any(planes) else "time")
     made = _MAKERS[kind](view, tables)
     title, notes = _title(tables), tuple(note for table in tables for note in table.notes)
     panels = tuple(_by_method(panel, tables) for panel in made.panels)
     return Picture(title, panels, made.shared, made.wide, (*notes, *made.notes))
-
-
-def _usual(view: View, tables: Sequence[Table]) -> str:
-    if view.names:
-        return "time"
-    plane = any(table.at_events or (table.several and few_times(table)) for table in tables)
-    return "varying" if plane else "time"
 
 
 def _title(tables: Sequence[Table]) -> str:
@@ -86,8 +80,7 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
     groups = _groups(tables[0], names) if one else [[name] for name in names]
     left = sum(len(group) for group in groups[PANELS:])
     notes = (f"{left} more columns: --columns chooses",) if left else ()
-    make = _panel if one else _overlaid
-    panels = [make(tables, group) for group in groups[:PANELS]]
+    panels = [(_panel if one else _overlaid)(tables, group) for group in groups[:PANELS]]
     if any(panel.image is not None and _coarse(panel.image) for panel in panels):
         notes += ("rows are too far apart in time for these waves: --every with less shows them",)
     return Picture("", tuple(panels), notes=notes + _points(panels, tables))
@@ -123,11 +116,9 @@ def _chosen(tables: Sequence[Table]) -> list[str]:
     common = [n for n in known if all(n in table.names[1:] for table in tables[1:])]
     if not common:
         others = ", ".join(table.label for table in tables)
-        raise UsageError(
-            f"{others}: they have no column in common"
-            if len(tables) > 1
-            else f"{others}: no column beside {tables[0].columns[0].name}"
-        )
+        why = "they have no column in common"
+        why = why if len(tables) > 1 else f"no column beside {tables[0].columns[0].name}"
+        raise UsageError(f"{others}: {why}")
     return [n for n in common if n != "energy"] or common
 
 
@@ -285,11 +276,6 @@ def _pair(option: str, names: tuple[str, ...], tables: Sequence[Table]) -> tuple
     return tuple(found)
 
 
-def _varied(view: View, tables: Sequence[Table]) -> Picture:
-    """Draws points of a Poincaré section, many members at a few times, or a curve."""
-    return _plane(View("phase", (_varying(tables),)), tables)
-
-
 def _varying(tables: Sequence[Table]) -> tuple[str, str]:
     """Returns a coordinate and its rate if both vary, else the first two columns that vary."""
     table = tables[0]
@@ -297,14 +283,11 @@ def _varying(tables: Sequence[Table]) -> tuple[str, str]:
     moving = [n for n in names if _varies(table[n])]
     pairs = [(name, f"{name}'") for name in moving if f"{name}'" in moving]
     if pairs:  # prefer a coordinate whose rate changes sign
-        return next((p for p in pairs if _turns(table[p[1]])), pairs[0])
+        turns = (p for p in pairs if numpy.nanmin(table[p[1]]) < 0 < numpy.nanmax(table[p[1]]))
+        return next(turns, pairs[0])
     if len(moving) < 2:
         raise UsageError(f"{table.label}: fewer than two columns that vary: no plane to draw")
     return moving[0], moving[1]
-
-
-def _turns(rate: numpy.ndarray) -> bool:
-    return bool(numpy.nanmin(rate) < 0 < numpy.nanmax(rate))
 
 
 def _varies(x: numpy.ndarray) -> bool:
@@ -316,7 +299,8 @@ _MAKERS = {
     "time": _over_time,
     "phase": _plane,
     "path": _plane,
-    "varying": _varied,
+    # Points of a Poincaré section, many members at a few times, or a curve.
+    "varying": lambda view, tables: _plane(View("phase", (_varying(tables),)), tables),
     "spectrum": lambda view, tables: spectrum.picture(tables, _columns(view, tables)),
     "drift": lambda view, tables: drift.picture(tables, _columns(view, tables)),
 }

@@ -94,7 +94,9 @@ def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
         _image(figure, axes, panel.image)
     else:
         axes.grid(True)
-    heavy = _heavy(panel)
+    # Too many points for a vector file.
+    points = sum(len(line.x) for line in panel.lines if line.kind == "points")
+    heavy = points > HEAVY_POINTS or sum(len(line.x) for line in panel.lines) > HEAVY
     for line in panel.lines:
         _line(axes, panel, line, heavy)
     if panel.colours is not None:
@@ -118,12 +120,6 @@ def _bar(figure: Figure, axes: Axes, shown: ScalarMappable, label: str) -> Axes:
     bar.outline.set_visible(False)
     bar.ax.set_ylabel(label, parse_math=False)
     return bar.ax
-
-
-def _heavy(panel: Panel) -> bool:
-    """Whether the panel has too many points for a vector file."""
-    points = sum(len(line.x) for line in panel.lines if line.kind == "points")
-    return points > HEAVY_POINTS or sum(len(line.x) for line in panel.lines) > HEAVY
 
 
 def _axis(axes: Axes, which: str, axis: Axis, named: bool) -> None:
@@ -195,18 +191,14 @@ def _space(axes: Axes, panel: Panel) -> None:
     spans = [_span(panel.lines, name) for name in "xyz"]
     longest = max(b - a for a, b in spans) or 1.0
     # No side of the box is much shorter than the longest, even if the curve is nearly flat.
-    spans = [_at_least(a, b, 0.4 * longest) for a, b in spans]
+    halves = [((a + b) / 2, max((b - a) * 1.04, 0.4 * longest) / 2) for a, b in spans]
+    spans = [(middle - half, middle + half) for middle, half in halves]
     longest = max(b - a for a, b in spans)
     for which, (a, b) in zip("xyz", spans, strict=True):
         getattr(axes, f"set_{which}lim")(a, b)
         few = MaxNLocator(max(2, round(5 * (b - a) / longest)))
         getattr(axes, f"{which}axis").set_major_locator(few)
     axes.set_box_aspect([b - a for a, b in spans], zoom=0.85)
-
-
-def _at_least(a: float, b: float, length: float) -> tuple[float, float]:
-    middle, half = (a + b) / 2, max((b - a) * 1.04, length) / 2
-    return middle - half, middle + half
 
 
 def coloured(values: numpy.ndarray) -> tuple[str, float, float]:
@@ -220,16 +212,8 @@ def coloured(values: numpy.ndarray) -> tuple[str, float, float]:
 
 def _image(figure: Figure, axes: Axes, image: Image) -> None:
     colours, low, high = coloured(image.values)
-    shown = axes.pcolormesh(
-        image.x,
-        image.y,
-        image.values,
-        cmap=colours,
-        vmin=low,
-        vmax=high,
-        shading="nearest",
-        rasterized=True,
-    )
+    look = {"cmap": colours, "vmin": low, "vmax": high, "shading": "nearest", "rasterized": True}
+    shown = axes.pcolormesh(image.x, image.y, image.values, **look)
     _bar(figure, axes, shown, image.label)
     axes.yaxis.set_major_locator(MaxNLocator(6, integer=True))
 

@@ -37,10 +37,8 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
     first = tables[0]
     units = {first.quantity(name).unit for name in names}
     time = first.columns[first.abscissa].unit
-    x = Axis(
-        label("angular frequency", f"rad/{time}" if time else ""),
-        limits=(0, min(most, 1.25 * reach)),
-    )
+    said = label("angular frequency", f"rad/{time}" if time else "")
+    x = Axis(said, limits=(0, min(most, 1.25 * reach)))
     of = f" of {names[0]}" if len(names) == 1 else ""
     said = label(f"amplitude{of}", units.pop() if len(units) == 1 else "")
     limits = (DEPTH * highest, 3 * highest)

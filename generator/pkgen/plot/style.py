@@ -46,26 +46,17 @@ FILES = {
     "font.family": "DejaVu Sans",
     "hatch.linewidth": 0.4,
 }
+_INKED = ("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color")
 LOOK = {
     **FILES,
-    "font.size": 8,
+    **dict.fromkeys(_INKED, INK),
+    **dict.fromkeys(("font.size", "axes.labelsize"), 8),
+    **dict.fromkeys(("xtick.labelsize", "ytick.labelsize"), 7),
+    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
+    **dict.fromkeys(("xtick.major.size", "ytick.major.size"), 3),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right"), False),
     "axes.titlesize": 8.5,
-    "axes.labelsize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
     "legend.fontsize": 7.5,
-    "axes.linewidth": 0.6,
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.major.size": 3,
-    "ytick.major.size": 3,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
     "axes.unicode_minus": True,
     "axes.formatter.useoffset": False,
     "grid.color": PALE,
@@ -79,9 +70,7 @@ LOOK = {
 DARK_GROUND, DARK_INK = "#15181C", "#E8EAED"
 DARK = {
     **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), DARK_GROUND),
-    **dict.fromkeys(
-        ("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color"), DARK_INK
-    ),
+    **dict.fromkeys(_INKED, DARK_INK),
     "grid.color": "#3A3F45",
 }
 LIGHTER = {BLUE: "#6FB1E8", RED: "#F0894A", BLACK: DARK_INK, GREEN: "#2FBF95", BROWN: "#C79A6B"}

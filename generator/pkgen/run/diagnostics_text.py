@@ -75,21 +75,17 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
     return said
 
 
-def _rad(time: str) -> str:
-    return f" rad/{time}" if time else ""
-
-
 def _few(numbers: list[str], unit: str) -> str:
     more = f" and {len(numbers) - 4} more" if len(numbers) > 4 else ""
     return f"{', '.join(numbers[:4])}{unit}{more}"
 
 
-def _in(time: str) -> str:
-    return f" {time}" if time else ""
+def _in(time: str, before: str = "") -> str:
+    return f" {before}{time}" if time else ""
 
 
 def _per(time: str) -> str:
-    return f" /{time}" if time else ""
+    return _in(time, "/")
 
 
 def _lyapunov(found: dict, time: str) -> list[str]:
@@ -130,15 +126,18 @@ def _reversal(found: dict, time: str) -> list[str]:
 
 
 def _spectrum(found: dict, time: str) -> list[str]:
-    unit = _rad(time)
-    said = []
+    unit, said = _in(time, "rad/"), []
     for coordinate in found["coordinates"]:
         shown = [
             f"{line['frequency']:.10g} +- {line['error']:.0e} (amplitude {line['amplitude']:.3g})"
             for line in coordinate["lines"][:3]
         ]
         if not shown and coordinate["away"] < UNIFORM:
-            said.append(f"spectrum: {coordinate['name']}: {_uniform(coordinate, time)}")
+            text = f"constant, {coordinate['mean']:.6g}"
+            if coordinate["drifts"] >= UNIFORM:
+                text = f"goes uniformly, by {coordinate['rate']:.10g}{_per(time)}"
+                text += "; it does not oscillate"
+            said.append(f"spectrum: {coordinate['name']}: {text}")
             continue
         text = ", ".join(shown) + unit if shown else "no line"
         left = coordinate["residual"]
@@ -146,12 +145,6 @@ def _spectrum(found: dict, time: str) -> list[str]:
         if left > BROAD:
             said[-1] += ": more than lines, or the time is too short to tell them apart"
     return said
-
-
-def _uniform(coordinate: dict, time: str) -> str:
-    if coordinate["drifts"] < UNIFORM:
-        return f"constant, {coordinate['mean']:.6g}"
-    return f"goes uniformly, by {coordinate['rate']:.10g}{_per(time)}; it does not oscillate"
 
 
 def _symplectic(found: dict, time: str) -> list[str]:
@@ -266,7 +259,7 @@ def _modes(found: dict, time: str) -> list[str]:
             f"the rate {rates}; energies of these tell little"
         )
     if swings:
-        said.append(f"modes: {_few([f'{f:.10g}' for f in swings], _rad(time))}")
+        said.append(f"modes: {_few([f'{f:.10g}' for f in swings], _in(time, 'rad/'))}")
     if not found["rows"]:
         return said
     for name, row in (("start", found["rows"][0]), ("end", found["rows"][-1])):

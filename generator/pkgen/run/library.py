@@ -85,9 +85,8 @@ class Library:
         _fill(s, "hidden", given.watched.hidden)
         s.at = 0 if given.at is None else given.at + 1
         _fill(s, "expected", [_expected(c) for c in given.watched.compared])
-        _fill(
-            s, "drifts", [(b"e", 0, 0) if d is None else (b"o", d, 0) for d in given.watched.drifts]
-        )
+        drifts = [(b"e", 0, 0) if d is None else (b"o", d, 0) for d in given.watched.drifts]
+        _fill(s, "drifts", drifts)
         for name in given.diagnose:
             s.diagnose |= self.c.pk_run_diagnostic(name.encode())
         parts = [(p.method.encode(), p.step or 0, p.rtol, p.max_step or 0) for p in given.parts]

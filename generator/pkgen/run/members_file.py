@@ -215,15 +215,8 @@ class _Reader:
         if not text:
             raise UsageError(f"{place}: a value is missing; give one, or drop the column")
         try:
-            return float(
-                options_text.quantity(
-                    text,
-                    column.unit,
-                    dimensionless=self.model.dimensionless,
-                    values=self.sizes,
-                    name=column.name,
-                )
-            )
+            how = {"dimensionless": self.model.dimensionless, "values": self.sizes}
+            return float(options_text.quantity(text, column.unit, **how, name=column.name))
         except OptionError as error:
             raise UsageError(f"{place}: {text}: {error.text()}") from None
         except OverflowError:

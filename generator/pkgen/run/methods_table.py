@@ -10,17 +10,8 @@ from ..own.trees import MOST_ORDER
 
 SOME = 5  # at most this many methods are named for each use
 
-HEADER = (
-    "method",
-    "order",
-    "stages",
-    "symplectic",
-    "symmetric",
-    "step",
-    "h omega",
-    "h lambda",
-    "requires",
-)
+_COLUMNS = "method,order,stages,symplectic,symmetric,step,h omega,h lambda,requires"
+HEADER = tuple(_COLUMNS.split(","))
 NOTE = """\
 h omega   limit below which the steps of an oscillation q'' = -omega^2 q do not grow
 h lambda  the same of a decay q'' = -lambda q'

@@ -98,10 +98,13 @@ def _compiled(tools: Toolchain, part: str) -> Path:
         def one(folder: str) -> None:
             within = new / f"of_{folder.replace('/', '_')}"
             within.mkdir()
-            more = [*_gsl(tools), *(_link_with(new) if folder == "omp" else [])]
+            gsl = ["-DPK_WITH_GSL", *(tools.gsl_cflags or ())] if tools.has_gsl else []
+            more = [*gsl, *(_link_with(new) if folder == "omp" else [])]
             hot = {path for pattern in HOT for path in RUNTIME.glob(pattern)}
             every = {*(RUNTIME / folder).glob("*.c")}
-            light = _light(tools, "-O1" if folder in QUICK else "-Og")
+            level, native = "-O1" if folder in QUICK else "-Og", {x for f in NATIVE for x in f}
+            flags = (level if f == "-O3" else f for f in tools.flags if f not in native)
+            light = replace(tools, flags=tuple(flags))
             for kind, sources in ((tools, every & hot), (light, every - hot)):
                 if sources:  # one call of the compiler for all `sources`
                     names = map(str, sorted(sources))
@@ -111,8 +114,7 @@ def _compiled(tools: Toolchain, part: str) -> Path:
                 path.rename(new / f"{archive}-{Path(folder).name}_{path.name}")
             within.rmdir()
 
-        folders = [f for f in PARTS[part] if f != "gsl" or tools.has_gsl]
-        list(_pool().map(one, folders))
+        list(_pool().map(one, (f for f in PARTS[part] if f != "gsl" or tools.has_gsl)))
 
     return cached("objects", f"{part}-{runtime_name(tools)}", make)
 
@@ -124,12 +126,6 @@ def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(os.cpu_count())
 
 
-def _light(tools: Toolchain, level: str) -> Toolchain:
-    native = {flag for flags in NATIVE for flag in flags}
-    flags = (level if flag == "-O3" else flag for flag in tools.flags if flag not in native)
-    return replace(tools, flags=tuple(flags))
-
-
 def _link_with(library: Path) -> list[str]:
     path = library / LINK_WITH
     return shlex.split(path.read_text(encoding="utf-8")) if path.exists() else []
@@ -138,8 +134,7 @@ def _link_with(library: Path) -> list[str]:
 def _threads(tools: Toolchain, directory: Path) -> list[str]:
     """Returns flags for OpenMP if the compiler can link with it, else []."""
     (directory / "omp.c").write_text(
-        "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n",
-        encoding="utf-8",
+        "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n", encoding="utf-8"
     )
     try:
         compile_c(tools, ["-fopenmp", "omp.c", "-o", "omp"], directory)
@@ -153,10 +148,6 @@ def runtime_links(tools: Toolchain, library: Path) -> list[str]:
     gsl = [str(library / GSL)] if (library / GSL).exists() else []
     libraries = tools.gsl_libs if gsl or not tools.has_gsl else ()
     return [*gsl, str(library / "libpk.a"), *libraries, "-lm", *_link_with(library)]
-
-
-def _gsl(tools: Toolchain) -> list[str]:
-    return ["-DPK_WITH_GSL", *(tools.gsl_cflags or ())] if tools.has_gsl else []
 
 
 def needed(methods: Iterable[Method], more: Iterable[str] = ()) -> tuple[str, ...]:

@@ -39,11 +39,7 @@ class Numbers:
     def value(self, option: str, text: str, unit: str, name: str) -> float:
         try:
             found = options_text.quantity(
-                text,
-                unit,
-                dimensionless=self.model.dimensionless,
-                values=self.sizes,
-                name=name,
+                text, unit, dimensionless=self.model.dimensionless, values=self.sizes, name=name
             )
         except OptionError as error:
             given = text if option == f"--{name}" else f"{name}={text}"
@@ -167,9 +163,8 @@ class Values(Numbers):
         """Returns, for each rotation and for its body rates omega(...), the names of the single
         numbers by which --start sets their initial value."""
         rotations = single_rotations(self.compilation.declared)
-        return {r.name: r.quaternion for r in rotations} | {
-            f"omega({r.name})": r.rates for r in rotations
-        }
+        found = {r.name: r.quaternion for r in rotations}
+        return found | {f"omega({r.name})": r.rates for r in rotations}
 
     def shown(self, name: str, option: str = "--record") -> Shown:
         """Returns the column with the name `name` as the runtime identifies it: by kind and index.

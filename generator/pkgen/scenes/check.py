@@ -11,12 +11,12 @@ from itertools import islice
 from ..compiler import STAGES, Compilation, stages
 from ..equations import Equations, Facts
 from ..front.check.expects import calls
-from ..indices import integer
+from ..indices import unrolled
 from ..methods import Own, known, provides
 from ..middle.loops.loops import LoopEquations
-from ..middle.quantities import ends, indexed, sizes
+from ..middle.quantities import indexed, sizes
 from ..middle.report import Report
-from ..model import Model, Scene, Start
+from ..model import Model, Scene
 from ..run.methods_table import in_words
 from ..source import Diagnostic, ModelError
 from ..system.exits import UsageError
@@ -123,7 +123,11 @@ def _drifting(
 def _alike(declared: Model, scene: Scene, report: Report) -> Iterator[Diagnostic]:
     """Yields an error for a swarm whose starts have no effect on the recorded columns."""
     differ = [s for s in scene.starts if scene_model.of_swarm(scene, s.value)]
-    if not differ or any(_has_effect(declared, start, report) for start in differ):
+    for start in differ:
+        names = (indexed(start.name, index) for index, _ in unrolled(start, sizes(declared)))
+        if any(n not in report.unused or (n, start.order) in report.starts for n in names):
+            return
+    if not differ:
         return
     yield Diagnostic(
         "all members of the swarm would be the same: nothing recorded depends on the starts that "
@@ -131,11 +135,3 @@ def _alike(declared: Model, scene: Scene, report: Report) -> Iterator[Diagnostic
         scene.swarm.span,
         "record what differs, or start what is recorded",
     )
-
-
-def _has_effect(declared: Model, start: Start, report: Report) -> bool:
-    lo, hi = ends(declared, start.range)
-    single = None if start.index is None else integer(start.index, sizes(declared))
-    members = (single,) if lo is None else range(lo, hi + 1)
-    names = (indexed(start.name, index) for index in members)
-    return any(n not in report.unused or (n, start.order) in report.starts for n in names)

@@ -303,9 +303,7 @@ def _side_by_side(equations: Equations, structure: Structure, method: Method | N
 
 
 def whole(
-    options: argparse.Namespace,
-    columns: tuple[str, ...] | None = None,
-    off: frozenset[str] = EVERY,
+    options: argparse.Namespace, columns: tuple[str, ...] | None = None, off: frozenset[str] = EVERY
 ) -> Use | None:
     """Returns which parts of a model charts use: all except coordinates whose motion the scene
     prescribes."""

@@ -64,7 +64,11 @@ class Judge:
 
     def _compared(self, item: Expect, found: dict) -> Verdict:
         if found["count"] == 0:
-            return self._verdict(item, False, self._never(item))
+            end = self.report.get("t")
+            ended = "" if end is None else f": the run ended at t = {_text(end)}"
+            said = f"there was no such time{ended}" if item.at is not None else "there was no row"
+            said = f"event '{item.event}' did not happen{ended}" if item.event else said
+            return self._verdict(item, False, said)
         absent = self._event(item.event).get("never", 0) if item.event else 0
         if absent:
             of = f"in {absent} of {self.report['members']} members"
@@ -83,13 +87,6 @@ class Judge:
         if said and item.component:
             said = f"{item.component}: {said}"
         return self._verdict(item, met, said, **keep)
-
-    def _never(self, item: Expect) -> str:
-        end = self.report.get("t")
-        ended = "" if end is None else f": the run ended at t = {_text(end)}"
-        if item.event:
-            return f"event '{item.event}' did not happen{ended}"
-        return f"there was no such time{ended}" if item.at is not None else "there was no row"
 
     def _of_run(self, item: Expect, drifts: Iterator[dict]) -> Verdict:
         numbers: dict[Call, float | None] = {}

@@ -14,7 +14,7 @@ from ..front.check.options_text import LeftSide, OptionError, left_side
 from ..indices import indexed, integer, made_of, multipliers, of_made, parted
 from ..middle.quantities import ends, sizes
 from ..middle.specialise import with_definitions
-from ..model import Constraint, Coordinate, Definition, Load, Model, Record, Scene, Start, State
+from ..model import Constraint, Coordinate, Definition, Load, Model, Record, Scene, State
 from ..tree import AXES, Call, Expr, Name, Number, Prime, names, of_member, replaced
 from . import expects
 
@@ -34,9 +34,13 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
     for name, (value, span) in expects.outputs(scene, has).items():
         extra[name] = Definition(name, None, None, value, "", "", span)
     outputs = (replace(item, value=_claims(model, item.value)) for item in extra.values())
+    starts, swarm = scene.starts, scene.swarm
+    if swarm is not None:  # those of its first member
+        first = (of_member(start.value, swarm.variable, swarm.lo) for start in starts)
+        starts = [replace(start, value=x) for start, x in zip(starts, first, strict=True)]
     return replace(
         _driven(model, scene, given),
-        starts=(*model.starts, *(_first(scene, start) for start in scene.starts)),
+        starts=(*model.starts, *starts),
         observed=(*model.observed, *outputs),
         consistent=model.consistent or scene.consistent,
     )
@@ -150,12 +154,6 @@ def _has(
 def of_swarm(scene: Scene, value: Expr) -> bool:
     """Whether `value`, the value of a start statement, differs between members of the swarm."""
     return scene.swarm is not None and scene.swarm.variable in names(value)
-
-
-def _first(scene: Scene, start: Start) -> Start:
-    if scene.swarm is None:
-        return start
-    return replace(start, value=of_member(start.value, scene.swarm.variable, scene.swarm.lo))
 
 
 def reads(model: Model, scene: Scene) -> frozenset[str]:

@@ -13,7 +13,7 @@ from .. import limits
 from ..front.check.scene_numbers import Values
 from ..front.check.values import Evaluation, NoValue, evaluate
 from ..functions import FUNCTIONS
-from ..indices import assignments, integer
+from ..indices import integer, unrolled
 from ..middle.quantities import indexed
 from ..model import Model, Scene, Start
 from ..run.ensemble import Column, Ensemble
@@ -42,7 +42,7 @@ def members(
     count = np.arange(first, last + 1, dtype=float)
     starts: dict[str, tuple[Start, dict[str, int]]] = {}
     for item in scene.starts:  # a later statement overrides an earlier one
-        for loop, index in _unrolled(item, values.sizes):
+        for index, loop in unrolled(item, values.sizes):
             starts[_started(model, item, index)] = item, loop
     chosen = {
         name: start
@@ -67,14 +67,6 @@ def members(
         values=rows,
         counted=swarm.variable,
     )
-
-
-def _unrolled(item: Start, sizes: Mapping[str, int]):
-    if item.range is None:
-        yield dict(sizes), None if item.index is None else integer(item.index, sizes)
-        return
-    for loop in assignments((item.range,), sizes):
-        yield loop, loop[item.range.variable]
 
 
 class Arrays(Evaluation):

@@ -19,13 +19,13 @@ from ...tree import Name, Number
 from .. import statements as st
 from ..joints import CLAUSES, COLUMNS, GROUND, KINDS, SHOWN, TURNING, joint_names
 from ..units import ACCELERATION
-from .body_families import with_number
 from .body_joints import BodyJoints
 from .names import UNKNOWN, Entry, Members
 from .scope import PLACES, Scope
 from .shared import Shared
+from .vectors import UNIT
+from .written import written
 
-_AXES = ("[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]")
 _IDENTITY = "rot([0, 0, 1], 0)"
 _REST = "[0, 0, 0]"
 _LOOP = "what hangs on two bodies closes a loop: keep one joint and add a 'constraint'"
@@ -65,7 +65,7 @@ class Bodies(BodyJoints):
             self.error(message, statement.name_span, help)
         else:
             self.mass(name, given["mass"])
-        self.place(name, given.get("at"), statement)
+        self.place(name, given.get("at"), statement.name_span)
         self.inertia(name, given.get("inertia"))
         if self.report.count > before:
             self.bad.add(name)
@@ -81,7 +81,7 @@ class Bodies(BodyJoints):
             return self.names.declare(new)
         (own,) = members.intervals
         if entry.members.touch(*own):
-            text = with_number(left.name, left)
+            text = st.numbered(left.name, left)
             self.error(f"'{text}' is declared already", left)
             return False
         entry.members.add(*own)
@@ -120,7 +120,9 @@ class Bodies(BodyJoints):
         child = statement.child[0]
         if wrong:
             self.wrong.add(statement.span)
-            self._poison_coordinates(statement)
+            # Names in its clauses may be the coordinates of the joint.
+            given = (e for word, _, items in statement.clauses if word != "turned" for e in items)
+            self._poisoned([statement.left.name, *(e.id for e in given if isinstance(e, Name))])
             self.bad.add(child)
         self.joints.setdefault(child, statement)
         self.waiting.append(statement)
@@ -145,7 +147,7 @@ class Bodies(BodyJoints):
         self.placed.append(child)
         if self.bad & {child, parent}:
             self.bad.add(child)
-            self._poison(child)
+            self._poisoned(f"{child}.{member}" for member in SHOWN)
             return
         for member, text in self._members(joint, child, parent):
             self._say(f"{child}.{member}", text, joint.span)
@@ -156,10 +158,7 @@ class Bodies(BodyJoints):
         kind, name = KINDS[joint.kind[0]], joint.name[0]
         axis, turned, e, f = self.texts[name]
         words = dict(a=axis, u=f"{axis}/norm({axis})", e=e, f=f)
-        numbers = [
-            "",
-            *(with_number(coordinate, joint.left) for coordinate, _ in joint_names(joint)),
-        ]
+        numbers = ["", *(st.numbered(x, joint.left) for x, _ in joint_names(joint))]
         turn, shift, rates, velocity = (
             text.format(*numbers, **words)
             for text in (kind.turn, kind.shift, kind.rates, kind.velocity)
@@ -225,7 +224,7 @@ class Bodies(BodyJoints):
 
     def _say(self, what: str, text: str, span: Span) -> None:
         """Adds a term to an energy, or defines the name `what`."""
-        value = self.parsed_text(text, span)
+        value = written(text, span, pieces=self.source.pieces)
         if what in ("kinetic", "potential"):
             self.run(st.Single(what, value, span))
             return
@@ -245,20 +244,12 @@ class Bodies(BodyJoints):
         there = self.names.table.get(found[0])
         for index in sorted(entry.turning):
             if there is None or not there.members.hold(index, index):
-                for column, axis in zip(found, _AXES, strict=True):
+                for column, axis in zip(found, UNIT.values(), strict=True):
                     self._say(indexed(column, index), f"{indexed(name, index)}*{axis}", entry.span)
         return found
 
-    def _poison(self, child: str) -> None:
-        self._poisoned(f"{child}.{member}" for member in SHOWN)
-
-    def _poison_coordinates(self, joint: st.Joint) -> None:
-        """Declares the names in a wrong joint's clauses as names with an error (kind "poisoned"),
-        since they may be the coordinates of the joint."""
-        given = (e for word, _, items in joint.clauses if word != "turned" for e in items)
-        self._poisoned([joint.left.name, *(e.id for e in given if isinstance(e, Name))])
-
     def _poisoned(self, names: Iterable[str]) -> None:
+        """Declares names that have an error (kind "poisoned")."""
         for name in names:
             own = parted(name)[0]
             entry = self.names.table.setdefault(own, Entry(own, "poisoned", UNKNOWN, Span(0, 0)))
@@ -285,7 +276,6 @@ class Bodies(BodyJoints):
                 broken = True
         if self.waiting and not broken:
             names = [joint.name[0] for joint in self._circle()]
-        if self.waiting and not broken and names:
             shown = ", ".join(names[:8]) + ", …" * (len(names) > 8)
             message = f"the joints {shown} go round in a circle, without the ground"
             self.error(message, self.waiting[0], _LOOP)
@@ -295,7 +285,5 @@ class Bodies(BodyJoints):
         joint = self.waiting[0]
         while joint not in found:
             found.append(joint)
-            if joint.parent[0] not in self.joints:
-                return []  # The parent is not a declared body, which is reported already.
             joint = self.joints[joint.parent[0]]
         return found[found.index(joint) :]

@@ -11,7 +11,7 @@ from dataclasses import fields, replace
 from fractions import Fraction
 
 from ... import limits
-from ...indices import NotAnInteger, indexed, integer
+from ...indices import NotAnInteger, integer
 from ...source import Span
 from ...tree import Expr, Number, of_member
 from .. import statements as st
@@ -127,9 +127,3 @@ def family(statements: tuple[st.Statement, ...], kind: type, name: str) -> list[
     """Returns the sorted indices of a family's members; [] if the name is not a family."""
     found = (s.left for s in statements if isinstance(s, kind) and s.left.name == name)
     return sorted(int(left.index.value) for left in found if isinstance(left.index, Number))
-
-
-def with_number(name: str, of: st.Left) -> str:
-    """Returns `name` with the index of the left side `of`, such as phi[3]; only `name` without
-    one."""
-    return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None)

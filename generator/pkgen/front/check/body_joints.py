@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Callable
-from dataclasses import fields, replace
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from ...source import Source, Span
 from ...system.near import meant
-from ...tree import Expr, Name, Negate, Number, Quantity
+from ...tree import Expr, Name, Number
 from .. import statements as st
 from ..joints import CLAUSES, KINDS, LIMITS, TO, Kind, joint_names
-from ..parse import parse_all
 from ..units import LENGTH, NONE
-from .body_families import family, with_number
+from .body_families import family
 from .body_parts import BodyParts
 from .names import UNKNOWN, Entry
-from .plane import across
-from .shared import Shared
+from .shared import Shared, infinite
+from .written import written
 
 
 class BodyJoints(BodyParts):
@@ -30,7 +28,7 @@ class BodyJoints(BodyParts):
         self.run, self.statements = run, file.statements
         self.families: dict[str, st.Joint] = {}  # name of a family -> its first joint
         # Name of a joint -> the texts of its axis, of its `turned` rotation, and of the unit
-        # vectors e and f normal to the axis (plane.py).
+        # vectors e and f normal to the axis.
         self.texts: dict[str, list[str]] = {}
 
     def kind_of(self, statement: st.Joint) -> Kind | None:
@@ -38,9 +36,8 @@ class BodyJoints(BodyParts):
         kind, axis = KINDS.get(word), statement.axis
         if statement.to[0] != TO:
             message = f"'to' stands between two bodies, not '{statement.to[0]}'"
-            help = (
-                f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"
-            )
+            parent, child = statement.parent[0], statement.child[0]
+            help = f"joint {statement.name[0]}: {parent} to {child} {word}"
             self.error(message, statement.to[1], help)
         if kind is None:
             help = meant(word, KINDS) or f"kinds: {', '.join(KINDS)}"
@@ -99,15 +96,10 @@ class BodyJoints(BodyParts):
         numbers = family(self.statements, st.Joint, name)
         for one, other in pairwise(numbers):
             if other != one + 1:
-                twice = other == one
-                message = (
-                    f"there are two joints '{name}[{one}]'"
-                    if twice
-                    else (
-                        f"there is no joint '{name}[{one + 1}]' between '{name}[{one}]' and "
-                        f"'{name}[{other}]'"
-                    )
-                )
+                message = f"there are two joints '{name}[{one}]'"
+                if other != one:
+                    message = f"there is no joint '{name}[{one + 1}]' between '{name}[{one}]' and "
+                    message += f"'{name}[{other}]'"
                 self.error(message, at, "a family of joints is numbered one by one")
                 break
         lo, hi = (Number(Fraction(k), at) for k in (numbers[0], numbers[-1]))
@@ -127,7 +119,7 @@ class BodyJoints(BodyParts):
             texts[0] = f"{name}.axis"
         if "turned" in given:
             texts[1] = f"{name}.turn" if self.turning(name, given["turned"]) else ""
-        self.moving_place(name, given.get("at"), statement)
+        self.place(name, given.get("at"), statement.name[1], "joint")
         if "limits" in given:
             self._limits(statement, kind, given["limits"])
 
@@ -145,7 +137,7 @@ class BodyJoints(BodyParts):
         needs = f"a limit of {'a way needs [m]' if what == 'length' else 'an angle is a number'}"
         found = []
         for end, part in zip(LIMITS, ends, strict=bool(ends)):
-            if _infinite(part) == LIMITS[end][1]:
+            if infinite(part) == LIMITS[end][1]:
                 continue
             values = self.given(f"{name}.{end}", part, needs, dimension, vector=False)
             found.append(values[0] if values else None)
@@ -157,8 +149,13 @@ class BodyJoints(BodyParts):
         if self.report.count > before:
             return
         for end, part in zip(LIMITS, ends, strict=True):
-            if _infinite(part) != LIMITS[end][1]:
-                self._limit(statement, with_number(own, statement.left), name, end, part.span)
+            (toward, sign), at = LIMITS[end], part.span
+            if infinite(part) != sign:
+                event = "_".join(filter(None, (*re.split(r"[\[\]]", name), end)))
+                text = f"{st.numbered(own, statement.left)} - {name}.{end}"
+                made = written(text, at, pieces=self.source.pieces)
+                said = f"the {end} limit of the joint {name}"
+                self.run(st.Event(event, at, made, toward, True, said, at, limit=True))
 
     def _ends(self, value: Expr) -> tuple[Expr, ...]:
         items = self._elements(value)
@@ -168,33 +165,21 @@ class BodyJoints(BodyParts):
             return ()
         return items
 
-    def parsed_text(self, text: str, span: Span) -> Expr:
-        """Returns an expression whose text may have names of all parts."""
-        text = f"let made = {text}\n"
-        parts = tuple(replace(piece, start=len(text) + 1) for piece in self.source.pieces)
-        made = parse_all.__wrapped__(Source("", text, parts)).statements
-        return _moved(made[0].value, span)
 
-    def _limit(self, of: st.Joint, own: str, name: str, end: str, span: Span) -> None:
-        event = "_".join(filter(None, (*re.split(r"[\[\]]", name), end)))
-        made = self.parsed_text(f"{own} - {name}.{end}", span)
-        said = f"the {end} limit of the joint {name}"
-        self.run(st.Event(event, span, made, LIMITS[end][0], True, said, span, limit=True))
-
-
-def _infinite(value: Expr) -> int:
-    """Returns 1 if the value of a limit is inf, -1 if it is -inf, 0 if it is a number."""
-    value = value.of if isinstance(value, Quantity) else value
-    of = value.of if isinstance(value, Negate) else value
-    return (isinstance(of, Name) and of.id == "inf") * (-1 if of is not value else 1)
+def across(axis: Sequence[float]) -> tuple[str, str]:
+    """Returns two orthogonal unit vectors e and f, as text, with e x f along the axis: for z they
+    are x, y; for x they are y, z; for y they are z, x."""
+    length = math.hypot(*map(float, axis))
+    n = [float(part) / length for part in axis]
+    k = max(range(3), key=lambda i: abs(n[i]))
+    start = [float(i == (k + 1) % 3) for i in range(3)]
+    along = sum(a * b for a, b in zip(start, n, strict=True))
+    e = [a - along * b for a, b in zip(start, n, strict=True)]
+    size = math.hypot(*e)
+    e = [part / size for part in e]
+    f = [n[i - 2] * e[i - 1] - n[i - 1] * e[i - 2] for i in range(3)]
+    return _text(e), _text(f)
 
 
-def _moved(part: object, span: Span) -> object:
-    """Returns an expression, or a part of it, with all its source positions replaced by `span`."""
-    if isinstance(part, Span):
-        return span
-    if isinstance(part, tuple):
-        return tuple(_moved(item, span) for item in part)
-    if isinstance(part, Expr):
-        return replace(part, **{f.name: _moved(getattr(part, f.name), span) for f in fields(part)})
-    return part
+def _text(vector: Sequence[float]) -> str:
+    return "[" + ", ".join(f"{part + 0.0:.17g}" for part in vector) + "]"

@@ -18,6 +18,8 @@ from .expr import Target
 from .names import Entry, Facts, Members, joined
 from .scope import PLACES, Scope
 from .shared import Checks, Shared
+from .vectors import UNIT
+from .written import written
 
 Value = Fraction | float | None  # None: the value is not known at compile time.
 
@@ -58,13 +60,10 @@ class BodyParts(Checks):
         if found is not None and found < 0:
             self.error("a mass is not negative", value)
 
-    def place(self, name: str, value: Expr | None, of: st.Body) -> None:
-        """Checks a body's `at`, the position of its centre of mass in the body's frame."""
-        self.given(f"{name}.at", value or _zero(of.name_span), "a place needs [m]", LENGTH)
-
-    def moving_place(self, name: str, value: Expr | None, of: st.Joint) -> None:
-        value = value or _zero(of.name[1])
-        self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place="joint")
+    def place(self, name: str, value: Expr | None, at: Span, place: str = "body") -> None:
+        """Checks the `at` of a joint, or of a body: its centre of mass in the body's frame."""
+        value = value or written("[0, 0, 0]", at)
+        self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place=place)
 
     def inertia(self, name: str, value: Expr | None) -> None:
         """Checks the inertia tensor about the centre of mass. Off-diagonal elements have the sign
@@ -210,7 +209,7 @@ class BodyParts(Checks):
         self.carriers[child] = self.carriers.get(parent, parent)
         yield "held", f"{parent}.held*{turn}" if on else turn
         yield "place", f"{parent}.place + {parent}.held*{at}" if on else at
-        for member, axis in zip("efg", ("[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"), strict=True):
+        for member, axis in zip("efg", UNIT.values(), strict=True):
             yield member, f"inverse({child}.held)*{axis}"
 
     def held_energy(self, name: str, carrier: str) -> Iterator[str]:
@@ -246,7 +245,3 @@ class BodyParts(Checks):
         ):
             if value != 0:
                 yield "/2" * (axes[0] == axes[1]), element, axes
-
-
-def _zero(span: Span) -> Vector:
-    return Vector((Number(Fraction(0), span),) * len(AXES), span)

@@ -11,23 +11,7 @@ from ...indices import integer
 from ...model import Exact
 from ...source import Span
 from ...system.near import meant
-from ...tree import (
-    Add,
-    Call,
-    Condition,
-    Expr,
-    Multiply,
-    Name,
-    Negate,
-    Number,
-    Power,
-    Range,
-    Sum,
-    Vector,
-    names,
-    of_member,
-    within,
-)
+from ...tree import Add, Call, Condition, Expr, Name, Range, Sum, Vector, names, of_member, within
 from .. import units
 from ..units import NONE, Dimension
 from . import values as values_of
@@ -36,6 +20,7 @@ from .conditions import truth
 from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, Members, Wrong, callable_names, joined
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
+from .written import written
 
 
 class Calls(RotationCalls):
@@ -57,16 +42,20 @@ class Calls(RotationCalls):
             return self.rotation_call(expr, [self.factor(x, scope) for x in expr.arguments])
         if function == "if":
             return self._if(expr, scope)
-        if _is_written_out(expr):
+        arity, text = WRITTEN_OUT.get(function, (0, ""))
+        given, at = expr.arguments, expr.span
+        if function in ("min", "max") and len(given) > 2:
+            return self.check(reduce(lambda a, b: Call(function, (a, b), at), given), scope)
+        if text and len(given) == arity:
             self._pure(expr, scope)
-            return self.check(_written_out(expr), scope)
+            return self.check(written(text, at, *given), scope)
         parts = [self.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
         if function in self.tables:
             return self._of_table(expr, parts, scope)
         if function not in callable_names():
             raise self._not_callable(expr)
-        arity = (VECTOR_FUNCTIONS | WRITTEN_OUT).get(function) or FUNCTIONS[function].arity
+        arity = arity or VECTOR_FUNCTIONS.get(function) or FUNCTIONS[function].arity
         if len(parts) != arity:
             count = "one argument" if arity == 1 else f"{arity} arguments"
             raise Wrong(f"{function} takes {count}, not {len(parts)}")
@@ -283,38 +272,3 @@ class Calls(RotationCalls):
                 raise Wrong("a component of a vector is a number", at=item)
         dimension = self.common(expr.items, facts, "a vector")
         return Vector(tuple(e for e, _ in parts), expr.span), joined(dimension, True, facts)
-
-
-def _is_written_out(expr: Call) -> bool:
-    count = len(expr.arguments)
-    return count == WRITTEN_OUT.get(expr.function) or (expr.function in _OF_MANY and count > 2)
-
-
-_OF_MANY = ("min", "max")
-
-
-def _written_out(expr: Call) -> Expr:
-    """Rewrites a call of a function that the graph does not have with functions that it has."""
-    function, (x, *others), at = expr.function, expr.arguments, expr.span
-    if function in _OF_MANY:
-        return reduce(lambda a, b: Call(function, (a, b), at), others, x)
-    if function == "clamp":
-        return Call("min", (Call("max", (x, others[0]), at), others[1]), at)
-    if function == "round":
-        half = Number(Fraction(1, 2), at)
-        return Call("floor", (Add((x, half), (1, 1), at),), at)
-    if function == "ceil":
-        return Negate(Call("floor", (Negate(x, at),), at), at)
-    if function == "mod":
-        (y,) = others
-        turns = Call("floor", (Multiply((x, y), (1, -1), at),), at)
-        return Add((x, Multiply((y, turns), (1, 1), at)), (1, -1), at)
-    if function in ("sn", "cn", "dn"):
-        amplitude = Call("am", (x, *others), at)
-        sn, cn = Call("sin", (amplitude,), at), Call("cos", (amplitude,), at)
-        if function != "dn":
-            return sn if function == "sn" else cn
-        one, two = (Number(Fraction(k), at) for k in (1, 2))
-        rest = Multiply((Add((one, *others), (1, -1), at), Power(sn, two, at)), (1, 1), at)
-        return Call("sqrt", (Add((Power(cn, two, at), rest), (1, 1), at),), at)  # no digits cancel
-    return replace(expr, function="log")

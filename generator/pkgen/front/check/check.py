@@ -21,7 +21,7 @@ from ..declarations import declarations
 from ..joints import loose
 from ..parse import parse_all
 from ..table import STATEMENTS
-from ..units import NONE, UnitError, over, parse_unit, si_text
+from ..units import NONE, over, parsed, si_text
 from ..words import CONSTANTS
 from .bodies import Bodies
 from .body_families import indices, written_out
@@ -55,18 +55,12 @@ def check_text(
 
 
 def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
-    """Returns the model and its warnings; `sizes` are set on the command line."""
+    """Returns the model and its warnings; `sizes` are set on the command line. A model that reads a
+    file is not cached, since the file may change."""
     given = tuple(sorted(sizes.items()))
-    brings = any(isinstance(s, st.Method | st.Table) or _brings(s) for s in file.statements)
+    every = (x for s in file.statements for x in (s, *getattr(s, "clauses", ())))
+    brings = any(isinstance(x, st.Method | st.Table) and x.file for x in every)
     return (_checked.__wrapped__ if brings else _checked)(file, given)
-
-
-def _brings(statement: st.Statement) -> bool:
-    """Whether a scene reads a tableau file. The model is then not cached, since the file may
-    change."""
-    return isinstance(statement, st.Scene) and any(
-        isinstance(clause, st.Method) and clause.file for clause in statement.clauses
-    )
 
 
 @record(eq=False)
@@ -105,14 +99,9 @@ def _distinct(source: Source, found: list[Diagnostic]) -> tuple[Diagnostic, ...]
 def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ...]]:
     seen = see(file, dict(sizes))
     if seen.errors:
-        raise _limited(file.source, list(seen.errors))
+        shown = [*seen.errors[: limits.DIAGNOSTICS]]
+        raise ModelError(file.source, shown, more=len(seen.errors) - len(shown))
     return seen.model, seen.warnings
-
-
-def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
-    """Returns a ModelError with the first errors and the number of further ones."""
-    shown = errors[: limits.DIAGNOSTICS]
-    return ModelError(source, shown, more=len(errors) - len(shown))
 
 
 class _Checker(Checks):
@@ -124,7 +113,8 @@ class _Checker(Checks):
         taken = {*(name for name, *_ in declarations(file.statements)), *CONSTANTS}
         self.file = file = written_out(file, given, taken, report.error)
         self.broken = {b.keyword for b in file.broken}
-        self.dimensionless = all(_has_no_dimension(text) for text in file.units)
+        units = map(parsed, file.units)
+        self.dimensionless = all(unit and unit.dimension == NONE for unit in units)
         known = Names(report, self._line, [*declarations(file.statements)])
         for name in (n for b in file.broken for n in b.names):
             known.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
@@ -162,12 +152,13 @@ class _Checker(Checks):
     def run(self) -> m.Model:
         self._clashes()
         for statement in self.file.statements:
-            self._check(statement)
+            if not isinstance(statement, st.Scene):
+                self._check(statement)
         if not self.broken & {"", "body", "joint"}:
             self.bodies.finish()
         for statement in self.file.statements:
             if isinstance(statement, st.Scene):  # Scenes are checked last: all names are known.
-                self.scenes.check(statement)
+                self._check(statement)
         self.indices.finish()
         self.tables.finish(self.broken)
         if "rate" not in self.broken:
@@ -175,13 +166,9 @@ class _Checker(Checks):
         required = Required(self.file, self.shared, self.broken)
         required.check()
         parts = self.parts
-        check_bounds(
-            [p for p in parts["parameters"] if p.span in self.sound],
-            [d for d in parts["definitions"] if d.span in self.sound],
-            self.sizes,
-            self.report,
-            self.file.source.order,
-        )
+        both = parts["parameters"], parts["definitions"]
+        sound = ([x for x in items if x.span in self.sound] for items in both)
+        check_bounds(*sound, self.sizes, self.report, self.file.source.order)
         if not self.broken & {"", "let", "coord", "body", "joint", *_INERTIA}:
             required.inertia()
         misfits = self._misfits()
@@ -271,10 +258,3 @@ class _Checker(Checks):
 
 
 _UNUSED = ("table", "parameter", "constant", "size", "input", "definition")
-
-
-def _has_no_dimension(text: str) -> bool:
-    try:
-        return parse_unit(text).dimension == NONE
-    except UnitError:
-        return False

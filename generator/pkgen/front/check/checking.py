@@ -51,11 +51,3 @@ class Checking(Mismatch):
                 help = "an index touches the name before it, without a space: q[i]"
             self.error(error.message, Span(start, max(start + 1, span.start + 1 + error.end)), help)
             return None
-
-    @staticmethod
-    def parsed(text: str) -> units.Unit | None:
-        """Parses a unit; returns None for a wrong unit, without a report."""
-        try:
-            return units.parse_unit(text)
-        except UnitError:
-            return None

@@ -8,15 +8,21 @@ where the condition holds.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from fractions import Fraction
 from functools import reduce
 
-from ...tree import Add, Call, Condition, Expr, Multiply, Negate, Number, names
+from ...tree import Add, Call, Condition, Expr, Multiply, Negate, names
 from ..units import NONE
 from .checking import Checked
 from .names import Wrong, joined
+from .written import written
 
-_SWAPPED = ("<", "<=")
+_TRUTH = {
+    "<": "1 - step(a - b)",
+    ">": "1 - step(b - a)",
+    "<=": "step(b - a)",
+    ">=": "step(a - b)",
+    "==": "step(a - b + 0.5) - step(a - b - 0.5)",  # of two integers
+}
 
 
 def truth(expr: Expr, cells: Collection[str] = ()) -> Expr:
@@ -24,29 +30,16 @@ def truth(expr: Expr, cells: Collection[str] = ()) -> Expr:
     of memory cells."""
     _check(expr)
     at, operator = expr.span, expr.operator
-    if operator in ("and", "or", "not"):
+    if operator == "not":
+        return written("1 - a", at, truth(*expr.parts, cells))
+    if operator in ("and", "or"):
         parts = [truth(part, cells) for part in expr.parts]
-        if operator == "not":
-            return _opposite(*parts)
         if operator == "or":  # not (not a and not b)
-            parts = [_opposite(part) for part in parts]
+            parts = [written("1 - a", part.span, part) for part in parts]
         product = Multiply(tuple(parts), (1,) * len(parts), at)
-        return _opposite(product) if operator == "or" else product
-    a, b = expr.parts
-    if operator == "==" and names(expr) & {*cells}:
-        signs = (1, -1), (-1, 1)
-        ends = (Call("step", (Add((a, b), s, at),), at) for s in signs)
-        return Multiply(tuple(ends), (1, 1), at)
-    if operator == "==":  # of two integers
-        half = Number(Fraction(1, 2), at)
-        ends = (Call("step", (Add((a, b, half), (1, -1, s), at),), at) for s in (1, -1))
-        return Add(tuple(ends), (1, -1), at)
-    if operator in _SWAPPED:
-        a, b = b, a
-    strict = operator in ("<", ">")
-    difference = Add((b, a) if strict else (a, b), (1, -1), at)
-    found = Call("step", (difference,), at)
-    return _opposite(found) if strict else found
+        return written("1 - a", at, product) if operator == "or" else product
+    of_cells = operator == "==" and names(expr) & {*cells}
+    return written("step(a - b)*step(b - a)" if of_cells else _TRUTH[operator], at, *expr.parts)
 
 
 def positive(expr: Expr, check: Callable[[Expr], Checked]) -> Checked:
@@ -62,15 +55,10 @@ def positive(expr: Expr, check: Callable[[Expr], Checked]) -> Checked:
         function = "min" if operator == "and" else "max"
         found = reduce(lambda a, b: Call(function, (a, b), at), (e for e, _ in parts))
         return Negate(found, at) if operator == "not" else found, facts
-    a, b = reversed(expr.parts) if operator in _SWAPPED else expr.parts
+    a, b = reversed(expr.parts) if operator in ("<", "<=") else expr.parts
     return check(Add((a, b), (1, -1), at))
 
 
 def _check(expr: Expr) -> None:
     if not isinstance(expr, Condition):
         raise Wrong("this is no condition", "e.g. x > 0, or a < b and not c > d", expr)
-
-
-def _opposite(number: Expr) -> Expr:
-    one = Number(Fraction(1), number.span)
-    return Add((one, number), (1, -1), number.span)

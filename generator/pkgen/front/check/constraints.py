@@ -39,9 +39,8 @@ class Constraints(Checks):
         self._alike(sides, [facts.vector for _, facts in parts])
         if self.report.count > before:
             parts = [(side, UNKNOWN) for side, _ in parts]
-        dimension = self.common(
-            sides, [f for _, f in parts], f"'{statement.keyword}'", numbers=True
-        )
+        where = f"'{statement.keyword}'"
+        dimension = self.common(sides, [f for _, f in parts], where, numbers=True)
         value, facts = self.expressions.summed(difference, parts, dimension)
         if facts.known and self.report.count == before:
             self._moves(statement, facts, difference.span)
@@ -63,9 +62,8 @@ class Constraints(Checks):
     def _alike(self, sides: tuple[Expr, Expr], vectors: list[bool | None]) -> None:
         if True in vectors and False in vectors:
             vector, number = sides if vectors[0] else reversed(sides)
-            message = (
-                f"{self.text(vector)} is a vector; the other side, {self.text(number)}, is a number"
-            )
+            message = f"{self.text(vector)} is a vector; "
+            message += f"the other side, {self.text(number)}, is a number"
             help = "write a vector on both sides, or take a component (.x, .y, .z) or norm(v)"
             self.error(message, number, help)
 
@@ -74,10 +72,9 @@ class Constraints(Checks):
         """Returns (name, A - B) for each scalar equation: one for numbers, three for vectors."""
         if not vector:
             return [(name, difference)]
-        rows = [tuple(component(x, k) for x in difference.terms) for k in range(len(AXES))]
-        return [
-            (component_name(name, k), replace(difference, terms=row)) for k, row in enumerate(rows)
-        ]
+        rows = (tuple(component(x, k) for x in difference.terms) for k in range(len(AXES)))
+        parts = (replace(difference, terms=row) for row in rows)
+        return [(component_name(name, k), part) for k, part in enumerate(parts)]
 
     def _moves(self, statement: st.Equation, facts: Facts, span: Span) -> None:
         keyword = statement.keyword
@@ -86,23 +83,16 @@ class Constraints(Checks):
             help = "it is an equation between coordinates, rotations, parameters, inputs and t"
             self.error(message, span, help)
         elif keyword == "constraint" and facts.rates:
-            self.error(
-                "a constraint is an equation between positions; this one has rates in it",
-                span,
-                f"write 'rolling {statement.left.name}: …' for an equation between rates",
-            )
+            message = "a constraint is an equation between positions; this one has rates in it"
+            help = f"write 'rolling {statement.left.name}: …' for an equation between rates"
+            self.error(message, span, help)
         elif keyword == "rolling" and not facts.rates:
-            self.error(
-                "a rolling is an equation between rates; there is none in it",
-                span,
-                f"write 'constraint {statement.left.name}: …' for one between positions",
-            )
+            message = "a rolling is an equation between rates; there is none in it"
+            help = f"write 'constraint {statement.left.name}: …' for one between positions"
+            self.error(message, span, help)
         elif not facts.coordinates:
-            self.error(
-                f"nothing that has an equation of motion is in this {keyword}",
-                span,
-                "it holds or fails whatever the motion",
-            )
+            message = f"nothing that has an equation of motion is in this {keyword}"
+            self.error(message, span, "it holds or fails whatever the motion")
 
     def _multiplier(self, keyword: str, dimension: Dimension | None) -> Facts:
         power = STATEMENTS[keyword].needs == "power"

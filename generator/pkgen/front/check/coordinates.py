@@ -56,9 +56,9 @@ class Coordinates(Checks):
         if found is None:
             return
         time, energy = self.time_dimension, self.energy_dimension
-        momentum = units.over(units.times(energy, time), found.dimension)
-        shown = found.unit, found.rate_unit, si_text(momentum), description
-        self.parts["coordinates"].append(m.Coordinate(item.name, found.family, *shown, item.span))
+        momentum = units.over(units.times(energy, time), (unit or units.ONE).dimension)
+        shown = *found[1:], si_text(momentum), description
+        self.parts["coordinates"].append(m.Coordinate(item.name, *shown, item.span))
 
     def _input(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         if item.lo is not None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 
 from ... import model as m
-from ...tree import Expr, Name, Negate, Quantity, names
+from ...tree import Expr, Name, Quantity, names
 from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
@@ -15,7 +14,7 @@ from ..units import NONE
 from ..words import C_HEADERS, reserved, symbols_of
 from .names import UNKNOWN, Entry, Facts, Members, joined
 from .scope import PLACES, Scope
-from .shared import Checks, as_is, name_span
+from .shared import Checks, as_is, infinite, name_span
 from .vectors import by_component
 
 _UNKNOWN = "?"  # Replaces a bound that has an error. No model can declare this name.
@@ -35,11 +34,9 @@ class Definitions(Checks):
             help = f"choose another name, e.g. my_{statement.name}"
             self.error(message, statement.name_span, help)
         elif statement.name in C_HEADERS:
-            self.error(
-                f"'{statement.name}.h' is a header of C; a model's would hide it",
-                statement.name_span,
-                f"choose another name, e.g. {statement.name}_model",
-            )
+            message = f"'{statement.name}.h' is a header of C; a model's would hide it"
+            help = f"choose another name, e.g. {statement.name}_model"
+            self.error(message, statement.name_span, help)
 
     def size(self, statement: st.Define) -> None:
         left = statement.left
@@ -78,7 +75,8 @@ class Definitions(Checks):
         new = self.names.declare(entry) and facts.known and not entry.periodic
         if new and self.report.count == before:
             self.sound.add(statement.span)
-        follows = facts.value is None and _mentions_parameter(value, self.names.table)
+        used = (self.names.table.get(name) for name in names(value))
+        follows = facts.value is None and any(e and e.kind == "parameter" for e in used)
         unit = self.shown_unit(statement.value, facts)
         shown = unit, statement.description, statement.span
         self.parts["parameters"].append(
@@ -94,17 +92,12 @@ class Definitions(Checks):
         return m.Bounds(lo, hi, interval.lo_open, interval.hi_open)
 
     def _bound(self, end: Expr, sign: int, name: str, of: Facts) -> Expr | None:
-        infinite, at = 0, end
-        if isinstance(end, Name) and end.id == "inf":
-            infinite = 1
-        elif isinstance(end, Negate) and isinstance(end.of, Name) and end.of.id == "inf":
-            infinite, at = -1, end.of
-        if infinite == sign:
-            return None
-        if infinite:
+        found = infinite(end)
+        if found and found != sign:
             end_name = "lower" if sign < 0 else "upper"
-            message = f"no value is left: the {end_name} bound is {'' if infinite > 0 else '-'}inf"
-            self.error(message, at)
+            message = f"no value is left: the {end_name} bound is {'' if found > 0 else '-'}inf"
+            self.error(message, end.of if found < 0 else end)
+        if found:
             return None
         target = as_is(name, of.dimension)
         value, facts = self.wanted(end, Scope(PLACES["bound"]), target)
@@ -186,12 +179,9 @@ class Definitions(Checks):
         self.indices.defining = None
         for lo, hi in members.intervals:
             if entry.members.touch(lo, hi):
-                self.error(
-                    f"{left.name}[{lo}] is defined already"
-                    if lo == hi
-                    else f"some of {left.name}[{lo}..{hi}] are defined already",
-                    left,
-                )
+                some = f"{left.name}[{lo}] is"
+                some = some if lo == hi else f"some of {left.name}[{lo}..{hi}] are"
+                self.error(f"{some} defined already", left)
             entry.members.add(lo, hi)
         self._merge(entry, facts, statement)
         return value, facts
@@ -204,13 +194,10 @@ class Definitions(Checks):
             entry.facts = facts
             return
         if None not in (before.dimension, facts.dimension) and before.dimension != facts.dimension:
-            self.error(
-                f"unit mismatch: {entry.name} is {units.described(before.dimension)},"
-                f" this member is {units.described(facts.dimension)}",
-                statement.value,
-            )
+            was, new = (units.described(x.dimension) for x in (before, facts))
+            message = f"unit mismatch: {entry.name} is {was}, this member is {new}"
+            self.error(message, statement.value)
         dimension = facts.dimension if before.dimension is None else before.dimension
-
         entry.facts = joined(dimension, facts.vector, [before, facts])
 
 
@@ -220,7 +207,3 @@ def _declared(facts: Facts, written: Expr) -> Facts:
     dimension = NONE if facts.dimension is None and facts.known else facts.dimension
     united = isinstance(written, Quantity) or facts.united or dimension != NONE
     return replace(facts, dimension=dimension, bare=False, united=united)
-
-
-def _mentions_parameter(expr: Expr, table: Mapping[str, Entry]) -> bool:
-    return any(name in table and table[name].kind == "parameter" for name in names(expr))

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from fractions import Fraction
 
 from ... import model as m
 from ...source import Span
 from ...system.near import meant
-from ...tree import AXES, Expr, Multiply, Name, Number, Range, Vector
+from ...tree import AXES, Expr, Multiply, Name, Range, Vector
 from .. import shapes
 from .. import statements as st
 from ..units import LENGTH, NONE, Dimension, described, over, si_text
 from .expr import Target
 from .scope import PLACES, Scope
 from .shared import Checks, Shared
-from .vectors import applied, component
+from .vectors import UNIT, applied, component
+from .written import written
 
 
 class Drawings(Checks):
@@ -131,7 +131,8 @@ class Drawings(Checks):
         elif statement.axis and statement.axis not in AXES:
             self.error(f"there is no axis '{statement.axis}': it is x, y or z", statement, form)
         if (statement.subject is None) and shape.subject and not shape.subject_optional:
-            self.error(f"'{name}' needs {_A[shape.subject]}", statement.shape_span, form)
+            needed = _NEEDED.get(shape.subject, f"a {shape.subject}")
+            self.error(f"'{name}' needs {needed}", statement.shape_span, form)
         if statement.subject is not None and not shape.subject:
             self.error(f"'{name}' takes its parts alone", statement.subject, form)
         seen: set[str] = set()
@@ -245,14 +246,13 @@ class Drawings(Checks):
         if not facts.known:
             return ()
         if not facts.turns:
-            self.error(
-                f"{self.text(value)} is no rotation: a body is drawn as one turns it",
-                value,
-                "e.g. draw body rot([0, 0, 1], phi) at P box [a, b, c]; or leave it out",
-            )
+            message = f"{self.text(value)} is no rotation: a body is drawn as one turns it"
+            help = "e.g. draw body rot([0, 0, 1], phi) at P box [a, b, c]; or leave it out"
+            self.error(message, value, help)
             return ()
         self.use_inputs(facts)
-        columns = [applied(facts.turns, _unit(axis, value.span), value.span) for axis in range(3)]
+        at = value.span
+        columns = [applied(facts.turns, written(axis, at), at) for axis in UNIT.values()]
         return tuple(component(column, axis) for column in columns for axis in range(len(AXES)))
 
     def _coordinates(self, statement: st.Draw) -> tuple[str, ...]:
@@ -284,14 +284,7 @@ class Drawings(Checks):
         return (found,)
 
 
-_A = {
-    shapes.PLACE: "a place",
-    shapes.VECTOR: "a vector",
-    shapes.ROTATION: "a rotation",
-    shapes.AXIS: "an axis and a value",
-    shapes.PLANE: "a plane",
-    shapes.VALUE: "an expression",
-}
+_NEEDED = {shapes.AXIS: "an axis and a value", shapes.VALUE: "an expression"}
 
 
 def _end(span: Span) -> Span:
@@ -300,7 +293,3 @@ def _end(span: Span) -> Span:
 
 def _components(vector: Expr) -> tuple[Expr, ...]:
     return tuple(component(vector, axis) for axis in range(len(AXES)))
-
-
-def _unit(axis: int, span: Span) -> Vector:
-    return Vector(tuple(Number(Fraction(int(k == axis)), span) for k in range(len(AXES))), span)

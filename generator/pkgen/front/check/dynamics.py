@@ -142,10 +142,8 @@ class Dynamics(Checks):
         if isinstance(statement.value, Condition):
             if direction != "either":
                 help = f"leave out '{direction}'"
-                message = (
-                    "an event of a condition has no direction: it is where that begins to hold"
-                )
-                self.error(message, at, help)
+                message = "an event of a condition has no direction"
+                self.error(f"{message}: it is where that begins to hold", at, help)
             value, facts = self.expressions.positive(statement.value, scope)
             direction = "rising"
         else:
@@ -154,11 +152,9 @@ class Dynamics(Checks):
             message = f"the event '{statement.name}' is a vector; it must be a number"
             self.error(message, at, "take a component (.x, .y, .z), dot(a, b) or norm(a)")
         elif facts.known and not facts.moves:
-            self.error(
-                f"the event '{statement.name}' never happens: nothing in it moves",
-                at,
-                "it is where an expression of the motion crosses zero, e.g. y - h falling",
-            )
+            message = f"the event '{statement.name}' never happens: nothing in it moves"
+            help = "it is where an expression of the motion crosses zero, e.g. y - h falling"
+            self.error(message, at, help)
         elif (step := _step_of(statement.value)) is not None:
             self.error(
                 f"the event '{statement.name}' does not cross zero: a step is 0 on one whole side",

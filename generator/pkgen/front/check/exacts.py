@@ -7,17 +7,13 @@ from ...source import Span
 from .. import statements as st
 from .scope import PLACES, Scope
 from .settings import Settings
-from .shared import Checks, Shared, as_is
+from .shared import as_is
 
 _KINDS = ("coordinate", "state", "output", "definition")
 
 
-class Exacts(Checks):
-    def __init__(self, shared: Shared, settings: Settings) -> None:
-        super().__init__(shared)
-        self.settings = settings
-
-    def exact(self, statement: st.Exact) -> None:
+class Exacts(Settings):
+    def exact(self, statement: st.Pairs) -> None:
         self._add(statement)
         self.parts["exacts"] = list(self.exacts)
 
@@ -27,7 +23,7 @@ class Exacts(Checks):
         words = {clause.keyword for clause in scene.clauses}
         self.exacts.clear()
         for clause in scene.clauses:
-            if isinstance(clause, st.Exact):
+            if clause.keyword == "exact":
                 self._add(clause)
         if self.exacts and "swarm" in words:
             message = "the members of a swarm start differently: they have no closed form in common"
@@ -36,7 +32,7 @@ class Exacts(Checks):
             self.exacts += self.parts["exacts"]
         return tuple(self.exacts)
 
-    def _add(self, statement: st.Exact) -> None:
+    def _add(self, statement: st.Pairs) -> None:
         """Adds the closed forms to those which error(x) finds."""
         for left, value in statement.items:
             entry = self.named(left, "a closed form", _KINDS)
@@ -46,7 +42,7 @@ class Exacts(Checks):
             facts, within = entry.facts, statement.within
             new, _ = self.wanted(value, scope, as_is(left.name, facts.dimension))
             if within is not None:
-                within = self.settings.tolerance(within, facts.dimension)
+                within = self.tolerance(within, facts.dimension)
             if facts.vector or facts.turns or (facts.known and not facts.moves):
                 help = "it is of a number that moves, as a component: observe a = r.x"
                 self.error(f"'{left.name}' has no closed form", left, help)

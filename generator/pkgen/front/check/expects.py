@@ -11,17 +11,12 @@ from ..units import NONE, Dimension
 from .names import Facts
 from .scope import PLACES, Scope
 from .settings import Settings
-from .shared import Checks, Shared
 from .vectors import component
 
 OF_RUN = frozenset(("drift", "time"))  # Functions that have one value for a whole run.
 
 
-class Expects(Checks):
-    def __init__(self, shared: Shared, settings: Settings) -> None:
-        super().__init__(shared)
-        self.settings = settings
-
+class Expects(Settings):
     def check(self, clause: st.Expect) -> tuple[m.Expect, ...]:
         """Returns one Expect, for vectors one for each component; () after an error."""
         before = self.report.count
@@ -30,9 +25,7 @@ class Expects(Checks):
         known = of_a.known and of_b.known
         if known and not self._comparable(clause, bool(of_a.vector), bool(of_b.vector)):
             return ()
-        dimension = None
-        if known:
-            dimension = self._dimension(clause, of_a, of_b)
+        dimension = self._dimension(clause, of_a, of_b) if known else None
         tolerance = self._within(clause, dimension)
         at, event = self._when(clause.at)
         if known and self.report.count == before:
@@ -49,16 +42,12 @@ class Expects(Checks):
 
     def _comparable(self, clause: st.Expect, a: bool, b: bool) -> bool:
         expr = clause.a if a else clause.b
-        if a != b:
-            self.error(
-                f"{self.text(expr)} is a vector; the other side is a number",
-                expr,
-                "take a component (.x, .y, .z) or norm(v)",
-            )
-        elif a and clause.relation != "=":
-            message = f"{self.text(expr)} is a vector: none is above another"
-            self.error(message, expr, "take a component (.x, .y, .z) or norm(v)")
-        return a == b and (not a or clause.relation == "=")
+        why = "" if clause.relation == "=" or not a else ": none is above another"
+        why = why if a == b else "; the other side is a number"
+        if why:
+            help = "take a component (.x, .y, .z) or norm(v)"
+            self.error(f"{self.text(expr)} is a vector{why}", expr, help)
+        return not why
 
     def _dimension(self, clause: st.Expect, a: Facts, b: Facts) -> Dimension:
         """Returns the dimension of both sides; a number without a unit takes the other side's."""
@@ -72,11 +61,8 @@ class Expects(Checks):
     def _within(self, clause: st.Expect, dimension: Dimension | None) -> Expr | None:
         if clause.within is None:
             if clause.relation == "=":
-                self.error(
-                    "'=' without 'within': numbers of a run are never exactly equal",
-                    clause,
-                    "say how far it may be off: expect A = B within 1e-6",
-                )
+                message = "'=' without 'within': numbers of a run are never exactly equal"
+                self.error(message, clause, "say how far it may be off: expect A = B within 1e-6")
             return None
         if clause.relation != "=":
             message = f"'within' goes with '=': '{clause.relation}' is met or not"
@@ -84,7 +70,7 @@ class Expects(Checks):
             return None
         if dimension is None:
             return None
-        return self.settings.tolerance(clause.within, dimension)
+        return self.tolerance(clause.within, dimension)
 
     def _when(self, at: Expr | None) -> tuple[Expr | None, str]:
         """Returns (time, "") if `at` is a time, (None, event) if it is an event."""
@@ -93,27 +79,22 @@ class Expects(Checks):
         table = self.names.table
         named = isinstance(at, Name) and at.index is None
         if named and (at.id not in table or table[at.id].kind == "event") and at.id != "pi":
-            return None, self.settings.event(at, "expect")
-        return self.settings.time("at", at), ""
+            return None, self.event(at, "expect")
+        return self.time("at", at), ""
 
     def _meaning(self, clause: st.Expect, moves: bool, sides: tuple[Expr, Expr]) -> None:
-        of_run = [x for side in sides for x in within(side) if _of_run(x)]
+        called = (x for side in sides for x in within(side) if isinstance(x, Call))
+        of_run = [x for x in called if x.function in OF_RUN]
         if not of_run and not moves:
             message = "nothing in it moves: it holds or fails without a run"
             self.error(message, clause, "e.g. expect x = 1 within 1e-6 at 2")
         elif of_run and moves:
-            self._both(of_run[0])
+            message = (
+                f"{of_run[0].function}(…) is of the whole run: it is not compared with what moves"
+            )
+            self.error(message, of_run[0], "beside it stand numbers and parameters")
         elif of_run and clause.at is not None:
             self.error(f"{of_run[0].function}(…) is of the whole run: it has no 'at'", clause.at)
-
-    def _both(self, call: Call) -> None:
-        message = f"{call.function}(…) is of the whole run: it is not compared with what moves"
-        self.error(message, call, "beside it stand numbers and parameters")
-
-    def without_until(self, expects: list[m.Expect]) -> None:
-        if expects:
-            message = "an expectation needs to know how long the scene runs"
-            self.error(message, expects[0], "add to the scene: until 10")
 
 
 def calls(item: m.Expect, function: str) -> list[Call]:
@@ -123,7 +104,3 @@ def calls(item: m.Expect, function: str) -> list[Call]:
         for part in within(side)
         if isinstance(part, Call) and part.function == function
     ]
-
-
-def _of_run(expr: Expr) -> bool:
-    return isinstance(expr, Call) and expr.function in OF_RUN

@@ -71,9 +71,8 @@ class Forces(Checks):
         target = Target(dimension, f"the force along {left.name} needs {text}")
         value, facts = self.wanted(statement.value, scope, target)
         self.use_inputs(facts)
-        self.parts["forces"].append(
-            m.Force(left.name, left.index, left.range, value, statement.span)
-        )
+        force = m.Force(left.name, left.index, left.range, value, statement.span)
+        self.parts["forces"].append(force)
 
     def _load(self, statement: st.Force, place: Expr, velocity: Expr) -> None:
         """Checks a force or torque, which does work at the rate dot(force, velocity)."""
@@ -89,18 +88,16 @@ class Forces(Checks):
         elif moved.known and not moved.rates:
             does = "turn" if keyword == "torque" else "move"
             self.warn(f"{self.text(place)} does not {does}: this {keyword} does nothing", place)
-        over = (
-            None if moved.dimension is None else units.over(self.power_dimension, moved.dimension)
-        )
+        per = moved.dimension
+        over = None if per is None else units.over(self.power_dimension, per)
         at = "on" if keyword == "torque" else "at"
         needs = f"the {keyword} {at} {self.text(place)} is a vector of"
         target = Target(over, f"{needs} {_NEEDED.get(over, si_text(over or NONE))}")
         value, facts = self.wanted_vector(statement.value, scope, target)
         self.use_inputs(joined(None, True, [facts, moved]))
         if statement.place is not None and left is not None:
-            self._name(
-                left, Call("dot", (value, velocity), statement.span), [facts, moved], members
-            )
+            power = Call("dot", (value, velocity), statement.span)
+            self._name(left, power, [facts, moved], members)
         if self.report.count == before:
             index, range_ = (None, None) if left is None else (left.index, left.range)
             name = left.name if left is not None and statement.place is not None else ""

@@ -33,9 +33,6 @@ class Given(Checks):
         self.members = swarm
         self.around = self._swarm(swarm) if swarm is not None else None
 
-    def swarm(self, clause: st.Swarm) -> None:
-        """Does nothing: __init__ has checked the swarm."""
-
     def _swarm(self, swarm: Range) -> Scope | None:
         """Returns the scope of starts within the swarm's loop; None after an error."""
         scope = Scope(PLACES["start"])
@@ -202,22 +199,15 @@ class Given(Checks):
     def finish(self) -> None:
         if self.around is not None and not self.wrong_start:
             variable = self.members.variable
+            some = min(self.names.coordinates or self.names.states, default="x")
             if not any(variable in names(item.value) for item in self.starts):
-                self.error(
-                    f"no start uses '{variable}': all members of the swarm would be the same",
-                    self.members,
-                    f"e.g. start {self._some()} = {variable}/10",
-                )
+                message = f"no start uses '{variable}': all members of the swarm would be the same"
+                self.error(message, self.members, f"e.g. start {some} = {variable}/10")
         if self.holds and self._holds_all():
-            message = f"every {self._what_moves()} is held: nothing is left to move"
+            kinds = {"coordinate": self.names.coordinates, "state": self.names.states}
+            moves = " and ".join(kind for kind, names in kinds.items() if names)
+            message = f"every {moves} is held: nothing is left to move"
             self.error(message, self.holds[-1], "leave out one 'hold'")
-
-    def _some(self) -> str:
-        return next(iter(sorted(self.names.coordinates) or sorted(self.names.states)), "x")
-
-    def _what_moves(self) -> str:
-        kinds = {"coordinate": self.names.coordinates, "state": self.names.states}
-        return " and ".join(kind for kind, names in kinds.items() if names)
 
     def _holds_all(self) -> bool:
         if self.names.rotations:  # `hold` does not accept rotations.

@@ -81,12 +81,8 @@ class Indices(Reporting):
         """Returns the scope in which a sum is checked. Its `points` is the number of iterations of
         those outer loops whose variables occur in the sum."""
         used = names(expr)
-        lengths = (
-            max(0, loop.interval[1] - loop.interval[0] + 1)
-            for loop in scope.loops
-            if loop.range.variable in used
-        )
-        return replace(scope, points=prod(lengths))
+        loops = (loop for loop in scope.loops if loop.range.variable in used)
+        return replace(scope, points=prod(max(0, loop.length) for loop in loops))
 
     def enter(self, ranges: tuple[Range, ...], scope: Scope) -> Scope | None:
         """Returns the scope within loops over `ranges`, or None after an error."""
@@ -94,12 +90,11 @@ class Indices(Reporting):
             loop = self._loop(item, scope)
             if loop is None:
                 return None
-            length = max(0, loop.interval[1] - loop.interval[0] + 1)
             scope = replace(
                 scope,
                 loops=(*scope.loops, loop),
                 variables=scope.variables | {item.variable},
-                points=scope.points * length,
+                points=scope.points * max(0, loop.length),
             )
             if scope.points > limits.FAMILY:
                 self.error(f"more than {limits.FAMILY:,} terms in nested sums", item)
@@ -120,9 +115,8 @@ class Indices(Reporting):
             return None
         known = intervals(self.sizes, scope.loops)
         loop = Loop(item, (bound(item.lo, known)[0], bound(item.hi, known)[1]))
-        length = loop.interval[1] - loop.interval[0] + 1
-        if length > limits.FAMILY:
-            self.error(f"a range of {length:,} values; the limit is {limits.FAMILY:,}", item)
+        if loop.length > limits.FAMILY:
+            self.error(f"a range of {loop.length:,} values; the limit is {limits.FAMILY:,}", item)
             return None
         return loop
 
@@ -194,21 +188,17 @@ class Indices(Reporting):
         lo, hi = bound(expr.index, intervals(self.sizes, scope.loops))
         if members.hold(lo, hi):
             return
-
-        def inside(value: int, at: dict[str, int]) -> bool:
+        for at in points(self.sizes, scope.loops):
+            value = integer(expr.index, at)
             if members.hold(value, value):
-                return True
-            return recursive and self._defined_before(value, at)
-
-        found = first_outside(expr.index, self.sizes, scope.loops, inside)
-        if found is not None:
-            self._outside(expr, entry, *found, recursive)
-
-    def _defined_before(self, value: int, at: dict[str, int]) -> bool:
-        """Whether `value` is an index below the current i in the definition `let x[i = lo..hi]`, so
-        that this member of x is defined before it is used."""
-        own = self.defining[1]
-        return integer(own.lo, self.sizes) <= value < at[own.variable]
+                continue
+            if recursive:  # An index below i in `let x[i = lo..hi]` is of a member defined before.
+                own = self.defining[1]
+                if integer(own.lo, self.sizes) <= value < at[own.variable]:
+                    continue
+            at = {x.range.variable: at[x.range.variable] for x in scope.loops}
+            self._outside(expr, entry, value, at, recursive)
+            return
 
     def _outside(
         self, expr: Name, entry: Entry, value: int, at: dict[str, int], recursive: bool
@@ -282,18 +272,6 @@ def points(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> Iterator[dict[s
         if number == limits.UNROLLED:
             return
         yield values
-
-
-def first_outside(
-    index: Expr, sizes: Mapping[str, int], loops: tuple[Loop, ...], inside
-) -> tuple[int, dict[str, int]] | None:
-    """Returns the first value of an index for which `inside` is False, and the values of the loop
-    variables at this iteration."""
-    for values in points(sizes, loops):
-        value = integer(index, values)
-        if not inside(value, values):
-            return value, {loop.range.variable: values[loop.range.variable] for loop in loops}
-    return None
 
 
 def at_text(variables: Mapping[str, int]) -> str:

@@ -96,19 +96,17 @@ class Mismatch(Reporting):
         factor = units.over(needed, facts.dimension)
         under = units.over(NONE, factor)
         shown = f"({text})" if isinstance(expr, Add) else text
-        for ratio, verb, sign in (
-            (factor, "multiply", "*"),
-            (under, "divide", "/"),
-        ):
+        for ratio, verb, sign in ((factor, "multiply", "*"), (under, "divide", "/")):
             name = self._fitting(ratio, expr, needs, numbers)
             if name is not None:
                 what = units.KINDS.get(ratio, f"something in [{si_text(ratio)}]")
                 if ratio == units.LENGTH and "potential" in needs and verb == "multiply":
                     what = "a height"
                 return f"{verb} by {what}, e.g. {shown}{sign}{name}"
-        unitless = next(filter(self._is_unitless, _names(expr)), None)
-        if unitless is not None:
-            return f"'{unitless}' is declared without a unit; a pure number unless it says [unit]"
+        for entry in filter(None, map(self.names.table.get, _names(expr))):
+            if entry.kind == "parameter" and not entry.facts.united:
+                help = f"'{entry.name}' is declared without a unit"
+                return f"{help}; a pure number unless it says [unit]"
         kind = units.KINDS.get(factor)
         if numbers and facts.dimension == NONE:
             return f"give it its unit: (1 [{si_text(factor)}])*{shown}"
@@ -153,10 +151,6 @@ class Mismatch(Reporting):
         if entry is None or entry.kind != "coordinate" or entry.facts.dimension is None:
             return None
         return units.over(entry.facts.dimension, units.TIME)
-
-    def _is_unitless(self, name: str) -> bool:
-        entry = self.names.table.get(name)
-        return entry is not None and entry.kind == "parameter" and not entry.facts.united
 
 
 def _names(expr: Expr) -> list[str]:

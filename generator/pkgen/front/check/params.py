@@ -25,7 +25,8 @@ def check_bounds(
     items = sorted([*parameters, *definitions], key=lambda x: order(x.span.start))
     for item in items:
         if isinstance(item, m.Definition):
-            _constant(item, values, sizes)
+            with suppress(NoValue, KeyError):  # The `let` is not constant, or has an error.
+                values[item.name] = evaluate(item.value, values, sizes)
             continue
         bounds = ends_of(item, values, sizes, report)
         for index in _indices(item, sizes):
@@ -48,11 +49,6 @@ def check_bounds(
                     f"a bound without a unit is in [{item.unit}]" if item.unit else "",
                 )
                 bounds = None  # One error for each family is enough.
-
-
-def _constant(item: m.Definition, values: dict, sizes: Mapping[str, int]) -> None:
-    with suppress(NoValue, KeyError):  # The `let` is not constant, or has an error.
-        values[item.name] = evaluate(item.value, values, sizes)
 
 
 def _indices(item: m.Parameter, sizes: Mapping[str, int]):

@@ -95,11 +95,8 @@ class Quantities(Checking):
             return self._factor(expr, of, facts, unit)
         if not unit.is_si:
             si = units.si_text(unit.dimension, unit.angle) or "1"
-            self.warn(
-                f"{self.text(expr.of)} has a unit already; [{expr.unit}] is only checked",
-                expr.unit_span,
-                f"values are in SI: [{si}]",
-            )
+            message = f"{self.text(expr.of)} has a unit already; [{expr.unit}] is only checked"
+            self.warn(message, expr.unit_span, f"values are in SI: [{si}]")
         return of, facts
 
     def _factor(self, expr: Quantity, of: Expr, facts: Facts, unit: units.Unit) -> Checked:

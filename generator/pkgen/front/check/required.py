@@ -7,6 +7,10 @@ from .. import statements as st
 from ..joints import joint_names
 from .shared import Checks, Shared
 
+_MOVING = {"coord", "state", "rotation", "body", "joint"}
+_ENERGIES = {"kinetic", "lagrangian", "hamiltonian", "body", "joint"}
+_NOT_BESIDE_H = ("kinetic", "potential", "lagrangian", "fast", "rotation", "body")
+
 
 class Required(Checks):
     """Checks that no statement is missing. `broken` has the keywords of statements that did not
@@ -18,64 +22,36 @@ class Required(Checks):
 
     def check(self) -> None:
         self._sizes()
-        self._required()
-
-    def _required(self) -> None:
         if not self.file.statements:
             if not self.file.diagnostics:  # Errors mean that no statement could be parsed.
-                self.error(
-                    "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
-                )
+                message = "there is no statement in this file"
+                self.error(message, Span(0, 0), "begin with 'model NAME'")
             return
-        first = next(iter(self.file.statements), None)
-        broken = self.broken
-        parts = self.parts
+        broken, parts = self.broken, self.parts
         at = parts["name"][0].span if parts["name"] else self._first_line()
         if not parts["name"] and "model" not in broken:
             self.error("the model has no name", at, "the first statement is 'model NAME'")
-        elif parts["name"] and first is not parts["name"][0]:
+        elif parts["name"] and self.file.statements[0] is not parts["name"][0]:
             self.error("'model' must be the first statement", at)
         if broken & {"", "use"}:  # The missing statement may be in this line or in a part.
             return
         names = self.names
-        if not names.moving | names.states and not broken & {
-            "coord",
-            "state",
-            "rotation",
-            "body",
-            "joint",
-        }:
+        if not (names.moving or names.states or broken & _MOVING):
             self.error("the model has no coordinates", at, "e.g. coord x [m]")
         has_energy = parts["kinetic"] or parts["lagrangian"] or parts["hamiltonian"]
         if parts["hamiltonian"]:
             self._hamiltonian_alone()
         if names.states and not names.moving and not broken & {"coord", "rotation"}:
-            self._states_alone()
-            return
-        if has_energy:
-            return
-        if (
-            not broken & {"kinetic", "lagrangian", "hamiltonian", "body", "joint"}
-            and not self._bodies()
-        ):
+            return self._states_alone()
+        bodies = any(isinstance(s, st.Body) for s in self.file.statements)  # each adds an energy
+        if not (has_energy or bodies or broken & _ENERGIES):
             self.error("the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'")
 
     def _hamiltonian_alone(self) -> None:
         for statement in self.file.statements:
-            if statement.keyword in (
-                "kinetic",
-                "potential",
-                "lagrangian",
-                "fast",
-                "rotation",
-                "body",
-            ):
+            if statement.keyword in _NOT_BESIDE_H:
                 message = f"'{statement.keyword}' beside 'hamiltonian', which has all of the energy"
                 self.error(message, statement, "write it in q and p_q, or leave H out")
-
-    def _bodies(self) -> bool:
-        """Whether the model has bodies, each of which adds a kinetic energy."""
-        return any(isinstance(s, st.Body) for s in self.file.statements)
 
     def _states_alone(self) -> None:
         """Reports energies in a model that has states but no coordinates."""

@@ -81,7 +81,10 @@ class Rotations(Checks):
             self.error(f"the rates of a rotation are omega({left.name})", item, help)
         scope = self.member_scope(left, entry, around) or around
         of_rates = item.function or item.order  # Above, `start R'` is reported as an error.
-        values = self._rates(item, scope) if of_rates else self._attitude(item, scope)
+        if of_rates:
+            values = self._rates(item, scope)
+        else:
+            values, _ = self.numbers("a start", f"start {left.name}", item.value, scope)
         if self.report.count > before or entry is None or not values:
             return None
         order, names = (1, turn_names) if item.function else (0, quaternion_names)
@@ -95,9 +98,6 @@ class Rotations(Checks):
         target = Target(dimension, f"omega({item.left.name}) is a vector of rates", bare=True)
         value, facts = self.wanted_vector(item.value, around, target)
         return [component(value, k) for k in range(len(AXES))] if facts.vector else None
-
-    def _attitude(self, item: st.StartItem, around: Scope):
-        return self.numbers("a start", f"start {item.left.name}", item.value, around)[0]
 
     def numbers(
         self, what: str, example: str, value: Expr, around: Scope

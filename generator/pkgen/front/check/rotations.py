@@ -9,15 +9,15 @@ which nothing depends (quasi-coordinates: Whittaker, Analytical Dynamics, sectio
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 
 from ...source import Span
-from ...tree import AXES, Add, Call, Component, Expr, Multiply, Name, Negate, Number, Vector
+from ...tree import AXES, Call, Component, Expr, Name, Negate, Vector
 from .. import units
 from ..units import NONE
 from .checking import Checked, Checking
 from .names import Facts, Turn, Turns, Wrong, joined
-from .vectors import EXAMPLE, applied, component
+from .vectors import EXAMPLE, UNIT, applied, component
+from .written import written
 
 
 def quaternion_names(rotation: str) -> tuple[str, ...]:
@@ -44,35 +44,29 @@ def attitude(name: str, index: Expr | None, span: Span) -> Turn:
 def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
     """Returns the unit quaternion w, x, y, z of a product of rot(AXIS, ANGLE). The quaternion of a
     factor is cos(angle/2), sin(angle/2) axis/|axis|. Returns () for no factors."""
-
-    def times(a: Expr, b: Expr) -> Expr:
-        return Multiply((a, b), (1, 1), span)
-
     whole: tuple[Expr, ...] = ()
     for turn in turns:
-        half = Multiply((turn.angle, Number(Fraction(2), span)), (1, -1), span)
-        along = Call("sin", (half,), span), Call("norm", (turn.axis,), span)
-        unit = Multiply(along, (1, -1), span)
-        one = (
-            Call("cos", (half,), span),
-            *(times(unit, component(turn.axis, k)) for k in range(len(AXES))),
-        )
-        whole = one if not whole else _product(whole, one, times, span)
+        parts = (component(turn.axis, k) for k in range(len(AXES)))
+        of_axis = (written("(sin(a/2)/norm(b))*c", span, turn.angle, turn.axis, x) for x in parts)
+        one = written("cos(a/2)", span, turn.angle), *of_axis
+        whole = tuple(written(row, span, *whole, *one) for row in _PRODUCT) if whole else one
     return whole
 
 
-def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tuple[Expr, ...]:
-    """Returns the product of two quaternions, with i j = k, j k = i, k i = j."""
-
-    def row(*terms: tuple[int, int, int]) -> Expr:
-        return Add(tuple(times(a[i], b[j]) for _, i, j in terms), tuple(s for s, *_ in terms), span)
-
-    return (
-        row((1, 0, 0), (-1, 1, 1), (-1, 2, 2), (-1, 3, 3)),
-        row((1, 0, 1), (1, 1, 0), (1, 2, 3), (-1, 3, 2)),
-        row((1, 0, 2), (1, 2, 0), (1, 3, 1), (-1, 1, 3)),
-        row((1, 0, 3), (1, 3, 0), (1, 1, 2), (-1, 2, 1)),
-    )
+# The product of the quaternions a, b, c, d and e, f, g, h, with i j = k, j k = i, k i = j.
+_PRODUCT = (
+    "a*e - b*f - c*g - d*h",
+    "a*f + b*e + c*h - d*g",
+    "a*g + c*e + d*f - b*h",
+    "a*h + d*e + b*g - c*f",
+)
+# The angles of a rotation, from a, b, c, the column of its matrix along an axis, and d, e, f, the
+# column along z of its inverse: phi, theta, psi of rot(z, phi)*rot(x, theta)*rot(z, psi), theta in
+# [0, pi]; yaw, pitch, roll of rot(z, yaw)*rot(y, pitch)*rot(x, roll), |pitch| <= pi/2.
+_ANGLES = {
+    "euler": ("z", ("atan2(a, -b)", "atan2(norm([a, b]), c)", "atan2(d, e)")),
+    "tait_bryan": ("x", ("atan2(b, a)", "atan2(-c, norm([a, b]))", "atan2(e, f)")),
+}
 
 
 class RotationCalls(Checking):
@@ -89,17 +83,16 @@ class RotationCalls(Checking):
         if not facts.known:
             raise Wrong
         if not facts.turns:
-            raise Wrong(
-                f"{expr.function} takes a rotation, {self.text(argument)} is none",
-                "declare one: rotation R; or make one of an axis and an angle: rot(n, a)",
-                expr.arguments[0],
-            )
+            message = f"{expr.function} takes a rotation, {self.text(argument)} is none"
+            help = "declare one: rotation R; or make one of an axis and an angle: rot(n, a)"
+            raise Wrong(message, help, expr.arguments[0])
         if expr.function == "inverse":
             return expr, replace(facts, turns=_inverse(facts.turns))
         if expr.function == "omega":
             return self._omega(expr, facts)
-        angles = {"euler": _euler, "tait_bryan": _tait_bryan}[expr.function]
-        found = Vector(angles(facts.turns, expr.span), expr.span)
+        (axis, texts), at = _ANGLES[expr.function], expr.span
+        columns = *_column(facts.turns, axis, at), *_column(_inverse(facts.turns), "z", at)
+        found = Vector(tuple(written(text, at, *columns) for text in texts), at)
         return found, replace(joined(NONE, True, [facts]), united=True)
 
     def _rot(self, expr: Call, parts: list[Checked]) -> Checked:
@@ -109,11 +102,8 @@ class RotationCalls(Checking):
         (axis, of_axis), (angle, of_angle) = parts
         if of_axis.turns or of_axis.vector is False:
             what = "rotation" if of_axis.turns else "number"
-            raise Wrong(
-                f"the axis of a rotation is a vector, {self.text(axis)} is a {what}",
-                f"e.g. {EXAMPLE}",
-                expr.arguments[0],
-            )
+            message = f"the axis of a rotation is a vector, {self.text(axis)} is a {what}"
+            raise Wrong(message, f"e.g. {EXAMPLE}", expr.arguments[0])
         if of_angle.turns or of_angle.vector:
             what = "rotation" if of_angle.turns else "vector"
             text = self.text(angle)
@@ -138,28 +128,9 @@ class RotationCalls(Checking):
         return Vector(names, expr.span), facts
 
 
-def _euler(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """Returns phi, theta, psi of rot(z, phi)*rot(x, theta)*rot(z, psi), theta in [0, pi]."""
-    z, bottom = _column(turns, "z", span), _column(_inverse(turns), "z", span)
-    phi = _atan2(z[0], Negate(z[1], span))
-    theta = _atan2(_length(z[0], z[1]), z[2])
-    psi = _atan2(bottom[0], bottom[1])
-    return phi, theta, psi
-
-
-def _tait_bryan(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """Returns yaw, pitch, roll of rot(z, yaw)*rot(y, pitch)*rot(x, roll); |pitch| <= pi/2."""
-    x, bottom = _column(turns, "x", span), _column(_inverse(turns), "z", span)
-    yaw = _atan2(x[1], x[0])
-    pitch = _atan2(Negate(x[2], span), _length(x[0], x[1]))
-    roll = _atan2(bottom[1], bottom[2])
-    return yaw, pitch, roll
-
-
 def _column(turns: Turns, axis: str, span: Span) -> list[Expr]:
     """Returns a column of a rotation's matrix: the rotated unit vector along `axis`."""
-    unit = Vector(tuple(Number(Fraction(int(axis == x)), span) for x in AXES), span)
-    whole = applied(turns, unit, span)
+    whole = applied(turns, written(UNIT[axis], span), span)
     return [Component(whole, k, span) for k in range(len(AXES))]
 
 
@@ -186,11 +157,3 @@ def _backwards(turn: Turn) -> Turn:
     w, x, y, z = turn.quaternion.items
     opposite = tuple(p.of if isinstance(p, Negate) else Negate(p, p.span) for p in (x, y, z))
     return Turn(quaternion=Vector((w, *opposite), turn.quaternion.span))
-
-
-def _atan2(y: Expr, x: Expr) -> Expr:
-    return Call("atan2", (y, x), y.span)
-
-
-def _length(a: Expr, b: Expr) -> Expr:
-    return Call("norm", (Vector((a, b), a.span),), a.span)

@@ -10,19 +10,15 @@ from .names import UNKNOWN, Entry, Facts, Report
 from .scene_numbers import Values, WrongValue
 from .scope import PLACES, Scope
 from .settings import Settings
-from .shared import Checks, Shared, as_is, name_span
+from .shared import as_is, name_span
 
 MOST = 64  # largest delay, in samples
 _KINDS = ("input", "memory cell")
 
 
-class Samples(Checks):
-    def __init__(self, shared: Shared) -> None:
-        super().__init__(shared)
-        self.settings = Settings(shared)
-
+class Samples(Settings):
     def sample(self, block: st.Sample) -> None:
-        times = [self.settings.time(n, getattr(block, n)) for n in ("every", "offset")]
+        times = [self.time(n, getattr(block, n)) for n in ("every", "offset")]
         entry = Entry(block.name, "sample", UNKNOWN, block.name_span, used=True)
         self.names.declare(entry)
         delay, count = 0, self.report.count
@@ -36,8 +32,10 @@ class Samples(Checks):
         self.set_here: dict[str, Entry] = {}
         steps, before = [], {*self.names.table}
         for clause in block.clauses:
-            if isinstance(clause, st.Define):
-                steps += (self._memory if clause.keyword == "memory" else self._let)(block, clause)
+            if clause.keyword == "memory":
+                self._memory(block, clause)
+            elif clause.keyword == "let":
+                steps += self._let(clause)
             else:
                 steps += [s for left, value in clause.items for s in self._set(block, left, value)]
         for name in {*self.names.table} - before - self.own:
@@ -50,7 +48,7 @@ class Samples(Checks):
         given = block.name, *times, delay or 0, tuple(steps), block.description, block.head
         self.parts["samples"].append(m.Sample(*given))
 
-    def _memory(self, block: st.Sample, clause: st.Define) -> tuple[()]:
+    def _memory(self, block: st.Sample, clause: st.Define) -> None:
         left, scope = clause.left, Scope(PLACES["start"])
         if left.index or left.range:
             self.error("a memory cell has no index", left, "declare them one by one")
@@ -64,9 +62,8 @@ class Samples(Checks):
         self.sampled[left.name] = block.name
         cell = left.name, 0, (shown,), clause.description, clause.span, block.name, value
         self.parts["inputs"].append(m.Input(*cell))
-        return ()
 
-    def _let(self, block: st.Sample, clause: st.Define) -> list[m.Given]:
+    def _let(self, clause: st.Define) -> list[m.Given]:
         left = clause.left
         if left.index or left.range:
             self.error("a 'let' of a sample block has no index", left, "define the family above it")

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from ... import limits
 from ...defaults import wrong_rtol
-from ...indices import assignments, integer
+from ...indices import integer, unrolled
 from ...model import Assignment, Model, Parameter
 from ...source import Span
 from ...tree import Expr
@@ -107,13 +107,8 @@ class Values:
             self.values.pop(key, None)
 
     def assigned(self, item: Assignment) -> list[tuple[int | None, float]]:
-        if item.range is None:
-            index = None if item.index is None else integer(item.index, self.sizes)
-            return [(index, self.number(item.name, item.value, self.sizes))]
-        return [
-            (loop[item.range.variable], self.number(item.name, item.value, loop))
-            for loop in assignments((item.range,), self.sizes)
-        ]
+        found = unrolled(item, self.sizes)
+        return [(index, self.number(item.name, item.value, loop)) for index, loop in found]
 
     def number(self, name: str, expr: Expr, loop: Mapping[str, int] | None = None) -> float:
         try:

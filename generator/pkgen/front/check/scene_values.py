@@ -48,11 +48,8 @@ class _Numbers:
                 message = f"t = {number(at)} is not reached: the scene runs until {number(until)}"
                 self.error(message, item.at, "expect it earlier, or run longer")
             elif scene.swarm and at and until and not has_row(at, every, until):
-                self.error(
-                    f"members of a swarm have no row at t = {number(at)}",
-                    item.at,
-                    "expect it at a recorded time",
-                )
+                message = f"members of a swarm have no row at t = {number(at)}"
+                self.error(message, item.at, "expect it at a recorded time")
 
     def _interval(self, name: str, expr: Expr | None, until: float | None) -> float | None:
         """Returns a step or interval; reports one that is too long or too short for the run."""

@@ -32,14 +32,9 @@ from .vectors import by_component, component_name
 class Scenes(Checks):
     def __init__(self, shared: Shared, dynamics: Dynamics, methods: Methods) -> None:
         super().__init__(shared)
-        self.methods = methods
-        self.dynamics = dynamics
-        self.settings = Settings(shared)
-        self.expects = Expects(shared, self.settings)
-        self.exacts_of = Exacts(shared, self.settings)
-
-    def head(self, scene: st.Scene) -> None:
-        """Does nothing. Scenes are checked by check() later, when all names are known."""
+        self.methods, self.dynamics = methods, dynamics
+        self.settings, self.expects = Settings(shared), Expects(shared)
+        self.exacts_of = Exacts(shared)
 
     def check(self, scene: st.Scene) -> None:
         if any(s.name == scene.name for s in self.parts["scenes"]):
@@ -70,7 +65,7 @@ class _Scene(Given):
         self.expects: list[m.Expect] = []
         self.seen: set[str] = set()
 
-    def clause(self, clause: st.Clause) -> None:
+    def clause(self, clause: st.Statement) -> None:
         help = ""
         if isinstance(clause, st.Record):
             help = "the rows' column in front says which member it is, without being recorded"
@@ -81,7 +76,8 @@ class _Scene(Given):
             if clause.keyword in self.seen:
                 self.scenes.second(clause.keyword, clause.span)
             self.seen.add(clause.keyword)
-        getattr(self, row.clause.rpartition(".")[2])(clause)
+        if clause.keyword not in ("swarm", "exact"):  # __init__ and of_scene() have checked them.
+            getattr(self, row.clause.rpartition(".")[2])(clause)
 
     def until(self, clause: st.Single) -> None:
         self.said["until"] = self.settings.time("until", clause.value)
@@ -108,9 +104,6 @@ class _Scene(Given):
                 "leave one of them out",
             )
 
-    def exact(self, clause: st.Exact) -> None:
-        """Does nothing: of_scene() has checked the closed forms."""
-
     def expect(self, clause: st.Expect) -> None:
         self.expects += self.scenes.expects.check(clause)
 
@@ -122,13 +115,9 @@ class _Scene(Given):
             if column.name in columns:
                 self.error(f"'{column.name}' is recorded already", column)
             columns[column.name] = column
+        every = self.settings.time("every", clause.every)
         event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
-        self.said["record"] = m.Record(
-            columns=tuple(columns.values()),
-            every=self.settings.time("every", clause.every),
-            at=event,
-            span=clause.span,
-        )
+        self.said["record"] = m.Record(tuple(columns.values()), every, event, clause.span)
 
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
         """Returns the columns of a recorded name: one for a number, three for a vector, four for a
@@ -139,12 +128,11 @@ class _Scene(Given):
             return ()
         if facts.turns and facts.turns[0].name and isinstance(item, Name):
             at = None if item.index is None else integer(item.index, self.sizes)
-            return (
-                m.Definition(
-                    indexed(x, at), None, None, Name(x, item.index, item.span), "", "", item.span
-                )
-                for x in quaternion_names(item.id)
+            own, rest = (
+                (replace(item, id=x) for x in quaternion_names(item.id)),
+                ("", "", item.span),
             )
+            return (m.Definition(indexed(x.id, at), None, None, x, *rest) for x in own)
         value, facts = self.checked(item, Scope(PLACES["record"]))
         inner, order, axis = item, 0, None
         while isinstance(inner, Prime):
@@ -177,8 +165,9 @@ class _Scene(Given):
 
     def made(self, scene: st.Scene) -> m.Scene:
         self.finish()
-        if "until" not in self.seen:
-            self.scenes.expects.without_until(self.expects)
+        if self.expects and "until" not in self.seen:
+            message = "an expectation needs to know how long the scene runs"
+            self.error(message, self.expects[0], "add to the scene: until 10")
         return m.Scene(
             name=scene.name,
             description=scene.description,
@@ -193,9 +182,9 @@ class _Scene(Given):
         )
 
 
-def _expressions(clause: st.Clause) -> tuple[Expr | None, ...]:
+def _expressions(clause: st.Statement) -> tuple[Expr | None, ...]:
     match clause:
-        case st.Pairs(items=items) | st.Exact(items=items):
+        case st.Pairs(items=items):
             return tuple(value for _, value in items)
         case st.Single(value=value):
             return (value,)

@@ -17,6 +17,10 @@ class Loop:
     range: Range
     interval: Interval
 
+    @property
+    def length(self) -> int:
+        return self.interval[1] - self.interval[0] + 1
+
 
 @record
 class Place:

@@ -52,11 +52,8 @@ class Settings(Checks):
             help = f"doubles allow {FINEST:.1e} at best; 1e-12 is much already"
             self.error(message, value, help)
         elif facts.value > 1:
-            self.error(
-                "an accuracy above 1 promises nothing: it is relative to the quantity's size",
-                value,
-                "e.g. accuracy 1e-6",
-            )
+            message = "an accuracy above 1 promises nothing: it is relative to the quantity's size"
+            self.error(message, value, "e.g. accuracy 1e-6")
         return new
 
     def method(self, clause: st.Method) -> None:
@@ -88,8 +85,6 @@ class Settings(Checks):
         kind = ""
         if isinstance(at, Name):
             kind = f"; '{at.id}' is {KIND_TEXT[self.names.table[at.id].kind]}"
-        self.error(f"'{clause}' takes an event{kind}", at, _HELP.get(clause, ""))
+        help = "'until' gives a duration, 'every' an interval" if "record" in clause else ""
+        self.error(f"'{clause}' takes an event{kind}", at, help)
         return ""
-
-
-_HELP = {"record … at": "'until' gives a duration, 'every' an interval"}

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 
 from ...indices import integer
-from ...record import record
 from ...source import Span
 from ...system.near import meant
-from ...tree import AXES, Expr, Name, Number, Quantity, Range, Vector, replaced
+from ...tree import Expr, Name, Negate, Quantity, Range, replaced
 from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
@@ -17,21 +15,9 @@ from ..units import NONE, Dimension, si_text
 from .expr import Expressions, Target
 from .names import KIND_TEXT, MOVING, UNKNOWN, Entry, Facts, Members
 from .scope import PLACES, Scope
+from .written import written
 
 ORIGIN = "O"
-
-
-@record
-class Variable:
-    """A declared coordinate or state: the range of its indices (None if it is no family), its
-    dimension, the units in which its value and its rate are shown. `new` is False if an earlier
-    statement has declared the name."""
-
-    family: Range | None
-    dimension: Dimension
-    unit: str
-    rate_unit: str
-    new: bool
 
 
 class Shared:
@@ -43,11 +29,7 @@ class Shared:
         self.expressions = expressions
         self.checked, self.factor = expressions.check, expressions.factor
         self.wanted, self.wanted_vector = expressions.wanted, expressions.wanted_vector
-        self.text, self.common, self.parsed = (
-            expressions.text,
-            expressions.common,
-            expressions.parsed,
-        )
+        self.text, self.common = expressions.text, expressions.common
         self.given_sizes = given  # Sizes set on the command line.
         self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
         # An input that a sample block sets, or a memory cell -> the name of the block.
@@ -81,7 +63,7 @@ class Checks:
 
         def zero(part: Expr) -> Expr | None:
             if isinstance(part, Name) and part.id == ORIGIN and part.index is None:
-                return Vector((Number(Fraction(0), part.span),) * len(AXES), part.span)
+                return written("[0, 0, 0]", part.span)
             return None
 
         return replaced(value, zero)
@@ -112,33 +94,29 @@ class Checks:
         """Reports a declaration that has an index in place of a range: `param m[kg] = 1`, `param
         m[1] = 1`."""
         name, index = left.name, left.index
-        if isinstance(index, Name) and self.parsed(index.id) is not None:
+        if isinstance(index, Name) and units.parsed(index.id) is not None:
             message = f"'{name}[{index.id}]': a bracket that touches a name is an index"
             help = f"a unit stands after the value: param {name} = 1 [{index.id}]"
             self.error(message, left, help)
         else:
-            self.error(
-                "a family of parameters is declared with its range",
-                left,
-                f"e.g. param {name}[i = 1..N] = …",
-            )
+            message = "a family of parameters is declared with its range"
+            self.error(message, left, f"e.g. param {name}[i = 1..N] = …")
 
     def variable(
         self, item: st.Declared, unit: units.Unit | None, kind: str, **own: frozenset[str]
-    ) -> Variable | None:
+    ) -> tuple[bool, Range | None, str, str] | None:
         """Declares a coordinate or a state; `own` is the field of Facts that contains the
-        variable's name. Returns None after an error."""
+        variable's name. Returns whether the name was free, the range of its indices (None if it is
+        no family), and the units in which its value and its rate are shown; None after an error."""
         dimension = None if unit is None else unit.dimension
         united = dimension is not None and unit is not units.ONE
         facts = Facts(dimension, united=united, known=unit is not None, **own)
         found = self.declared(item, kind, facts)
         if found is None:
             return None
-        unit = unit or units.ONE
+        (family, new), unit = found, unit or units.ONE
         per_time = units.over(unit.dimension, self.time_dimension)
-        return Variable(
-            found[0], unit.dimension, unit.shown, si_text(per_time, unit.angle), found[1]
-        )
+        return new, family, unit.shown, si_text(per_time, unit.angle)
 
     def declared(
         self, item: st.Declared, kind: str, facts: Facts
@@ -231,11 +209,11 @@ class Checks:
         help = "'let' defines vectors; otherwise take a component (.x, .y, .z)"
         self.error(message, left, help)
 
-    def shown_unit(self, written: Expr, facts: Facts) -> str:
+    def shown_unit(self, of: Expr, facts: Facts) -> str:
         """Returns the unit for display: as written if the value has its dimension, else in SI."""
         dimension = facts.dimension or NONE
-        if isinstance(written, Quantity):
-            unit = self.parsed(written.unit)
+        if isinstance(of, Quantity):
+            unit = units.parsed(of.unit)
             if unit is not None and unit.dimension == dimension:
                 return unit.shown
         return si_text(dimension)
@@ -248,6 +226,13 @@ def name_span(left: st.Left) -> Span:
     return Span(left.span.start, min(left.span.start + len(left.name), left.span.end))
 
 
+def infinite(value: Expr) -> int:
+    """Returns 1 if the end of a range is inf, -1 if it is -inf, 0 if it is a number."""
+    value = value.of if isinstance(value, Quantity) else value
+    of = value.of if isinstance(value, Negate) else value
+    return (isinstance(of, Name) and of.id == "inf") * (-1 if of is not value else 1)
+
+
 def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
     """Returns a hint about the right statement, for a name of the wrong kind."""
     if entry.kind == "state":
@@ -258,7 +243,6 @@ def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
 
 
 def _nearest(name: str, known: list[str], noun: str) -> str:
-
     if near := meant(name, known):
         return near
     nouns = noun.replace(" or ", "s and ")

@@ -25,12 +25,10 @@ class States(Checks):
         found = self.variable(item, unit, "state", states=frozenset((item.name,)))
         if found is None:
             return
-        if not found.new:
+        new, *shown = found
+        if not new:
             self.wrong.add(item.name)
-        shown = found.unit, found.rate_unit
-        self.parts["states"].append(
-            m.State(item.name, found.family, *shown, description, item.span)
-        )
+        self.parts["states"].append(m.State(item.name, *shown, description, item.span))
 
     def rate(self, statement: st.Define) -> None:
         left = statement.left

@@ -29,10 +29,8 @@ class Tables(Checks):
             ONE if c.unit is None else self.expressions.unit(c.unit.text, c.unit.span)
             for c in statement.columns
         ]
-        if not self._fits(statement) or not kind or None in units:
-            self.poison(st.Left(statement.name, None, None, statement.name_span))
-            return
-        found = self._read(statement, units, kind, outside)
+        good = self._fits(statement) and kind and None not in units
+        found = self._read(statement, units, kind, outside) if good else None
         if found is None:
             self.poison(st.Left(statement.name, None, None, statement.name_span))
             return

@@ -16,6 +16,7 @@ from ...tree import AXES, COMPONENTS, Add, Call, Component, Expr, Multiply, Name
 from .names import Facts, Turns, Wrong
 
 EXAMPLE = "rot([0, 0, 1], angle)*r"
+UNIT = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}
 
 
 def component(vector: Expr, axis: int) -> Expr:
