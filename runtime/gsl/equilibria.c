@@ -30,7 +30,7 @@ enum { ITERATIONS = 200, POLISH = 60, MORE = 8 };
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     memset(s, 0, sizeof *s);
     s->problem = problem;
     s->n = s->rows = n;
@@ -283,7 +283,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
         ((bound || system->n_first_order) && !system->linear))
         return PK_REFUSED;
     struct search s;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = pk_count_of(problem);
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     gsl_multiroot_fdfsolver *solver =
         gsl_multiroot_fdfsolver_alloc(gsl_multiroot_fdfsolver_hybridsj, n);

@@ -40,10 +40,7 @@ struct search {
     const struct pk_equilibria *known; /* roots to deflate, or NULL */
 };
 
-static inline size_t coordinates(const struct search *s)
-{
-    return pk_system_coordinates(s->problem->system, s->problem->params);
-}
+static inline size_t coordinates(const struct search *s) { return pk_coordinates_of(s->problem); }
 
 static inline int is_cyclic(const struct search *s, size_t i)
 {

@@ -210,9 +210,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     }
     it->count.rejections += f->driver->e->failed_steps - rejected;
     const double made = t - it->t;
-    if (status >= 0 && !(made > least || made < -least) && !(t <= limit && t >= limit)) {
+    if (status >= 0 && !(made > least || made < -least) && !(t <= limit && t >= limit))
         status = pk_underflow(it, made);
-    }
     gsl_set_error_handler(handler);
     if (status < 0)
         return fall_back(f, status);

@@ -7,7 +7,7 @@
 
 static size_t work_size(const struct pk_problem *problem)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     const size_t exact = 2 * n + pk_system_linear_size(problem), differences = 4 * n;
     const size_t rows = problem->system->constraints.n * n;
     const size_t most = exact > differences ? exact : differences;
@@ -19,7 +19,7 @@ static int differences(const struct pk_problem *problem, pk_real t, const pk_rea
                        pk_real *work)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = pk_count_of(problem);
     pk_real *y = work, *plus = y + 2 * n, *minus = plus + n;
     const pk_real delta = PK_F(cbrt)(PK_EPSILON);
     for (size_t j = 0; j < 2 * n; j++) {
@@ -43,7 +43,7 @@ static int differences(const struct pk_problem *problem, pk_real t, const pk_rea
 static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                     const pk_real *u, pk_real *a_q, pk_real *a_v, pk_real *work)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     const enum pk_status status =
         pk_system_linear(problem, t, q, v, work, a_q, a_v, work + n, work + 2 * n);
     return status == PK_REFUSED ? differences(problem, t, q, v, u, a_q, a_v, work)

@@ -290,12 +290,12 @@ void pk_subsystems_free(struct pk_subsystems *a)
 
 enum pk_status pk_subsystems_keep(struct pk_subsystems *a, struct pk_keep *k)
 {
-    pk_keep(k, &a->t, sizeof a->t);
+    PK_KEEP(k, a->t);
     pk_keep(k, a->state, state_reals(a->whole.system) * sizeof *a->state);
     for (size_t i = 0; i < a->count; i++) {
         struct pk_subsystem *part = &a->parts[i];
         int aside = part->there == &part->aside;
-        pk_keep(k, &aside, sizeof aside);
+        PK_KEEP(k, aside);
         part->there = aside ? &part->aside : &part->it;
         PK_TRY(pk_integrator_keep(&part->it, k));
         PK_TRY(pk_integrator_keep(&part->aside, k));

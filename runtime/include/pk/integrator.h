@@ -38,6 +38,16 @@ struct pk_problem {
     void (*feedback)(void *context, pk_real t, const pk_real *q, const pk_real *v, pk_real *u);
 };
 
+/* Return n and n_q, the numbers of rates and of coordinates. */
+static inline size_t pk_count_of(const struct pk_problem *problem)
+{
+    return pk_system_count(problem->system, problem->params);
+}
+static inline size_t pk_coordinates_of(const struct pk_problem *problem)
+{
+    return pk_system_coordinates(problem->system, problem->params);
+}
+
 /* The function `input` for constant inputs; its context is this struct. */
 struct pk_constant_input {
     const pk_real *u;

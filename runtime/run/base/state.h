@@ -172,7 +172,7 @@ struct pk_run {
     int reduces_rows;      /* whether any reduction reads the rows */
     struct moment now;     /* memory for the result of run_moment() */
     struct pk_sampler sampler;
-    size_t stops;          /* number of times in settings.asked.stops that are past */
+    size_t stops; /* number of times in settings.asked.stops that are past */
     /* Row k is at time k * every. `count`: index of the final row; `next`: of the next one. */
     pk_real count, next;
     pk_real expecting;          /* time up to which expectations within fixed steps are checked */
@@ -220,6 +220,12 @@ static inline size_t run_width(const struct pk_run *run)
 static inline int run_fixed(const struct pk_run *run)
 {
     return !(run->settings.method->traits & PK_ADAPTIVE);
+}
+
+/* Returns the number of coordinates. */
+static inline size_t settings_coordinates(const struct settings *s)
+{
+    return pk_system_coordinates(s->system, s->params);
 }
 
 /* In control.c: return the wall clock, and the CPU time of this thread, in seconds. */

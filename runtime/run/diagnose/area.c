@@ -42,7 +42,7 @@ static const char *unfit(const struct settings *s, size_t n)
 enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count)
 {
     const struct settings *s = &run->settings;
-    const size_t n = pk_system_coordinates(run->settings.system, s->params);
+    const size_t n = settings_coordinates(s);
     if (!(s->asked.diagnose & DIAGNOSE_AREA))
         return PK_RUN_DONE;
     const char *why = unfit(s, n);

@@ -138,7 +138,7 @@ struct growth lyapunov_growth(const struct lyapunov *l)
  * follow the n coordinates and first-order variables in the state of `it`, are skipped. */
 static void note(pk_real *most, const struct settings *s, const struct pk_integrator *it)
 {
-    const size_t n = s->n, seen = pk_system_coordinates(s->system, s->params);
+    const size_t n = s->n, seen = settings_coordinates(s);
     for (size_t i = 0; i < 2 * n; i++) {
         if (i >= seen && i < n)
             continue;

@@ -163,8 +163,7 @@ enum pk_status least_action_find(struct least_action *found, const struct motion
     struct variation *of = &found->variation;
     struct node *x = &found->node;
     memset(found, 0, sizeof *found);
-    PK_TRY(variation_init(of, motion,
-                          pk_system_count(motion->problem->system, motion->problem->params)));
+    PK_TRY(variation_init(of, motion, pk_count_of(motion->problem)));
     const size_t n = of->n, nn = n * n, m = n * modes;
     found->n = n;
     found->modes = modes;

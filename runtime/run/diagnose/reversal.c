@@ -61,7 +61,7 @@ static pk_real rounded(const struct motion *m, pk_real t)
 
 enum pk_status reversal_find(struct reversal *r, struct motion *m, pk_real threshold)
 {
-    const size_t n = pk_system_count(m->problem->system, m->problem->params);
+    const size_t n = pk_count_of(m->problem);
     pk_real *reach = memory_take(m->memory, 2 * n, sizeof *reach), last = 0;
     memset(r, 0, sizeof *r);
     enum pk_status status = measure(m, rounded(m, m->end - m->t), reach);

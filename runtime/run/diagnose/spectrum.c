@@ -40,7 +40,7 @@ void diagnose_spectrum(struct diagnostics *d)
 {
     const struct settings *set = &d->run->settings;
     const size_t n = set->n, width = 1 + 2 * n;
-    const size_t seen = pk_system_coordinates(set->system, set->params);
+    const size_t seen = settings_coordinates(set);
     const double dt = set->every > 0 ? set->every : set->options.h;
     const int at_events = set->asked.at && !set->has_every;
     struct json *j = &d->json;

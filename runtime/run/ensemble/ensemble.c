@@ -198,13 +198,13 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     struct tally *tally = &of->tally;
     const size_t ways = sizeof tally->failures / sizeof *tally->failures;
     size_t first = tally->first_failed ? 1 + (size_t)(tally->first_failed - tally->failures) : 0;
-    pk_keep(k, &of->first, sizeof of->first);
-    pk_keep(k, &tally->done, sizeof tally->done);
-    pk_keep(k, &tally->failed, sizeof tally->failed);
-    pk_keep(k, &tally->astray, sizeof tally->astray);
-    pk_keep(k, &tally->first_astray, sizeof tally->first_astray);
-    pk_keep(k, tally->failures, sizeof tally->failures);
-    pk_keep(k, &first, sizeof first);
+    PK_KEEP(k, of->first);
+    PK_KEEP(k, tally->done);
+    PK_KEEP(k, tally->failed);
+    PK_KEEP(k, tally->astray);
+    PK_KEEP(k, tally->first_astray);
+    PK_KEEP(k, tally->failures);
+    PK_KEEP(k, first);
     for (size_t i = 0; i < ways; i++)
         tally->failures[i].reason[TALLY_REASON - 1] = '\0';
     k->wrong |= first > ways || of->first > run->settings.asked.members;

@@ -35,7 +35,7 @@ struct looking *condition_begin(struct memory *memory, const struct pk_problem *
                                 const struct pk_method *method)
 {
     const size_t size = pk_condition_size(problem, method);
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     if (!size)
         return NULL;
     struct looking *l = memory_take(memory, 1, sizeof *l + 2 * n * sizeof *l->v + size);

@@ -204,7 +204,7 @@ static void keep(struct pk_run *run, struct pk_keep *k)
     for (size_t i = 0; i < run->settings.asked.n_expected; i++) {
         struct expected *x = &run->settings.expected[i];
         const struct pk_run_expected of = x->of;
-        pk_keep(k, x, sizeof *x);
+        PK_KEEP(k, *x);
         x->of = of;
     }
     for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {

@@ -105,7 +105,7 @@ static void keep(struct pk_run *run, struct pk_keep *k)
         struct crossed *crossed = &run->crossed[i];
         pk_real *const times = crossed->t;
         crossed->t = NULL;
-        pk_keep(k, crossed, sizeof *crossed);
+        PK_KEEP(k, *crossed);
         crossed->t = times;
         pk_keep(k, times, WATCH_TIMES * sizeof *times);
     }

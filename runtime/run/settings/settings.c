@@ -264,8 +264,7 @@ static const char *columns(struct settings *s)
         all += count_of(s, *kind);
     s->show = memory_take(s->memory, all, sizeof *s->show);
     for (const char *kind = kinds; *kind; kind++) {
-        const size_t count = *kind == 'q' ? pk_system_coordinates(s->system, s->params)
-                                          : count_of(s, *kind);
+        const size_t count = *kind == 'q' ? settings_coordinates(s) : count_of(s, *kind);
         for (size_t i = 0; i < count; i++) {
             int hidden = 0;
             for (size_t j = 0; *kind == 'o' && j < x->n_hidden; j++)

@@ -9,8 +9,7 @@ static void report_motion(struct json *j, const struct pk_run *run)
     /* The report omits the state of a large system, which the last row contains. */
     const int listed = it->n <= MOST_LISTED;
     json_reals(j, {"t", it->t}, {"last_valid", trust_last_valid(run)});
-    json_numbers(j, "q", it->q,
-                 listed ? pk_system_coordinates(run->problem.system, run->problem.params) : 0);
+    json_numbers(j, "q", it->q, listed ? pk_coordinates_of(&run->problem) : 0);
     json_numbers(j, "v", it->v, listed ? it->n : 0);
 }
 

@@ -63,7 +63,7 @@ static void look(struct pk_run *run)
     struct pk_integrator *it = &run->it;
     it->problem = run->problem;
     it->method = run->settings.method;
-    it->n_q = pk_system_coordinates(run->problem.system, run->problem.params);
+    it->n_q = pk_coordinates_of(&run->problem);
     it->n = run->settings.n;
     it->t = a->t;
     it->q = a->q;
@@ -137,7 +137,7 @@ static void watch_parts(struct pk_run *run)
 static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     (void)context;
-    pk_keep(k, &run->next, sizeof run->next);
+    PK_KEEP(k, run->next);
     const enum pk_status status = pk_subsystems_keep(&run->subsystems, k);
     for (size_t i = 0; i < run->subsystems.count; i++)
         pk_monitor_keep(&run->part_monitors[i], k);

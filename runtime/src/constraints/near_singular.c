@@ -68,7 +68,7 @@ pk_real pk_singular_crossing_sigma(struct pk_integrator *it, pk_real t, const pk
                                    const pk_real *v)
 {
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     pk_real found = 1;
     w.t = t;
     w.u = pk_eval_input(it, t);
@@ -202,7 +202,7 @@ enum pk_status pk_singular_crossing_judge(struct pk_integrator *it)
     if (it->method->traits & PK_ADAPTIVE ||
         !(is->sigma < PK_FAR || it->own->passing.seen & PK_SEEN_DIPS))
         return PK_DONE;
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const struct pk_projection w = pk_projection(it);
     const pk_real *q = it->own->next, *v = pk_next(it, PK_V);
     const pk_real h = it->own->next_t - it->t;
     pk_real off = 0, way = pk_max(PK_TINY, pk_project_rest(it, &w, q) * pk_abs(h));

@@ -29,7 +29,7 @@ enum { MOST = 20 };         /* limit of the number of corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     if (!w.c)
         return 0;
     w.t = it->t;
@@ -199,7 +199,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     *moved = 0;
     for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++) {
         const struct pk_turning at = pk_system_turning(w.system, w.params, r);

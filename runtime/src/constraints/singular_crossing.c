@@ -82,7 +82,7 @@ static pk_real relative_distance(const struct pk_projection *w, const pk_real *a
 static enum pk_status put(struct pk_integrator *it, const struct pk_singular_crossing_parts *x,
                           pk_real t, pk_real *q, pk_real *v, pk_real *off)
 {
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const struct pk_projection w = pk_projection(it);
     int moved;
     pk_copy(x->q_here, q, it->n_q);
     pk_copy(x->v_here, v, it->n);
@@ -128,7 +128,7 @@ static void choose(struct pk_singular_crossing_parts *x)
 static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossing_parts *x,
                             pk_real *off)
 {
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const struct pk_projection w = pk_projection(it);
     const size_t n_q = it->n_q, n = it->n,
                  s = pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
     pk_real before = PK_INFINITY;

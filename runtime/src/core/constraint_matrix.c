@@ -129,8 +129,7 @@ void pk_project_pull(const struct pk_projection *w, const pk_real *q, const pk_r
     if (!w->whole)
         w->system->constraints.pull(w->params, w->t, q, v, w->u, x, out);
     for (size_t i = 0; i < rows && w->whole; i++)
-        for (size_t k = 0; k < w->m; k++)
-            out[k] += J[i * w->n + k] * x[i];
+        pk_add(out, x[i], J + i * w->n, w->m);
 }
 
 void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
@@ -144,10 +143,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
 /* Returns the squared length of a row in the metric of M^-1. */
 static pk_real length2(const struct pk_projection *w, size_t row)
 {
-    pk_real sum = 0;
-    for (size_t k = 0; k < w->m; k++)
-        sum += w->J[row * w->n + k] * w->W[row * w->m + k];
-    return sum;
+    return pk_dot(w->J + row * w->n, w->W + row * w->m, w->m);
 }
 
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
@@ -155,9 +151,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
     pk_real *x = w->depends + 1;
     w->depends[0] = (pk_real)(row + 1);
     for (size_t i = 0; i < row; i++) {
-        x[i] = 0;
-        for (size_t k = 0; k < w->m; k++)
-            x[i] += w->J[row * w->n + k] * w->W[i * w->m + k];
+        x[i] = pk_dot(w->J + row * w->n, w->W + i * w->m, w->m);
         for (size_t k = 0; k < i; k++)
             x[i] -= w->A[i * c + k] * x[k];
     }
@@ -197,12 +191,8 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
         pk_ldl_solve(w->M, m, w->W + i * m);
     }
     for (size_t i = 0; i < c; i++)
-        for (size_t j = 0; j <= i; j++) {
-            pk_real sum = 0;
-            for (size_t k = 0; k < m; k++)
-                sum += w->J[i * w->n + k] * w->W[j * m + k];
-            w->A[i * c + j] = w->A[j * c + i] = sum;
-        }
+        for (size_t j = 0; j <= i; j++)
+            w->A[i * c + j] = w->A[j * c + i] = pk_dot(w->J + i * w->n, w->W + j * m, m);
     const size_t failed = pk_ldl_factor(w->A, c);
     if (failed)
         pk_project_explain(w, c, failed - 1);
@@ -299,16 +289,14 @@ void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
     }
     pk_copy(w->mu, r, rows);
     pk_ldl_solve(w->A, rows, w->mu);
-    for (size_t k = 0; k < w->m; k++) {
-        w->d[k] = 0;
-        for (size_t i = 0; i < rows; i++)
-            w->d[k] += w->W[i * w->m + k] * w->mu[i];
-    }
+    pk_zero(w->d, w->m);
+    for (size_t i = 0; i < rows; i++)
+        pk_add(w->d, w->mu[i], w->W + i * w->m, w->m);
 }
 
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     w.t = it->reason.time;
     w.u = it->own->u;
     if (!pk_project_inertia(&w, q, v)) {

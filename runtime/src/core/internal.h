@@ -18,6 +18,28 @@ static inline void pk_copy(pk_real *to, const pk_real *from, size_t count)
 }
 static inline void pk_zero(pk_real *x, size_t count) { memset(x, 0, count * sizeof *x); }
 
+/* Returns the largest |x_i|. */
+static inline pk_real pk_largest(const pk_real *x, size_t count)
+{
+    pk_real most = 0;
+    for (size_t i = 0; i < count; i++)
+        most = pk_max(most, pk_abs(x[i]));
+    return most;
+}
+static inline pk_real pk_dot(const pk_real *x, const pk_real *y, size_t count)
+{
+    pk_real sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+/* Adds a multiple of x to y. */
+static inline void pk_add(pk_real *y, pk_real factor, const pk_real *x, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] += factor * x[i];
+}
+
 /* The arguments of a kernel, for systems written in C in this library. */
 #define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
 #define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
@@ -88,12 +110,6 @@ static inline void pk_commit_step(struct pk_integrator *it)
     it->v = pk_state(it, PK_V);
     if (it->p)
         it->p = pk_state(it, PK_P);
-}
-
-/* Returns n_q. */
-static inline size_t pk_coordinates_of(const struct pk_problem *problem)
-{
-    return pk_system_coordinates(problem->system, problem->params);
 }
 
 /* Returns whether a step can be repeated with a smaller it->own->h; GSL's methods keep their own

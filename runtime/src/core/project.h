@@ -55,6 +55,10 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n);
  * constraints. */
 size_t pk_project_room(const struct pk_problem *problem, size_t n);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
+static inline struct pk_projection pk_projection(const struct pk_integrator *it)
+{
+    return pk_project_parts(&it->problem, it->n, it->own->project);
+}
 /* pk_project_inertia() factors M at a state; returns 0 or the failure of M. pk_project_rows()
  * computes J and all residuals; pk_project_terms() computes the sizes of the terms of the
  * residuals, which determine how much the residuals are rounded. */

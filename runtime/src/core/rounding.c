@@ -134,7 +134,7 @@ static void look_at_rows(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     if (!system->constraints.multipliers || !it->own->project)
         return;
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_projection(it);
     pk_real *noise = part(it, NOISE), *lambda = part(it, BESIDE);
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);

@@ -177,9 +177,8 @@ static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 {
     const size_t n = it->n;
     pk_real *moved = part(it, MOVED), *a = part(it, A), *other = part(it, NOISE);
-    pk_real most = 0, change = 1;
-    for (size_t i = 0; i < n; i++)
-        most = pk_max(most, pk_abs(a[i]));
+    const pk_real most = pk_largest(a, n);
+    pk_real change = 1;
     for (int count = 0; count < 500 && !(change <= most); count++, d /= 2) {
         for (size_t i = 0; i < it->n_q; i++)
             moved[i] = it->q[i] + a[i] * d * d / 2;

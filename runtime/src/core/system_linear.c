@@ -6,7 +6,7 @@
 
 size_t pk_system_linear_size(const struct pk_problem *problem)
 {
-    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
     return n * n + n + problem->system->n_inputs;
 }
 

@@ -105,7 +105,7 @@ size_t pk_block_lay_out(struct pk_block *b, const struct pk_problem *problem,
                         const struct pk_method *method, int spares, pk_real *base)
 {
     const struct pk_system *system = problem->system;
-    const size_t n_q = pk_coordinates_of(problem), n = pk_system_count(system, problem->params);
+    const size_t n_q = pk_coordinates_of(problem), n = pk_count_of(problem);
     const size_t W = pk_block_stepper_of(system, method)->lanes, u = system->n_inputs;
     const size_t parts = pk_state_offset(n_q, n, PK_PARTS) * W;
     b->system = system;

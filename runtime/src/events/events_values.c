@@ -70,7 +70,6 @@ enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
     return it->status = PK_NOT_FINITE;
 }
 
-/* Computes the state at t within the step by the method itself. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
     const struct pk_integrator *there = it;

@@ -71,9 +71,8 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         return PK_DONE;
     }
     for (size_t round = 0; changed; round++) {
-        if (round > e->n_switches + 1) {
+        if (round > e->n_switches + 1)
             return pk_fail(it, PK_SLIDING, 0);
-        }
         changed = 0;
         pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {

@@ -105,9 +105,8 @@ static enum pk_status begin(struct pk_integrator *it, const struct work *w)
     const struct pk_options *o = &it->options;
     pk_real omega;
     PK_TRY(frequency(it, w, it->q, it->v, &omega));
-    if (!(omega > 0) && (o->h > 0 || !(o->h_max > 0))) {
+    if (!(omega > 0) && (o->h > 0 || !(o->h_max > 0)))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_SCALE);
-    }
     const pk_real tolerance = o->rtol > 0 ? o->rtol : o->atol;
     w->kept->eps = o->h > 0 ? o->h * omega : PK_F(sqrt)(24 * tolerance);
     w->kept->floor = o->h_max > 0 ? w->kept->eps / o->h_max : 0;
@@ -163,9 +162,8 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     drift(it, w, (pk_real)it->own->direction * half / kept->rho, it->own->next);
     PK_TRY(frequency(it, w, it->own->next, w->base + it->n_q, &omega));
     const pk_real next = 2 * raised(w, omega) - kept->rho;
-    if (!(next > kept->rho / 4 && next < 4 * kept->rho)) {
+    if (!(next > kept->rho / 4 && next < 4 * kept->rho))
         return pk_fail(it, PK_STEP_UNDERFLOW, PK_REASON_TIME_SCALE);
-    }
     kept->rho_next = next;
     kept->length = half / kept->rho + half / next;
     kept->planned = 1;

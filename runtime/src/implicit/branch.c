@@ -175,9 +175,8 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
         const pk_real t = it->t + w->c[i] * it->own->h;
         pk_gauss_mass(it, t, w->Q + i * n_q, w->V + i * n, w->M);
         const int failed = pk_gauss_mass_factor(w, w->M);
-        if (failed) {
+        if (failed)
             return pk_eval_failed(it, t, w->Q + i * n_q, w->V + i * n, failed);
-        }
     }
     return PK_DONE;
 }

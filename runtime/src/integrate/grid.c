@@ -42,8 +42,9 @@ unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsig
 
 int pk_often_rejected(const struct pk_integrator *it)
 {
-    const unsigned long tried = it->count.steps + it->count.rejections - it->own->progress.judged;
-    return 4 * (it->count.rejections - it->own->progress.judged_rejections) > tried;
+    const struct pk_progress *p = &it->own->progress;
+    const unsigned long tried = it->count.steps + it->count.rejections - p->judged;
+    return 4 * (it->count.rejections - p->judged_rejections) > tried;
 }
 
 /* Returns whether time hardly advances, so that the run is to end. It checks this whenever the
@@ -52,25 +53,25 @@ int pk_often_rejected(const struct pk_integrator *it)
  * in time. */
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
+    struct pk_progress *p = &it->own->progress;
     const unsigned long tried = it->count.steps + it->count.rejections;
-    if (tried < FIRST_LOOK || tried / 2 < it->own->progress.judged)
+    if (tried < FIRST_LOOK || tried / 2 < p->judged)
         return 0;
     const unsigned long given = it->options.max_steps;
-    const pk_real rate = (it->own->progress.passed - it->own->progress.judged_passed) /
-                         (pk_real)(tried - it->own->progress.judged);
-    const int shrunk = !given && pk_often_rejected(it) && rate < SHRUNK * it->own->progress.longest;
+    const pk_real rate = (p->passed - p->judged_passed) / (pk_real)(tried - p->judged);
+    const int shrunk = !given && pk_often_rejected(it) && rate < SHRUNK * p->longest;
     const pk_real most = given    ? (pk_real)given
                          : shrunk ? MOST_SHRUNK / (pk_real)it->n
                                   : MOST_AHEAD;
-    const pk_real ahead = shrunk ? pk_abs(left) : pk_min(it->own->progress.passed, pk_abs(left));
+    const pk_real ahead = shrunk ? pk_abs(left) : pk_min(p->passed, pk_abs(left));
     if (ahead > most * rate && (shrunk || tried >= LATER_LOOK)) {
         it->reason = PK_WHY(.value = rate > 0 ? ahead / rate : PK_INFINITY);
         return 1;
     }
-    it->own->progress.judged = tried;
-    it->own->progress.judged_rejections = it->count.rejections;
-    it->own->progress.judged_t = it->t;
-    it->own->progress.judged_passed = it->own->progress.passed;
+    p->judged = tried;
+    p->judged_rejections = it->count.rejections;
+    p->judged_t = it->t;
+    p->judged_passed = p->passed;
     return 0;
 }
 

@@ -63,8 +63,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     if (!problem || !problem->system || !method || problem->system->abi != PK_ABI)
         return 0;
     struct pk_integrator_private own;
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t n_q = pk_system_coordinates(problem->system, problem->params);
+    const size_t n = pk_count_of(problem);
+    const size_t n_q = pk_coordinates_of(problem);
     return PRIVATE + lay_out(&own, problem, method, n_q, n, NULL) * sizeof(pk_real);
 }
 
@@ -93,10 +93,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->method = method;
     it->options = *options;
     it->t = t0;
-    it->n = system->abi == PK_ABI ? pk_system_count(system, problem->params) : 0;
+    it->n = system->abi == PK_ABI ? pk_count_of(problem) : 0;
     if (it->n == 0)
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
-    it->n_q = pk_system_coordinates(system, problem->params);
+    it->n_q = pk_coordinates_of(problem);
     if (block_size < PRIVATE || (size_t)block % _Alignof(pk_real))
         return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
     const size_t over = (size_t)block % ALIGNED;

@@ -58,8 +58,8 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
         const pk_real yy = w->h * w->h * pk_dot3(omega, omega) / 16;
         const pk_real weight = w->h / 2 / (1 + yy); /* quaternion of C C: (1 - yy, 2 y)/(1 + yy) */
         const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
-        const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
-        pk_real G[3], G_end[3], before[3], turned[3], torque[3];
+        pk_real y[3], G[3], G_end[3], before[3], turned[3], torque[3];
+        pk_variational_y(w, omega, y);
         pk_cross(Pi, omega, G);
         pk_cross(Pi_end, omega, G_end);
         for (size_t i = 0; i < 3; i++) {

@@ -69,6 +69,14 @@ static inline struct pk_turning pk_variational_turning(const struct pk_variation
     return pk_system_turning(w->at.system, w->at.params, r);
 }
 
+/* Sets y to h/4 times the rates of a body, half the vector whose Cayley transform turns it. */
+static inline void pk_variational_y(const struct pk_variational_work *w, const pk_real *omega,
+                                    pk_real y[3])
+{
+    for (size_t i = 0; i < 3; i++)
+        y[i] = w->h * omega[i] / 4;
+}
+
 /* Returns the work arrays, which are in it->own->work. */
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it);
 size_t pk_variational_size(const struct pk_method *method, const struct pk_problem *problem,
@@ -93,8 +101,6 @@ void pk_variational_reach(struct pk_variational_work *w);
 int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w);
 /* Computes the residual r(V), n numbers, after pk_variational_evaluate(); 0 for quaternions. */
 void pk_variational_residual(const struct pk_variational_work *w, pk_real *out);
-/* Returns the largest of w->scale. */
-pk_real pk_variational_most(const struct pk_variational_work *w);
 /* Replaces r(V) in w->dV by the correction of V, and corrects w->kick: by Newton's method if
  * `newton` is nonzero, otherwise with the matrix M. phi and J are those at the end. Returns the
  * sign of the determinant of the matrix (1 at h = 0), or 0 if it is singular. */

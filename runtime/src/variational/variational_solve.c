@@ -119,7 +119,7 @@ static void raise_scale(struct pk_variational_work *w)
 /* Returns the largest |dV| relative to its scale plus the fraction `share` of the largest scale. */
 static pk_real corrected(const struct pk_variational_work *w, pk_real share)
 {
-    const pk_real more = share * pk_variational_most(w);
+    const pk_real more = share * pk_largest(w->scale, w->n);
     pk_real size = 0;
     for (size_t k = 0; k < w->n; k++) {
         const pk_real x = pk_abs(w->dV[k]) / (w->scale[k] + more);
@@ -175,8 +175,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
             small = size <= (count ? PK_EPS / 4 : PK_VARIATIONAL_BIAS) ||
                     (rate < 1 && size * rate / (1 - rate) <= PK_VARIATIONAL_BIAS) ||
                     (count && rate > PK_C(0.5) && corrected(w, PK_VARIATIONAL_SHARE) <= STALLED);
-        for (size_t k = 0; k < w->n; k++)
-            w->V[k] += w->dV[k];
+        pk_add(w->V, 1, w->dV, w->n);
         idle = count && size >= least ? idle + 1 : 0;
         least = count ? pk_min(least, size) : size;
         before = size;

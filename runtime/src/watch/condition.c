@@ -25,7 +25,7 @@ static size_t lay_out(struct parts *w, const struct pk_problem *problem,
                       const struct pk_method *method, pk_real *base)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params), c = system->constraints.n;
+    const size_t n = pk_count_of(problem), c = system->constraints.n;
     w->n = n;
     w->most = unknowns(system, method, n);
     w->most = w->most > n ? w->most : n;

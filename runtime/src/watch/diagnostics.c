@@ -147,7 +147,7 @@ const char *pk_growth_text(enum pk_growth growth)
 static size_t momenta_of(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
-    return system->cyclic && system->canonical ? pk_system_count(system, problem->params) : 0;
+    return system->cyclic && system->canonical ? pk_count_of(problem) : 0;
 }
 
 static size_t drift_reals(size_t count)
@@ -158,7 +158,7 @@ static size_t drift_reals(size_t count)
 size_t pk_monitor_size(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = pk_count_of(problem);
     const size_t constants = momenta_of(problem) + system->n_conserved;
     return (drift_reals(constants) + 5 * n + system->n_inputs + system->n_conserved +
             3 * constants) *
@@ -257,7 +257,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
 {
     const struct pk_problem *problem = &monitor->problem;
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = pk_count_of(problem);
     pk_real *p = monitor->work, *pdot = p + n, *u = pdot + n, *c = u + system->n_inputs;
 
     if (system->n_inputs)
@@ -267,7 +267,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
     if (monitor->has_energy) {
         const pk_real h = system->energy(problem->params, t, q, v, u);
         pk_real vp = 0;
-        for (size_t i = 0; i < pk_system_coordinates(system, problem->params); i++)
+        for (size_t i = 0; i < pk_coordinates_of(problem); i++)
             vp += v[i] * p[i];
         pk_drift_update_scaled(&monitor->energy, t, h, pk_abs(vp) + pk_abs(vp - h));
     }
@@ -291,7 +291,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k)
 {
     enum { MOST = 1 << 16 };
-    pk_keep(k, drift, sizeof *drift);
+    PK_KEEP(k, *drift);
     const int grows = drift->edge >= PK_TINY || !(drift->edge < 0 || drift->edge > 0);
     k->wrong |= k->from && (drift->n_marks > MOST || !pk_finite(drift->start) || !grows);
 }
