@@ -152,8 +152,8 @@ static double correction(struct search *s)
     return most;
 }
 
-/* Refines the current state by Newton's method while the corrections shrink. Returns whether the
- * refined state is a root. */
+/* Refines the current state by Newton's method while corrections shrink. Returns whether it is a
+ * root. */
 static int is_root(struct search *s)
 {
     double size = correction(s);
@@ -256,8 +256,7 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
     return 0;
 }
 
-/* Solves from a starting point, then again with known roots deflated, until no new root is
- * found. */
+/* Solves from a starting point, then again with known roots deflated, until no root is new. */
 static void search_from(struct search *s, size_t point, gsl_multiroot_fdfsolver *solver,
                         gsl_vector *z, gsl_multiroot_function_fdf *function,
                         struct pk_equilibria *found)

@@ -1,6 +1,5 @@
 /* Deflation: a factor of the equations that removes known roots.
- * Reference: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026.
- */
+ * Reference: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026. */
 #include <string.h>
 
 #include <pk/gsl_equilibria.h>

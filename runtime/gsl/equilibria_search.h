@@ -1,7 +1,6 @@
 /* The search for equilibria, shared by its files: starting points (equilibria_box.c), Newton's
  * method (equilibria.c), deflation (equilibria_deflate.c), the list of roots (equilibria_known.c),
- * rotations and constraints (equilibria_bound.c). Not installed.
- */
+ * rotations and constraints (equilibria_bound.c). Not installed. */
 #ifndef PK_GSL_EQUILIBRIA_SEARCH_H
 #define PK_GSL_EQUILIBRIA_SEARCH_H
 
@@ -84,8 +83,7 @@ static inline double *unknown(struct search *s, size_t i)
     return (is_by_rate(s, i) ? s->v : s->q) + i;
 }
 
-/* Returns the length scale of unknown i: its box, or its distance from the middle if that is
- * larger. */
+/* Returns the length scale of unknown i: its box or, if larger, its distance from the middle. */
 static inline double reach(struct search *s, size_t i)
 {
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
@@ -101,8 +99,7 @@ typedef int pk_gsl_matrix(const gsl_vector *z, void *search, gsl_matrix *J);
 int pk_bound_equations(struct search *s);
 int pk_bound_derivatives(struct search *s);
 void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
-/* Overwrites the first n numbers of F with Newton's correction of least norm; returns 0 on
- * failure. */
+/* Sets the first n numbers of F to Newton's correction of least norm; returns 0 on failure. */
 int pk_bound_correct(struct search *s);
 
 /* Computes the residuals F at the current state; returns 0 if one of them is not finite. */

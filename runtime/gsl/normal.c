@@ -37,8 +37,7 @@ static enum pk_status pencil(const struct pk_problem *problem, size_t n, const d
     return PK_DONE;
 }
 
-/* Copies column k of U, which is a mode, to `shape`. Chooses the mode's sign so that its largest
- * entry is positive. */
+/* Copies column k of U, a mode, to `shape`, with the sign that makes its largest entry positive. */
 static void take(size_t n, const double *U, size_t k, double *shape)
 {
     double most = 0;

@@ -6,8 +6,7 @@
  * References: GNU Scientific Library Reference Manual, "Ordinary Differential Equations";
  * E. Fehlberg, NASA TR R-315 (1969); P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7 (1981) 67;
  * G. Bader, P. Deuflhard, Numer. Math. 41 (1983) 373; G. D. Byrne, A. C. Hindmarsh, ACM TOMS 1
- * (1975) 71.
- */
+ * (1975) 71. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

@@ -57,8 +57,7 @@ static enum pk_status bad(struct pk_subsystems *a, const char *why, size_t part)
     return a->status = PK_BAD_ARGUMENT;
 }
 
-/* Finds the index of each name of `of` among the names of the whole. Returns 0 if one is
- * missing. */
+/* Finds the index of each name of `of` among those of the whole. Returns 0 if one is missing. */
 static int find(const struct pk_quantity *of, size_t count, const struct pk_quantity *whole,
                 size_t n, size_t *where)
 {
@@ -73,8 +72,7 @@ static int find(const struct pk_quantity *of, size_t count, const struct pk_quan
     return 1;
 }
 
-/* Copies the parameters with equal names, sets their flags in `given`, and derives the part's other
- * parameters. */
+/* Copies the parameters with equal names, sets their flags in `given`, and derives the others. */
 static int take_parameters(struct pk_subsystem *part, const struct pk_problem *whole,
                            unsigned char *given)
 {
@@ -103,8 +101,7 @@ static void input(void *context, pk_real t, pk_real *u)
         u[i] = part->u[part->inputs[i]];
 }
 
-/* Checks that each coordinate of the whole is in one part, and each input of a part in the
- * whole. */
+/* Checks that each coordinate is in one part, and each input of a part in the whole. */
 static enum pk_status check_parts(struct pk_subsystems *a)
 {
     const struct pk_system *whole = a->whole.system;

@@ -13,8 +13,8 @@
  *     d = |M^-1| |M| |a| + |M^-1 J^T| |(J M^-1 J^T)^-1| |J M^-1 J^T| |lambda|.
  *
  * Let e_i be the sum of the absolute values of the terms of a_i: |M_ij a_j|/M_ii, and the terms of
- * M^-1 J^T lambda. Then a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. Cancellation in the
- * forces is not included.
+ * M^-1 J^T lambda. Then a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. It leaves out
+ * cancellation in forces.
  *
  * For systems of variable size with constraints, the condition number of J M^-1 J^T is a lower
  * bound, found in O(N) from the distance of each row of J from the span of the other rows. This
@@ -42,12 +42,11 @@ struct pk_condition {
     unsigned long looks;
 };
 
-/* Matrices of more unknowns are not examined, since the computing time grows with the cube of this
- * number. */
+/* Matrices of more unknowns are not examined, since the time grows with the cube of this number. */
 enum { PK_CONDITION_MOST = 128 };
 
-/* Returns the bytes of the block, aligned for pk_real; 0 if the system has no kernel for M or M has
- * too many unknowns. */
+/* Returns the bytes of the block, aligned for pk_real; 0 without a kernel for M, or if M has too
+ * many unknowns. */
 size_t pk_condition_size(const struct pk_problem *problem, const struct pk_method *method);
 /* Updates the largest condition numbers at the state (t, q, v). `it` is the integrator whose last
  * step ended at this state, or NULL. */

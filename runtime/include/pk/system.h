@@ -36,8 +36,7 @@ PK_BEGIN
  * pk_system and does not change PK_ABI_VERSION; moving a member does. `size` is the number of bytes
  * of a system's struct, so the runtime checks PK_SYSTEM_HAS() before it reads a member that was
  * added after version 1. A system compiled for another scalar type does not link, since it refers
- * to the symbol PK_SCALAR of a library; a system loaded at run time is refused if its PK_ABI
- * differs. */
+ * to the symbol PK_SCALAR of a library; a system loaded later is refused if its PK_ABI differs. */
 #define PK_ABI_VERSION 1u
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
@@ -100,8 +99,8 @@ struct pk_block_stepper {
     size_t lanes;                                          /* states in a block, at most 64 */
     unsigned long long (*step)(struct pk_block *block);    /* makes a step of given size */
     unsigned long long (*attempt)(struct pk_block *block); /* makes a trial step, or NULL */
-    /* Computes accelerations at block->t. Returns, as step() and attempt() do, a bit mask of
-     * the lanes that failed. */
+    /* Computes accelerations at block->t. Returns, as step() and attempt(), the bits of failed
+     * lanes. */
     unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,
                                   pk_real *a);
     /* Computes the functions of all events, then those of all switches, at block->t. Number k of
@@ -138,8 +137,7 @@ struct pk_part_samples {
 struct pk_system {
     unsigned abi;  /* PK_ABI when the model was compiled */
     unsigned size; /* sizeof (struct pk_system) when the model was compiled */
-    /* address of the symbol PK_SCALAR, which libraries for other scalar types do not have; or
-     * NULL */
+    /* address of the symbol PK_SCALAR, which libraries for other scalar types lack; or NULL */
     const char *scalar;
     const char *name;
     const char *source_hash; /* SHA-256 of the model's source, in hexadecimal */
@@ -153,8 +151,7 @@ struct pk_system {
      * time. `energy` is NULL in a model without coordinates. */
     size_t n_first_order;
     /* Number of quadratures: first-order variables on which no rate depends. They are the last
-     * numbers of v. The equations that implicit methods solve by Newton's method omit them. 0 in a
-     * system of variable size. */
+     * numbers of v. Newton's equations of implicit methods omit them. 0 in one of variable size. */
     size_t n_unread;
     /* Number of rotations: attitudes R in SO(3), body to space. The first 3 n_rotations first-order
      * variables are the body rates, omega(R).x, .y, .z of each rotation; the next 4 n_rotations are
@@ -180,8 +177,7 @@ struct pk_system {
     void (*bounds)(const void *params, pk_real *lo, pk_real *hi);
     void (*start)(const void *params, pk_real *q, pk_real *v);
 
-    /* Computes a with M a = f. Returns 0, or a failure (PK_FAILURE_MASS, PK_FAILURE_CONSTRAINT)
-     * without writing a. */
+    /* Computes a with M a = f. Returns 0, or a PK_FAILURE_MASS or _CONSTRAINT without a. */
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
     pk_kernel *mass, *force;
@@ -195,18 +191,16 @@ struct pk_system {
     pk_kernel_number *energy;
     pk_kernel_number *kinetic, *potential; /* T and V; NULL if the model defines only L */
     pk_kernel *observe, *conserve; /* outputs of `observe`, constants of `conserve`; NULL: none */
-    /* Writes the derivatives r_q, r_v, r_t of r = f - M a by q, v and t, at constant a and
-     * inputs. If a is the acceleration, M da/dq = r_q, and likewise for v and t. The kernel is
-     * used by variational equations and implicit methods in (q, v); see pk/linear.h. NULL: not
-     * compiled in. */
+    /* Writes the derivatives r_q, r_v, r_t of r = f - M a by q, v and t, at constant a and inputs.
+     * If a is the acceleration, M da/dq = r_q, and likewise for v and t. The kernel is for
+     * variational equations and implicit methods in (q, v); see pk/linear.h. NULL: left out. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
     /* unconstrained() does the same as canonical(), but without the constraint forces J^T lambda:
      * it writes p = dL/dv and pdot, and for the other first-order variables their values and rates.
      * inertia() writes the derivative dp/dv of this p. Models with rotations, constraints, impulses
      * or momenta that depend on first-order variables have both kernels: their mass() may be the
-     * unit matrix (the model has solved M a = f itself), and then canonical() does not write the
-     * momenta. */
+     * unit matrix (the model has solved M a = f itself), and canonical() writes no momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
     pk_kernel *fast; /* acceleration by the forces declared fast; NULL: none */
@@ -290,8 +284,7 @@ static inline struct pk_pattern pk_system_pattern(const struct pk_system *system
     return pattern;
 }
 
-/* Returns the index range of declared name number k among the coordinates, parameters, constraint
- * rows or outputs, as `of` says. */
+/* Returns the index range of declared name number k among those that `of` says. */
 static inline struct pk_range pk_system_range(const struct pk_system *system, const void *params,
                                               enum pk_range_of of, size_t k)
 {
@@ -316,8 +309,7 @@ static inline size_t pk_system_singularity_count(const struct pk_system *system,
                                        : system->singularities.n;
 }
 
-/* Returns, for value number k of the singularities, the index of its expression and the indices i
- * and j in it. */
+/* Returns, for value number k of the singularities, the index of its expression, i and j. */
 static inline struct pk_place pk_system_singularity(const struct pk_system *system,
                                                     const void *params, size_t k)
 {

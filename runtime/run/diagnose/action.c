@@ -16,8 +16,7 @@ static struct action action_at(struct pk_run *run, pk_real t, const pk_real *q, 
     return found;
 }
 
-/* Writes rows [t, action, period] until the kind of the orbit changes, as from libration to
- * rotation. */
+/* Writes rows [t, action, period] until the kind of the orbit changes, as to rotation. */
 static void rows(struct diagnostics *d, enum orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;

@@ -1,8 +1,7 @@
 /* The area that the members of an ensemble enclose if they form a loop in phase space. The area is
  * the closed integral of p dq, summed over coordinates, which any flow of a Lagrangian L preserves
  * (Poincare). The loop is represented by Fourier series of q and p over its members. The motion
- * stretches the loop until its members are too few to resolve it; then the last harmonics of the
- * series are large.
+ * stretches the loop until its members are too few; then the last harmonics are large.
  *
  * The size of a series' last harmonics, called its tail, measures how well the series is resolved.
  * A coordinate that contributes little to the sum may be resolved badly. The tail is therefore
@@ -113,8 +112,8 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     return same;
 }
 
-/* Returns the increase of a coordinate in one turn round the initial loop: whole turns of an angle,
- * otherwise 0. */
+/* Returns the increase of a coordinate in a turn round the initial loop: whole turns of an angle,
+ * or 0. */
 static double winding_of(struct pk_run *run, size_t i)
 {
     const size_t count = run->loop->members;

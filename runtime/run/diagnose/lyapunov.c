@@ -4,8 +4,7 @@
  * is still moving away from its start at the end, or does not move at all, growth only shows that a
  * simple motion (an equilibrium, a steady rotation) is unstable. A single coordinate, or two
  * first-order variables, without explicit time cannot be chaotic: orbits are curves in a plane
- * (Poincare and Bendixson).
- */
+ * (Poincare and Bendixson). */
 
 #include "../../src/core/internal.h"
 #include "parts.h"
@@ -24,8 +23,7 @@ static pk_real length(const struct lyapunov *l, const pk_real *Q, const pk_real 
     return metric_length(&l->metric, Q + l->variation.n_q, l->variation.v);
 }
 
-/* Normalises the displacement of the start. Returns the logarithm of its former length, which may
- * not be finite. */
+/* Normalises the displacement of the start. Returns the log of its length, perhaps not finite. */
 static pk_real normalise(struct lyapunov *l)
 {
     const struct variation *of = &l->variation;

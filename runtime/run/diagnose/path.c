@@ -1,7 +1,6 @@
 /* Hamilton's principle along a computed path; see motion.h. The path is integrated between the
  * nodes of a composite Gauss rule, together with n displacements whose initial rates are unit
- * vectors. A point where the determinant of the n displacements changes sign is conjugate to the
- * start. */
+ * vectors. Where the determinant of the n displacements changes sign is a conjugate point. */
 #include "../../src/core/internal.h"
 #include <pk/root.h>
 #include "motion.h"
@@ -104,8 +103,7 @@ static enum pk_status determinant_at(void *context, pk_real t, pk_real *y)
     return status;
 }
 
-/* Finds the conjugate point between the time s->from and the current time, then restores the state
- * at the current time. */
+/* Finds the conjugate point between the time s->from and now, then restores the state of now. */
 static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
 {
     struct least_action *found = s->found;

@@ -39,8 +39,7 @@ static void lines(struct diagnostics *d, const struct pk_spectrum *s, const doub
 void diagnose_spectrum(struct diagnostics *d)
 {
     const struct settings *set = &d->run->settings;
-    const size_t n = set->n, width = 1 + 2 * n;
-    const size_t seen = settings_coordinates(set);
+    const size_t n = set->n, width = 1 + 2 * n, seen = settings_coordinates(set);
     const double dt = set->every > 0 ? set->every : set->options.h;
     const int at_events = set->asked.at && !set->has_every;
     struct json *j = &d->json;

@@ -1,6 +1,5 @@
 /* The symplecticity defect of the steps of a run; see motion.h. For each column of the derivative S
- * of a step, a unit displacement in (Q, P) is converted to (dq, dv), advanced by one step, and
- * converted back. */
+ * of a step, a unit displacement in (Q, P) becomes (dq, dv), is advanced, and converted back. */
 #include "../../src/core/internal.h"
 #include "parts.h"
 

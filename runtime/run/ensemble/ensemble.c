@@ -93,8 +93,7 @@ static void report_failed(const struct settings *s, struct json *j, const char *
     json_open(j, key, '{');
     json_integer(j, "count", of->count);
     json_real(j, "member", (pk_real)member_number(s, of->member));
-    json_text(j, "status", pk_status_name(of->status));
-    json_text(j, "text", pk_status_text(of->status));
+    json_texts(j, {"status", pk_status_name(of->status)}, {"text", pk_status_text(of->status)});
     json_real(j, "t", of->t);
     json_text(j, "reason", of->reason);
     json_close(j, '}');
@@ -106,9 +105,8 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     const struct settings *s = &run->settings;
     struct json json = {.file = file}, *j = &json;
     json_open(j, NULL, '{');
-    json_text(j, "model", b->system->name);
-    json_text(j, "source_hash", b->system->source_hash);
-    json_text(j, "method", s->method->name);
+    json_texts(j, {"model", b->system->name}, {"source_hash", b->system->source_hash},
+               {"method", s->method->name});
     json_reals(j, {"order", s->method->order},
                {"step", member_fixed(s) ? s->options.h : PK_INFINITY});
     json_counts(j, {"members", s->asked.members}, {"done", tally->done}, {"failed", tally->failed});

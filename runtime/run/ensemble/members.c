@@ -15,8 +15,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     const size_t n = b->n, n_columns = s->asked.n_member_columns;
     const double *row = s->asked.member_values + member * n_columns;
     char *params = b->params + i * system->params_size;
-    pk_real *q = b->q0 + i * n, *v = b->v0 + i * n;
-    pk_real *u = b->u + i * system->n_inputs;
+    pk_real *q = b->q0 + i * n, *v = b->v0 + i * n, *u = b->u + i * system->n_inputs;
     char who[40];
     memcpy(params, s->params, system->params_size);
     /* gives the member its own memory for families of parameters and factors of M */

@@ -3,12 +3,10 @@
 
 #include "../settings/settings.h"
 
-static int is_number(pk_real x) { return x - x == PK_C(0.0); }
-
 /* Returns whether `now` is worse than `before`; NaN is worse than any number. */
 static int is_worst(int first, pk_real now, pk_real before)
 {
-    return first || (is_number(before) && !(now <= before));
+    return first || (before - before == PK_C(0.0) && !(now <= before));
 }
 
 /* Checks the relation between a and b, and keeps the worst case. A NaN counts as a failure. */
@@ -58,8 +56,7 @@ pk_real expect_limit(const struct pk_run *run, pk_real t, pk_real limit)
     return next;
 }
 
-/* Checks all relations of one kind: `when` is t (at a time), e (at the event with the index
- * `event`) or r (at rows). */
+/* Checks all relations of one kind: `when` is t (time), e (event `event`) or r (rows). */
 static void compare_all(struct pk_run *run, char when, size_t event, const struct moment *at)
 {
     const pk_real *out = NULL;

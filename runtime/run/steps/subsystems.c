@@ -32,10 +32,8 @@ enum pk_run_code subsystems_choose(struct pk_run *run)
     settle_every(s);
     if (!none && !(s->every > 10 * PK_EPSILON * s->until))
         none = "rows at each step";
-    if (none) {
-        run_say(run, "blocks integrated apart have no %s", none);
-        return PK_RUN_USAGE;
-    }
+    if (none)
+        return run_refuse(run, "blocks integrated apart have no %s", none);
     s->asked.land = 1;
     run->count = run_intervals(s->until, s->every);
     run->choices = memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
@@ -46,11 +44,9 @@ enum pk_run_code subsystems_choose(struct pk_run *run)
             continue;
         if (!(c->options.h > 0) && (c->method->traits & PK_EXACT))
             c->options.h = s->every;
-        if (!(c->options.h > 10 * PK_EPSILON * s->until)) {
-            run_say(run, "part %zu: method %s has a fixed step: give it by --step", k + 1,
-                    c->method->name);
-            return PK_RUN_USAGE;
-        }
+        if (!(c->options.h > 10 * PK_EPSILON * s->until))
+            return run_refuse(run, "part %zu: method %s has a fixed step: give it by --step", k + 1,
+                              c->method->name);
         c->options.h = run_step(s->every, c->options.h);
     }
     return PK_RUN_DONE;
@@ -191,13 +187,10 @@ void subsystems_report(const struct pk_run *run, struct json *j)
         for (size_t i = 0; i < part->of.system->n; i++)
             json_text(j, NULL, part->of.system->coordinates[i].name);
         json_close(j, ']');
-        json_text(j, "method", c->method->name);
-        json_text(j, "status", pk_status_name(part->it.status));
-        json_real(j, "t", part->it.t);
-        if (c->method->traits & PK_ADAPTIVE)
-            json_real(j, "rtol", c->options.rtol);
-        else
-            json_real(j, "step", c->options.h);
+        const int adaptive = (c->method->traits & PK_ADAPTIVE) != 0;
+        json_texts(j, {"method", c->method->name}, {"status", pk_status_name(part->it.status)});
+        json_reals(j, {"t", part->it.t},
+                   {adaptive ? "rtol" : "step", adaptive ? c->options.rtol : c->options.h});
         json_counts(j, {"steps", part->it.count.steps}, {"rejections", part->it.count.rejections},
                     {"evaluations", part->it.count.evaluations});
         json_close(j, '}');

@@ -1,5 +1,4 @@
-/* Residuals of constraints, the check of an initial state, and texts for failures; see
- * pk/constraint.h. */
+/* Residuals of constraints, the check of a start, and texts for failures; see pk/constraint.h. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 /* Monitors sigma, a measure of the distance of a motion from a position where constraint rows are
  * linearly dependent; there sigma is 0 (see singular_crossing.c). A step needs the factors of J
- * M^-1 J^T anyway, and sigma comes from these factors; the slope of sigma in time is computed only
- * where sigma is small. */
+ * M^-1 J^T anyway, and sigma comes from these factors; its slope in time only where it is small. */
 #include <string.h>
 
 #include <pk/constraint.h>
@@ -92,8 +91,7 @@ int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q
     if (!it->own || !it->own->crossing || !(it->own->passing.near || it->own->passing.crossed))
         return 0;
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    const pk_real row = is->row;
-    const pk_real sigma = pk_singular_crossing_sigma(it, t, q, v);
+    const pk_real row = is->row, sigma = pk_singular_crossing_sigma(it, t, q, v);
     is->row = row;
     return sigma < PK_SINGULAR;
 }

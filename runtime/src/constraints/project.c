@@ -7,8 +7,8 @@
  * by Newton's method, in the metric of M: to first order the result is the nearest state that
  * satisfies the constraints, and the method keeps its order. A quaternion is rotated by the vector
  * of its three entries of M^-1 J^T mu. Rolling constrains rates only. Derivatives that a method
- * reuses from its last step are not recomputed: their error is like that of the step, and its
- * effect is smaller by h.
+ * reuses from its last step are not recomputed: their error is like the step's, its effect smaller
+ * by h.
  *
  * A large first correction means that the step did not resolve phi(t), such as a steep ramp. If the
  * step can be retried, a correction of more than MOST_OFF error tolerances makes the step fail;
@@ -16,7 +16,7 @@
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
- */
+ * */
 
 #include "../core/attitude.h"
 #include "../core/project.h"
@@ -101,8 +101,7 @@ static void turn_back(const struct pk_projection *w, pk_real *v, pk_real *low)
     }
 }
 
-/* Returns the largest component of the correction d, relative to MOST_OFF times the error tolerance
- * of the same component of y. */
+/* Returns the largest component of the correction d, by MOST_OFF tolerances of y. */
 static pk_real correction_in_tolerances(const struct pk_integrator *it, const pk_real *d,
                                         const pk_real *y, size_t first, size_t count)
 {

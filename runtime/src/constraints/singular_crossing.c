@@ -8,12 +8,11 @@
  * a Gauss step is made across the position, with stages that are not near the position. Each stage
  * is predicted by the smooth motion and projected onto the constraints before its acceleration is
  * computed. Projection must move the stages and the end of the step by less than the fraction SURE
- * of the distance covered, since other branches are farther away. The step needs no history, so it
- * serves all methods.
+ * of the distance covered, since other branches are farther away. It serves all methods.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2
  * (collocation).
- */
+ * */
 #include <string.h>
 
 #include <pk/constraint.h>
@@ -29,8 +28,7 @@ enum { FEWEST = 6, ROUNDS = 60 };
 #define SHORTER PK_C(0.8)
 #define ACCEPT PK_C(10.0) /* limit of the error in tolerances, as in the adaptive Gauss method */
 
-/* Computes w such that the sum of w_j times the value at stage j is the integral over the fraction
- * `to` of the step. */
+/* Computes w such that the sum of w_j times stage values is the integral over the fraction `to`. */
 static void weights(const struct pk_singular_crossing_parts *x, pk_real to, pk_real *w)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);
@@ -159,8 +157,7 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_singular_crossin
     return PK_NO_CONVERGENCE;
 }
 
-/* Returns the error of the final rates in tolerances, from the last Legendre coefficient of the
- * accelerations. */
+/* Returns the error of the final rates in tolerances, from the accelerations' last coefficient. */
 static pk_real error_of(const struct pk_integrator *it, const struct pk_singular_crossing_parts *x)
 {
     const int s = (int)pk_index(x->is->stages, PK_SINGULAR_CROSSING_STAGES + 1);

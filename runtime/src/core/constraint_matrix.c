@@ -164,8 +164,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
         x[i] *= PK_F(sqrt)(length2(w, i) / (length2(w, row) + PK_TINY));
 }
 
-/* Records in w->depends that `row` depends on the other rows, with the coefficients of this linear
- * combination. Returns 1 + row. */
+/* Records in w->depends by which linear combination `row` depends on others. Returns 1 + row. */
 static size_t lost(struct pk_projection *w, size_t row)
 {
     w->system->constraints.shares(w->params, row, w->depends + 1);

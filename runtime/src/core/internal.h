@@ -76,8 +76,7 @@ enum {
     PK_REASON_NO_ROW, /* as PK_REASON_BRANCH, but the dependent row is not known */
     PK_REASON_NO_START
 };
-/* Kinds for PK_STEP_UNDERFLOW: the step size, or the time scale of adaptive_verlet, changes too
- * fast. */
+/* Kinds for PK_STEP_UNDERFLOW: what changes too fast. */
 enum { PK_REASON_LENGTH, PK_REASON_TIME_SCALE };
 /* Kinds for PK_SINGULAR_TIME: whether the acceleration grows towards the singularity. */
 enum { PK_REASON_GROWS, PK_REASON_BOUNDED };
@@ -99,8 +98,8 @@ static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_stat
     return status;
 }
 
-/* Exchanges it->own->state and it->own->next: the new state becomes current, and the old state
- * remains available in `next`. */
+/* Exchanges it->own->state and it->own->next: the new state becomes current; the old one is in
+ * `next`. */
 static inline void pk_commit_step(struct pk_integrator *it)
 {
     pk_real *const left_behind = it->own->state;
@@ -112,8 +111,7 @@ static inline void pk_commit_step(struct pk_integrator *it)
         it->p = pk_state(it, PK_P);
 }
 
-/* Returns whether a step can be repeated with a smaller it->own->h; GSL's methods keep their own
- * step size. */
+/* Returns whether a step can be repeated with a smaller it->own->h, unlike those of GSL. */
 static inline int pk_repeats(const struct pk_integrator *it)
 {
     return it->method->traits & PK_ADAPTIVE && !it->method->release;
@@ -138,8 +136,7 @@ size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
  * members of type pk_real and int. */
 #define PK_REALS_OF(type) ((sizeof(type) + sizeof(pk_real) - 1) / sizeof(pk_real))
 
-/* pk_check_params() checks the parameters before the first step; `scratch` has pk_params_reals()
- * numbers. */
+/* pk_check_params() checks the parameters at a start; `scratch` has pk_params_reals() numbers. */
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
 /* Returns the index that describes the failure `outside` of prepare(): the index of the refused
@@ -216,8 +213,7 @@ struct pk_knot {
     const pk_real *q, *v, *a;
 };
 /* Evaluates the cubic Hermite polynomial through q and v at the ends of a step of length h, and its
- * derivative, at x in 0 .. 1; for first-order variables the cubic through their values and
- * rates. */
+ * derivative, at x in 0 .. 1; for first-order variables that through values and rates. */
 void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, struct pk_knot to,
                 pk_real x, pk_real *q, pk_real *v);
 

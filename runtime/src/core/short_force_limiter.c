@@ -14,8 +14,7 @@
 #define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 is round-off */
 /* if the clipped u varies by more than this in a step, the step is repeated as a shorter one */
 #define MOST PK_C(12.0)
-/* shift of sample times, since equidistant samples would miss changes of a u that is periodic in
- * the step */
+/* shift of sample times, since equidistant samples would miss a u that is periodic in the step */
 #define WARP PK_C(0.11)
 #define GROW PK_C(4.0)
 /* after a fixed step in which u changes less than this, SKIPPED steps are not checked */
@@ -68,8 +67,7 @@ void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, 
                 pk_real x, pk_real *q, pk_real *v)
 {
     const pk_real *q0 = from.q, *v0 = from.v, *q1 = to.q, *v1 = to.v;
-    const pk_real y = 1 - x;
-    const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
+    const pk_real y = 1 - x, h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
     const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
     const size_t n_q = it->n_q, n = it->n;
     for (size_t i = 0; i < n_q; i++) {
@@ -112,8 +110,7 @@ static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 static pk_real alive(pk_real u) { return pk_max(-ALIVE, pk_min(u, ALIVE)); }
 
 /* Data of a time interval, from u at both ends and in the middle. varies: variation of the clipped
- * u; range: largest less smallest u; bend: second difference of u; dead: all of u is outside
- * +-ALIVE by a margin. */
+ * u; range: largest less smallest u; bend: second difference of u; dead: u is outside +-ALIVE. */
 struct window {
     pk_real varies, range, bend;
     int dead;
@@ -159,8 +156,7 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
         it->own->short_force.varied = pk_max(it->own->short_force.varied, total);
         u = end;
         from = to;
-        /* If an interval was halved, and both halves are done, the next interval is twice as
-         * wide. */
+        /* After both halves of an interval the next one is twice as wide. */
         if (width < PK_C(1.0) / FEW && !(PK_F(fmod)(from, 2 * width) > 0))
             width *= 2;
     }

@@ -1,5 +1,4 @@
-/* Singularities: positions where the equations are undefined, monitored at each step; see struct
- * pk_singularity.
+/* Singularities, where the equations are undefined, at each step; see struct pk_singularity.
  *
  * An expression that changes sign in a step has a root in it. But an expression has the same sign
  * at both ends of the step if it only touches zero, such as the distance in a collision, or if it
@@ -7,8 +6,7 @@
  * of the step predicts a root within it, or the change of the expression differs from both
  * tangents, the motion is recomputed by short steps (singularity_search.c). Adaptive steps are
  * treated likewise: at a tight tolerance their sizes decrease before a singularity until they
- * underflow, and the search finds the cause; at a loose tolerance they pass over it like fixed
- * steps.
+ * underflow, and the search finds the cause; at a loose one they pass over it like fixed steps.
  *
  * If there is a sign change, but the motion by short steps does not reach the root, the step is
  * inaccurate: PK_STEP_TOO_LONG. */

@@ -68,8 +68,7 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     return pk_all_finite(trial, m);
 }
 
-/* Returns whether no singularity has changed much, from g to g1; updates the least and the largest
- * ratio g1/g. */
+/* Returns whether no singularity has changed much, from g to g1; updates the extreme g1/g. */
 static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, pk_real *most)
 {
     for (size_t k = 0; k < m; k++) {
@@ -137,8 +136,8 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         pk_real least = 1, most = 1;
         if (last)
             s = whole - at;
-        /* the values are also checked at mid-step, since a step through a centre has similar
-         * values at both ends */
+        /* the values are also checked at mid-step, since a step through a centre has like values at
+         * its ends */
         int good = 1;
         for (int half = 1; good && half <= 2; half++) {
             pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);
@@ -171,8 +170,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         found.when = it->t + at + made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
         found.when = pk_singularity_within(found.when, it->t + at, t_end);
         found.found = PK_SINGULARITY_VANISHES;
-        /* if the singularity came near zero (growth.levels = 2), round-off may have reflected the
-     * motion: undecided */
+        /* near zero (growth.levels = 2) round-off may have reflected the motion: undecided */
     } else if (arrived && growth.levels < 2) {
         found.found = PK_SINGULARITY_STAYS;
     }

@@ -1,5 +1,4 @@
-/* The linearised equations of motion; see pk/linear.h. M = L D L^T is factored once for all 2 n + 1
- * right-hand sides. */
+/* The linearised equations of motion; see pk/linear.h. M is factored once for all. */
 #include <pk/linear.h>
 
 #include "internal.h"

@@ -18,8 +18,7 @@ int pk_ensemble_fixed(const struct pk_ensemble *e)
     return !(e->method->traits & PK_ADAPTIVE) || stepper(e) != NULL;
 }
 
-/* Returns the bytes for the lanes if each member has its own steps, or 0 if there are no such
- * lanes. */
+/* Returns the bytes for the lanes if each member has its own steps, or 0 without lanes. */
 static size_t lanes_size(const struct pk_ensemble *e)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, 0);

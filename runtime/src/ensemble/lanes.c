@@ -1,6 +1,6 @@
 /* Members in SIMD lanes, see lanes.h. The steps of pk/step/ensemble.h are instantiated here for two
- * cases: systems whose lane kernels are called by function pointers, and systems with kernels for
- * one state. */
+ * cases: systems with lane kernels, by function pointers, and systems with kernels for one
+ * state. */
 #include <string.h>
 
 #include "lanes.h"
@@ -83,8 +83,7 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
     return NULL;
 }
 
-/* Systems with families have no blocks: their kernels loop over members of families, not over
- * lanes. */
+/* Systems with families have no blocks: their kernels loop over members, not over lanes. */
 const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
                                                    const struct pk_method *method)
 {

@@ -13,8 +13,7 @@
  * which j0 of a rolling row jumps, since its force acts along its row alone.
  *
  * References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
- * Nonsmooth Mechanics, 3rd ed., chapters 1 and 3.
- */
+ * Nonsmooth Mechanics, 3rd ed., chapters 1 and 3. */
 
 #include <pk/constraint.h>
 
@@ -70,7 +69,7 @@ void pk_corner_rows(struct corner *x, const pk_real *v)
 }
 
 /* Replaces the force d by the change of rates M^-1 (d + J^T mu) that it causes; mu is such that J
- * times this change is -rate. M and J are taken at the rates v. Returns -1 if M or J M^-1 J^T is
+ * times this change is -rate. M and J are taken at the rates v. Returns -1 if a matrix is
  * singular. */
 static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *rate, pk_real *mu)
 {

@@ -6,8 +6,7 @@
  * the start of the step. A crossing lies between two such states with opposite signs of g.
  *
  * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
- * Comput. Math. Appl. 39 (2000) 43.
- */
+ * Comput. Math. Appl. 39 (2000) 43. */
 #include <string.h>
 
 #include <pk/keep.h>

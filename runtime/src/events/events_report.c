@@ -6,8 +6,7 @@
 #include "events.h"
 
 /* Computes the state just after a crossing. Methods of the runtime reproduce the state by which the
- * crossing was located; GSL's bsimp may differ in the last digits, and a slightly later time is
- * then used. */
+ * crossing was located; GSL's bsimp may differ in the last digits: a later time is then used. */
 static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];

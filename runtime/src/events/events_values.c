@@ -1,6 +1,5 @@
 /* Events and switches at a time within a step: the state there, the values of their functions, and
- * the sample times of a window.
- */
+ * the sample times of a window. */
 
 #include "events.h"
 

@@ -1,6 +1,5 @@
 /* The motion at a switch across which L or a constraint jumps: whether there is an impulse, whether
- * the motion goes on or back, and several switches at once. See corner.c.
- */
+ * the motion goes on or back, and several switches at once. See corner.c. */
 #include <stdio.h>
 
 #include <pk/constraint.h>

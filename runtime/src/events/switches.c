@@ -5,8 +5,7 @@
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
  * ed., Springer 1993, section II.6; for motions that stay on a zero (PK_SLIDING): A. F. Filippov,
- * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988.
- */
+ * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988. */
 #include <math.h>
 #include <string.h>
 

@@ -29,8 +29,7 @@ struct kept {
     pk_real eps, floor, given, direction;
     /* values at the base: density of steps, time, and low part of the time */
     pk_real rho, t, t_low;
-    /* flags. planned: the length of the step from the base is known; whole: the step of that
-     * length was made */
+    /* flags. planned: the length of the step from the base is known; whole: that step was made */
     int planned, whole;
     pk_real length, rho_next, end, end_low;
 };
@@ -197,8 +196,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         kept->t = kept->end;
         kept->t_low = kept->end_low;
     }
-    const int there = !(it->t < kept->t || it->t > kept->t);
-    const int turned = sign * kept->direction < 0;
+    const int there = !(it->t < kept->t || it->t > kept->t), turned = sign * kept->direction < 0;
     if ((turned && !there) || kept->given < it->options.h || kept->given > it->options.h)
         PK_TRY(begin(it, &w));
     if (turned)

@@ -85,8 +85,7 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
 }
 
 /* Computes Phi and D of a drift of length h from exp(h L) - 1 = (0 s Phi; 0 D), L = (0 s; 0 B). s
- * is a power of two similar to the norm of B, so that its block s in L does not increase the number
- * of squarings. */
+ * is a power of two similar to the norm of B, so that s in L adds no squarings. */
 static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
 {
     const size_t n = w->n, m = 2 * n, nn = n * n;

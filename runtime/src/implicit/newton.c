@@ -84,8 +84,7 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
     }
 }
 
-/* Returns the relative change of the derivatives since the last iteration, the largest of M, p_q,
- * pdot_q and pdot_v. */
+/* Returns the largest relative change of M, p_q, pdot_q and pdot_v since the last iteration. */
 static pk_real changed(const struct pk_gauss_work *w)
 {
     const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn;

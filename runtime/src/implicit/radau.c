@@ -4,8 +4,7 @@
  * only the kernels of Newton's matrix, and the change of p equals the sum of forces to round-off.
  *
  * Newton's iteration ends at a fraction of the tolerance of the error (radau_error.c). If it does
- * not converge, or its solution is not on the branch of short steps (branch.c), the step is
- * shortened.
+ * not converge, or not to the branch of short steps (branch.c), the step is shortened.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive
@@ -177,8 +176,7 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
  * one. The ratio is smaller if Newton's iteration took long. */
 static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
 {
-    const pk_real error = pk_max(it->own->error, PK_C(1e-10));
-    const pk_real most = 2 * MOST_ITERATIONS;
+    const pk_real error = pk_max(it->own->error, PK_C(1e-10)), most = 2 * MOST_ITERATIONS;
     const pk_real safety = SAFETY * (most + 1) / (most + (pk_real)count);
     pk_real grow = safety / PK_F(sqrt)(PK_F(sqrt)(error));
     if (it->own->error <= 1 && pk_abs(r->kept->h) > 0)

@@ -2,8 +2,7 @@
  * families.advance (fused steps), or one by one without the checks of pk_integrator_step(). Steps
  * made one by one give the same bits as pk_integrator_step(). The sums of fused steps are not
  * compensated, so their last bits differ. Fused steps work on a copy of the state: if they end in a
- * state that is not finite, half as many are tried, so that bisection finds the first step that
- * fails. */
+ * state that is not finite, half as many are tried: bisection finds the step that fails. */
 
 #include "../core/internal.h"
 #include "../core/tableau.h"
@@ -99,8 +98,7 @@ enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsi
         it->own->direction == (limit > it->t) - (limit < it->t))
         left -= many(it, limit, left);
     while (left) {
-        /* This first step sets the direction and the grid for the following ones, and reports any
-         * error. */
+        /* This first step sets the direction and the grid, and reports any error. */
         const enum pk_status status = pk_integrator_step(it, limit);
         if (status != PK_DONE)
             return status;

@@ -9,15 +9,13 @@ enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
 /* largest number of further steps that may be needed, if max_steps is 0 */
 #define MOST_AHEAD PK_C(1e9)
 /* If many trial steps are rejected, and steps are shorter than SHRUNK times the longest rejected
- * one, the error estimates are noise. Then the run ends if it needs more than MOST_SHRUNK / n
- * further steps. */
+ * one, the error estimates are noise. Then the run ends if it needs over MOST_SHRUNK / n steps. */
 #define SHRUNK PK_C(1e-6)
 #define MOST_SHRUNK PK_C(1e7)
 
 struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 {
-    const pk_real sign = (pk_real)it->own->direction;
-    const pk_real h = sign * it->options.h;
+    const pk_real sign = (pk_real)it->own->direction, h = sign * it->options.h;
     const pk_real target = it->own->grid.anchor + (it->own->grid.count + 1) * h;
     const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     if (pk_abs(target - limit) <= close) /* target and limit differ only by rounding */
@@ -29,11 +27,10 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
-    /* Since times are rounded, a step that ends within `close` of the limit is the last one, and
-     * does not count. */
+    /* Times are rounded: a step that ends within `close` of the limit is the last, and does not
+     * count. */
     const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
-    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
-    const pk_real ceiling = PK_C(1e9);
+    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h, ceiling = PK_C(1e9);
     if (!(count > 0))
         return 0;
     const unsigned long steps = (unsigned long)(count < ceiling ? count : ceiling);
@@ -49,8 +46,7 @@ int pk_often_rejected(const struct pk_integrator *it)
 
 /* Returns whether time hardly advances, so that the run is to end. It checks this whenever the
  * number of trial steps has doubled since the last check; so the result does not depend on the
- * speed of the machine. Progress is the sum of the lengths of the steps, since a caller may go back
- * in time. */
+ * speed of the machine. Progress sums the lengths of steps, since a caller may go back. */
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
     struct pk_progress *p = &it->own->progress;

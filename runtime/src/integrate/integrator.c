@@ -17,8 +17,7 @@
 #define OWN ((sizeof(struct pk_integrator_private) + ALIGNED - 1) / ALIGNED * ALIGNED)
 #define PRIVATE (OWN + ALIGNED)
 
-/* fraction of the time to the limit within which forces are looked for if the system starts from
- * rest */
+/* fraction of the time to the limit within which a system at rest is searched for forces */
 #define FROM_REST PK_C(1e-3)
 
 struct pk_options pk_options_default(void)
@@ -27,11 +26,6 @@ struct pk_options pk_options_default(void)
     options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* this rtol is about 1e-9 in double */
     options.atol = PK_ATOL_OF_MOTION;
     return options;
-}
-
-static size_t work_size(const struct pk_problem *problem, const struct pk_method *method, size_t n)
-{
-    return (method->size ? method->size : pk_splitting_size)(method, problem, n);
 }
 
 /* Divides the memory at `base`, behind the struct `own`, among the pointers of `own`. Returns the
@@ -47,7 +41,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->atol, pk_scale_size(problem, method, n_q, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : n_q + 2 * n + system->n_inputs},
-        {&own->work, work_size(problem, method, n)},
+        {&own->work, (method->size ? method->size : pk_splitting_size)(method, problem, n)},
         {&own->singularities, pk_singularity_size(singularities, n_q, n)},
         {&own->project, pk_project_size(problem, n)},
         {&own->marks, pk_short_force_size(system, n_q, n)},
@@ -63,8 +57,7 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     if (!problem || !problem->system || !method || problem->system->abi != PK_ABI)
         return 0;
     struct pk_integrator_private own;
-    const size_t n = pk_count_of(problem);
-    const size_t n_q = pk_coordinates_of(problem);
+    const size_t n = pk_count_of(problem), n_q = pk_coordinates_of(problem);
     return PRIVATE + lay_out(&own, problem, method, n_q, n, NULL) * sizeof(pk_real);
 }
 

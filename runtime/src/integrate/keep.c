@@ -6,8 +6,7 @@
 
 #include "../core/internal.h"
 
-/* number of bytes of the pointers in the private part; they are valid only in this process, so they
- * are not saved */
+/* number of bytes of the pointers in the private part; they are of this process, and not saved */
 #define ADDRESSES offsetof(struct pk_integrator_private, slopes)
 
 static unsigned long long name(const char *text)

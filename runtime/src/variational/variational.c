@@ -23,8 +23,7 @@
  * VII.5; H. C. Andersen, J. Comput. Phys. 52 (1983) 24; J. E. Marsden, S. Pekarsky, S. Shkoller,
  * Nonlinearity 12 (1999) 1647; N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197;
  * S. Hante, M. Arnold, J. Comput. Appl. Math. 387 (2021) 112492; J. C. Simo, K. K. Wong, Int. J.
- * Numer. Methods Eng. 31 (1991) 19.
- */
+ * Numer. Methods Eng. 31 (1991) 19. */
 
 #include "variational.h"
 

@@ -1,7 +1,6 @@
 /* Shared by the variational methods: the step (variational.c), its equations
  * (variational_equations.c), their solution (variational_solve.c, variational_matrix.c), and the
- * end of the step, where rates are computed from momenta (variational_end.c).
- */
+ * end of the step, where rates are computed from momenta (variational_end.c). */
 #ifndef PK_VARIATIONAL_H
 #define PK_VARIATIONAL_H
 
@@ -106,8 +105,8 @@ void pk_variational_residual(const struct pk_variational_work *w, pk_real *out);
  * sign of the determinant of the matrix (1 at h = 0), or 0 if it is singular. */
 int pk_variational_correction(struct pk_integrator *it, struct pk_variational_work *w, int newton);
 /* Solves for V and w->kick of one part of the step, which begins at w->to. Also sets momenta and
- * forces for this V, and the state at the end. Returns PK_NO_CONVERGENCE or PK_AMBIGUOUS_STEP on
- * failure. */
+ * forces for this V, and the state at the end. May return PK_NO_CONVERGENCE or
+ * PK_AMBIGUOUS_STEP. */
 enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variational_work *w);
 /* Solves for the rates v that have the momenta p (n numbers each) at the end w->to, and corrects
  * both so that J v + j0 = 0; low_p holds the low part of p. Returns PK_NO_CONVERGENCE,

@@ -1,5 +1,5 @@
-/* The equations of a variational step as residuals r(V) of the rates V at its middle; variational.c
- * states the equations. */
+/* The equations of a variational step (variational.c) as residuals r(V) of the rates V at its
+ * middle. */
 
 #include "variational.h"
 

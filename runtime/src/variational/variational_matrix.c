@@ -31,8 +31,7 @@ static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
 static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t count = unknowns(w);
-    const pk_real e = PK_F(sqrt)(PK_EPS);
-    const pk_real more = PK_VARIATIONAL_SHARE * pk_largest(w->scale, w->n);
+    const pk_real e = PK_F(sqrt)(PK_EPS), more = PK_VARIATIONAL_SHARE * pk_largest(w->scale, w->n);
     pk_real *column = w->spare;
     for (size_t j = 0; j < count; j++) {
         const size_t k = place(w, j);
@@ -114,8 +113,7 @@ static int constrain(struct pk_variational_work *w, int newton)
     return w->h < 0 && c % 2 ? -sign : sign;
 }
 
-/* For families: solves with [M J^T; J 0] of the start. J at the end only differs by its change in
- * one step. */
+/* For families: solves with [M J^T; J 0] of the start. J at the end is near that. */
 static void constrain_by_mass(const struct pk_variational_work *w)
 {
     pk_real *mu = w->at.mu;

@@ -6,8 +6,7 @@
  * not change sign. Derivatives of phi are always exact.
  *
  * An iteration ends as in newton.c, far below round-off, with phi within the rounding of its terms.
- * For this, the scale of a coordinate includes its terms in phi divided by J.
- */
+ * For this, the scale of a coordinate includes its terms in phi divided by J. */
 
 #include "variational.h"
 
@@ -138,8 +137,8 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
                     w->kick, w->pull);
 }
 
-/* Iterates from V and w->kick. Returns 1 on convergence, otherwise 0. Sets *sign to the sign of the
- * last determinant. */
+/* Iterates from V and w->kick. Returns 1 on convergence, otherwise 0. *sign: that of the last
+ * determinant. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
@@ -225,8 +224,7 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
 }
 
 /* Returns whether the forces at the middle are close to those at the start or, with `ends`, the
- * momenta at the end are close to those at the start. The iteration then contracts for all shorter
- * steps too. */
+ * momenta at the end are close to those at the start. It then contracts for shorter steps too. */
 static int is_gentle(struct pk_variational_work *w)
 {
     for (size_t k = 0; k < w->n; k++) {

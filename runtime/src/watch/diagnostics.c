@@ -1,7 +1,6 @@
 /* Drift of constants of the motion, online. The slope comes from Welford's update of means and
  * co-moments, which avoids the cancellation in sums of t^2 and t x. Reference: B. P. Welford,
- * Technometrics 4 (1962) 419; T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242.
- */
+ * Technometrics 4 (1962) 419; T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242. */
 #include <string.h>
 
 #include <pk/diagnostics.h>
@@ -38,8 +37,7 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
         drift->marks[drift->n_marks++ % PK_DRIFT_MARKS] = drift->max;
     drift->samples++;
     /* A NaN must enter a maximum and stay there. The first comparison of each condition is false
-     * for a new NaN, which is then stored; the second one is false for a stored NaN, which then
-     * stays. */
+     * for a new NaN, which is then stored; the second one for a stored NaN, which stays. */
     if (!(pk_abs(scale) <= drift->scale) && drift->scale >= 0)
         drift->scale = pk_abs(scale);
     if (!(pk_abs(d) <= drift->max) && drift->max >= 0)
@@ -73,7 +71,7 @@ pk_real pk_drift_slope(const struct pk_drift *drift)
     return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
 }
 
-/* Returns the slope of ln(largest deviation) over ln t by least squares, from the marks first ..
+/* Returns the slope of ln(largest deviation) over ln t by least squares, over marks first ..
  * last. */
 static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
 {
@@ -158,8 +156,7 @@ static size_t drift_reals(size_t count)
 size_t pk_monitor_size(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_count_of(problem);
-    const size_t constants = momenta_of(problem) + system->n_conserved;
+    const size_t n = pk_count_of(problem), constants = momenta_of(problem) + system->n_conserved;
     return (drift_reals(constants) + 5 * n + system->n_inputs + system->n_conserved +
             3 * constants) *
            sizeof(pk_real);

@@ -1,8 +1,7 @@
 /* DOP853, order 8 with error estimates of orders 5 and 3 and dense output of order 7 from three
  * more stages. Coefficients as published with the code of E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.5 and II.10 (30 digits; tests/runtime checks them
- * against the order conditions). The tables contain also the coefficients that are zero, which
- * loops skip. */
+ * against the order conditions). Loops skip the coefficients that are zero. */
 #ifndef PK_STEP_DOP853_H
 #define PK_STEP_DOP853_H
 
