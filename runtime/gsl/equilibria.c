@@ -78,10 +78,10 @@ static int derivatives(struct search *s)
     const size_t n = s->n;
     if (is_bound(s))
         return pk_bound_derivatives(s);
-    system->mass(problem->params, 0, s->q, s->v, NULL, s->M);
-    system->jacobian(problem->params, 0, s->q, s->v, NULL, s->p_q, s->F_q, s->F_v);
+    system->mass(OF(s), s->M);
+    system->jacobian(OF(s), s->p_q, s->F_q, s->F_v);
     if (system->n_first_order)
-        system->linear(problem->params, 0, s->q, s->v, NULL, s->rest, s->F_q, s->F_v, s->r_t);
+        system->linear(OF(s), s->rest, s->F_q, s->F_v, s->r_t);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             const size_t x = i * n + j;
@@ -152,8 +152,7 @@ static double correction(struct search *s)
     return most;
 }
 
-/* Refines the current state by Newton's method while corrections shrink. Returns whether it is a
- * root. */
+/* Refines the state by Newton's method while corrections shrink. Returns whether it is a root. */
 static int is_root(struct search *s)
 {
     double size = correction(s);

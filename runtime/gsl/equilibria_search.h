@@ -67,8 +67,8 @@ static inline int is_body_rate(const struct search *s, size_t i)
 /* Returns |Q|^2 - (Q.R)^2: for unit quaternions, the squared sine of half the angle from Q to R. */
 static inline double turned(const double *Q, const double *R)
 {
-    const double same = Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3];
-    return Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3] - same * same;
+    const double same = pk_dot(Q, R, 4);
+    return pk_dot(Q, Q, 4) - same * same;
 }
 
 /* Returns whether unknown i is v_i (cyclic coordinates, first-order variables); else it is q_i. */
@@ -102,6 +102,9 @@ void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
 /* Sets the first n numbers of F to Newton's correction of least norm; returns 0 on failure. */
 int pk_bound_correct(struct search *s);
 
+/* The arguments of a kernel at the current state. */
+#define OF(s) (s)->problem->params, 0, (s)->q, (s)->v, NULL
+
 /* Computes the residuals F at the current state; returns 0 if one of them is not finite. */
 static inline int equations(struct search *s)
 {
@@ -109,10 +112,10 @@ static inline int equations(struct search *s)
     const struct pk_system *system = problem->system;
     if (is_bound(s))
         return pk_bound_equations(s);
-    system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
+    system->canonical(OF(s), s->p, s->pdot);
     /* f of M a = f: for coordinates pdot at rest, for first-order variables their rates */
     if (system->n_first_order)
-        system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
+        system->force(OF(s), s->pdot);
     for (size_t i = 0; i < s->n; i++)
         s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i]
                   : s->unread[i]  ? s->v[i] - s->middle[i]

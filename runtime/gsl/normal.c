@@ -78,14 +78,10 @@ void pk_normal_energies(size_t n, const double *M, const double *squares, const 
 {
     for (size_t k = 0; k < n; k++) {
         const double *u = shapes + k * n;
-        double Q = 0, P = 0;
-        for (size_t i = 0; i < n; i++) {
-            double row = 0;
-            for (size_t j = 0; j < n; j++)
-                row += M[i * n + j] * q[j];
-            Q += u[i] * row;
-            P += u[i] * p[i];
-        }
+        const double P = pk_dot(u, p, n);
+        double Q = 0;
+        for (size_t i = 0; i < n; i++)
+            Q += u[i] * pk_dot(M + i * n, q, n);
         E[k] = (P * P + squares[k] * Q * Q) / 2;
     }
 }

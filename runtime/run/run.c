@@ -5,8 +5,7 @@
 #include "settings/settings.h"
 #include "steps/steps.h"
 
-/* The timed repetitions of a run must take at least so long, so that reading the clock costs
- * little. */
+/* The timed repetitions of a run take at least so long that reading the clock costs little. */
 #define LAP_SECONDS 1e-3
 
 static void tell_failure(struct pk_run *run)

@@ -58,8 +58,7 @@ struct pk_lanes {
     unsigned long long idle; /* bit mask of lanes whose integrators make no step in this call */
 };
 
-/* pk_lanes_count() returns the number of lanes, pk_lanes_size() the bytes of the block, aligned for
- * pk_real. */
+/* pk_lanes_count() returns the number of lanes, pk_lanes_size() the bytes of the aligned block. */
 size_t pk_lanes_count(const struct pk_problem *problem, const struct pk_method *method);
 size_t pk_lanes_size(const struct pk_problem *problem, const struct pk_method *method);
 void pk_lanes_init(struct pk_lanes *a, const struct pk_problem *problem,

@@ -40,8 +40,7 @@ const struct pk_method *pk_gsl_method_at(size_t index);
  *
  * `error` is the change of the frequency if only the first or the second half of the time is
  * fitted. For a regular motion that bounds the error of the whole fit (8 to 16 times smaller); for
- * a chaotic motion it measures the variation of the frequency. Closer lines than `resolution` are
- * one.
+ * a chaotic motion it measures the variation of the frequency. Lines within `resolution` are one.
  *
  * Reference: J. Laskar, Icarus 88 (1990) 266; J. Laskar, in Hamiltonian Systems with Three or More
  * Degrees of Freedom (1999) 134. */

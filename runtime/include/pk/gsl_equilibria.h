@@ -28,8 +28,7 @@ struct pk_equilibria {
      * terms of the equations vanish at the equilibrium; otherwise the error is smaller. */
     double *doubt;
     /* output of `most` numbers, or NULL. In systems with rotations or constraints equilibria may
-     * form a continuum, of which one point is returned for each energy; this is its number of
-     * dimensions. */
+     * form a continuum, of which one point is returned for each energy: its dimensions. */
     size_t *slack;
     /* output of n numbers each, or NULL: where starts of the search lie. Half of the starts have
      * q_i (v_i if cyclic) in middle_i +- box_i, a quarter in middle_i +- 4 box_i, and a quarter
@@ -44,8 +43,8 @@ struct pk_equilibria {
  * coordinate in which the equations have the period 2 pi is returned in (-pi, pi]. First-order
  * variables, which are in v, are constant too, except quadratures, which keep their start values.
  * Equilibria satisfy constraints (equilibria_bound.c) and have no body rates; the first nonzero
- * component of a quaternion is positive. PK_REFUSED: they depend on time or inputs. The search may
- * miss some. */
+ * component of a quaternion is positive. PK_REFUSED: time or inputs occur. The search may miss
+ * some. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 

@@ -121,8 +121,7 @@ struct pk_passed_over {
 /* The cause of a failure in numbers; pk_integrator_reason() returns it as text. `kind`
  * distinguishes causes with the same status; `index` is that of a coordinate, parameter, constraint
  * row, switch or singularity, `other` of a second one; `value` is a residual, a correction, a step
- * size or a pivot relative to its diagonal entry; `time` is that of the failure. Numbers without
- * meaning are 0. */
+ * size or a pivot relative to its diagonal entry; `time` is that of the failure. Others are 0. */
 struct pk_reason {
     int kind;
     size_t index, other;
@@ -194,8 +193,7 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
  * holds the result. `it` is unchanged, except for status and reason on failure. Not allowed after
  * pk_integrator_reset() or pk_integrator_steps(). */
 enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t);
-/* Writes the last status as text, with the last valid time. Returns the length as snprintf()
- * does. */
+/* Writes the last status as text, with the last valid time. Returns the length like snprintf(). */
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size);
 /* Frees memory. Needed only after methods that allocate (GSL's). */
 void pk_integrator_free(struct pk_integrator *it);

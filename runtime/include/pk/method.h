@@ -11,8 +11,8 @@
 #include <pk/system.h>
 
 /* Adaptive step sizes are computed with pow, exp and log, whose results differ between processors
- * in the last bits. With PK_PORTABLE step sizes are rounded to float, for the same bits on all
- * processors. */
+ * in the last bits. With PK_PORTABLE step sizes are rounded to float, for the same bits
+ * everywhere. */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
 #else

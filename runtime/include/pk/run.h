@@ -87,7 +87,7 @@ struct pk_run_part {
 /* A number stored for each ensemble member. The letter `what` says which. For a column of the rows,
  * f is the final, M the largest, m the smallest and a the mean value. For an event, n is the number
  * of its occurrences and t the time of the first one. d is one of the `drifts`; x is 1 if a
- * relation in `expected` held, else 0; l is the largest Lyapunov exponent. n, t and l require
+ * relation in `expected` held, else 0; l: the largest Lyapunov exponent. n, t, l require
  * `watch`. */
 struct pk_run_reduced {
     char what;
@@ -105,8 +105,7 @@ struct pk_run_table {
 struct pk_run_settings {
     const char *method;
     double until; /* end time of the run, > 0 */
-    /* time between two rows; 0: a row after each step; < 0: until/1000 or, with `at`, there
-     * alone */
+    /* time between two rows; 0: a row after each step; < 0: until/1000 or, with `at`, there */
     double every;
     double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */
@@ -215,8 +214,7 @@ int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t si
 const char *pk_run_report(struct pk_run *run);
 /* Returns the messages to the user, one per line. */
 const char *pk_run_messages(const struct pk_run *run);
-/* Returns the failure with which prepare() refused the parameters (PK_FAILURE() in real.h), or
- * 0. */
+/* Returns the failure by which prepare() refused parameters (PK_FAILURE() in real.h), or 0. */
 int pk_run_refused(const struct pk_run *run);
 /* Returns the processor seconds of one run without rows from the start, the least of repetitions
  * that take at least `seconds` in all; 0 if the run fails. Call it after pk_run_go(). */
@@ -235,8 +233,8 @@ size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: unknown k
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);
 /* pk_run_stop(1) ends all runs and integrations of this library, in all threads, as soon as
- * possible; new ones end at once. pk_run_stop(0) makes runs possible again. A signal handler may
- * call it. */
+ * possible; new ones end at once. pk_run_stop(0) allows runs again. A signal handler may call
+ * it. */
 void pk_run_stop(int whether);
 
 /* Returns the size of pk_run_settings, _expected, _part or _reduced for `which` = 0, 1, 2 or 3. */

@@ -40,8 +40,7 @@ enum pk_status pk_sampler_start(struct pk_sampler *s, struct pk_integrator *it, 
 /* Returns the time of the next sample, or `limit` if that is earlier. */
 pk_real pk_sampler_limit(const struct pk_sampler *s, pk_real limit);
 int pk_sampler_is_due(const struct pk_sampler *s, const struct pk_integrator *it);
-/* Runs the blocks that are due at it->t, in order, after the start too. If u changes, a reset
- * follows. */
+/* Runs the blocks due at it->t, in order, after the start too. If u changes, a reset follows. */
 enum pk_status pk_sampler_run(struct pk_sampler *s, struct pk_integrator *it);
 void pk_sampler_keep(struct pk_sampler *s, struct pk_keep *k);
 

@@ -66,8 +66,8 @@ struct pk_subsystems {
 size_t pk_subsystems_size(const struct pk_problem *whole, const struct pk_part *parts,
                           const struct pk_choice *choices, size_t count);
 /* Copies q0 and v0. All other arguments must outlive the struct, which must not move. Fails with
- * PK_BAD_ARGUMENT if the coordinates of the parts are not those of the whole system, or a part's
- * first failure. */
+ * PK_BAD_ARGUMENT if the parts' coordinates are not those of the whole, or a part's first
+ * failure. */
 enum pk_status pk_subsystems_init(struct pk_subsystems *apart, const struct pk_problem *whole,
                                   const struct pk_part *parts, const struct pk_choice *choices,
                                   size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
@@ -77,8 +77,8 @@ enum pk_status pk_subsystems_init(struct pk_subsystems *apart, const struct pk_p
  * last t that all parts reached, though parts before it have been integrated to the new t, and
  * later calls make no step. */
 enum pk_status pk_subsystems_to(struct pk_subsystems *apart, pk_real t, pk_real limit);
-/* Writes the last status as text, with the part and last valid time. Returns the length as
- * snprintf() does. */
+/* Writes the last status as text, with part and last valid time. Returns the length like
+ * snprintf(). */
 int pk_subsystems_reason(const struct pk_subsystems *apart, char *text, size_t size);
 /* Frees memory. Needed only after methods that allocate (GSL's). */
 void pk_subsystems_free(struct pk_subsystems *apart);

@@ -99,8 +99,7 @@ struct pk_block_stepper {
     size_t lanes;                                          /* states in a block, at most 64 */
     unsigned long long (*step)(struct pk_block *block);    /* makes a step of given size */
     unsigned long long (*attempt)(struct pk_block *block); /* makes a trial step, or NULL */
-    /* Computes accelerations at block->t. Returns, as step() and attempt(), the bits of failed
-     * lanes. */
+    /* Computes accelerations at block->t. Returns, as step() and attempt(), failed lanes. */
     unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,
                                   pk_real *a);
     /* Computes the functions of all events, then those of all switches, at block->t. Number k of
@@ -236,33 +235,24 @@ struct pk_system {
     /* Add new members here, at the end. */
 };
 
-/* Returns n, the length of v. */
-static inline size_t pk_system_count(const struct pk_system *system, const void *params)
-{
-    return system->families.count ? system->families.count(params) : system->n;
-}
-
-static inline size_t pk_system_outputs(const struct pk_system *system, const void *params)
-{
-    return system->families.outputs ? system->families.outputs(params) : system->n_observed;
-}
-
-/* Returns the number of first-order variables. */
-static inline size_t pk_system_first_order(const struct pk_system *system, const void *params)
-{
-    return system->families.first_order ? system->families.first_order(params)
-                                        : system->n_first_order;
-}
+/* Return n, the length of v, and the numbers of outputs, first-order variables, rotations, values
+ * of singularities, and switches. */
+#define PK_NUMBER(name, counted, otherwise)                                                   \
+    static inline size_t pk_system_##name(const struct pk_system *system, const void *params) \
+    {                                                                                         \
+        return system->counted ? system->counted(params) : system->otherwise;                 \
+    }
+PK_NUMBER(count, families.count, n)
+PK_NUMBER(outputs, families.outputs, n_observed)
+PK_NUMBER(first_order, families.first_order, n_first_order)
+PK_NUMBER(rotations, families.rotations, n_rotations)
+PK_NUMBER(singularity_count, singularities.count, singularities.n)
+PK_NUMBER(switch_count, switches.count, switches.n)
 
 /* Returns n_q, the number of coordinates. */
 static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
 {
     return pk_system_count(system, params) - pk_system_first_order(system, params);
-}
-
-static inline size_t pk_system_rotations(const struct pk_system *system, const void *params)
-{
-    return system->families.rotations ? system->families.rotations(params) : system->n_rotations;
 }
 
 static inline struct pk_turning pk_system_turning(const struct pk_system *system,
@@ -302,38 +292,18 @@ static inline size_t pk_system_rows(const struct pk_system *system, const void *
     return c->count ? c->count(params, holonomic) : holonomic ? c->n_holonomic : c->n;
 }
 
-/* Returns the number of monitored values of singularities. */
-static inline size_t pk_system_singularity_count(const struct pk_system *system, const void *params)
-{
-    return system->singularities.count ? system->singularities.count(params)
-                                       : system->singularities.n;
-}
-
-/* Returns, for value number k of the singularities, the index of its expression, i and j. */
-static inline struct pk_place pk_system_singularity(const struct pk_system *system,
-                                                    const void *params, size_t k)
-{
-    struct pk_place place = {k, 0, 0};
-    if (system->singularities.place)
-        system->singularities.place(params, k, &place);
-    return place;
-}
-
-/* Returns the number of switches. */
-static inline size_t pk_system_switch_count(const struct pk_system *system, const void *params)
-{
-    return system->switches.count ? system->switches.count(params) : system->switches.n;
-}
-
-/* Returns, for switch number k, the index of its expression and the indices i and j in it. */
-static inline struct pk_place pk_system_switch(const struct pk_system *system, const void *params,
-                                               size_t k)
-{
-    struct pk_place place = {k, 0, 0};
-    if (system->switches.place)
-        system->switches.place(params, k, &place);
-    return place;
-}
+/* Return, for value k of the singularities or switch k, the index of its expression, i and j. */
+#define PK_PLACE(name, part)                                                       \
+    static inline struct pk_place pk_system_##name(const struct pk_system *system, \
+                                                   const void *params, size_t k)   \
+    {                                                                              \
+        struct pk_place found = {k, 0, 0};                                         \
+        if (system->part.place)                                                    \
+            system->part.place(params, k, &found);                                 \
+        return found;                                                              \
+    }
+PK_PLACE(singularity, singularities)
+PK_PLACE(switch, switches)
 
 /* Writes the expression of value number k of the singularities, with numbers in place of the
  * indices i and j: "x[8] - x[7]". */

@@ -23,8 +23,7 @@ struct pk_part_constraints {
     pk_kernel *multipliers; /* writes the Lagrange multipliers lambda */
     /* Redundant constraint rows. At the start of the model they follow from previous rows, so they
      * have no multiplier. `redundant` writes the residuals of their phi, then of their J v + j0,
-     * then the sizes of the terms of each residual, then their J. A run fails if they do not stay
-     * 0. */
+     * then the sizes of the terms of each, then their J. A run fails if they do not stay 0. */
     size_t n_redundant, n_redundant_holonomic;
     const struct pk_quantity *redundant_names;
     pk_kernel_3 *redundant;

@@ -1,6 +1,5 @@
 /* The part of struct pk_system (pk/system.h) for systems of variable size. A family is an indexed
- * name, such as q[1..N]; if kernels are loops over it ("kept as loops"), N is chosen at run
- * time. */
+ * name, such as q[1..N]; if kernels are loops ("kept as loops"), N is chosen at run time. */
 #ifndef PK_SYSTEM_FAMILIES_H
 #define PK_SYSTEM_FAMILIES_H
 
@@ -33,8 +32,7 @@ struct pk_turning {
  * entries on either side of the diagonal, then `border` dense rows and columns. The numbers are
  * stored in four groups: rows * (2 * width + 1) numbers of the rows of the band, each with the
  * diagonal in its middle; rows * border numbers of the columns of the border, row by row; rows *
- * border numbers of the rows of the border, column by column; and border^2 numbers where both
- * meet. */
+ * border numbers of the rows of the border, by columns; and border^2 numbers where both meet. */
 struct pk_pattern {
     size_t rows, width, border;
     int dense; /* 1: the matrix has no band; all coordinates, in order, belong to the border */

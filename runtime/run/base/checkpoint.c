@@ -148,8 +148,7 @@ const unsigned char *checkpoint_load(struct memory *memory, const char *path, si
 }
 
 /* Sets *sum to the CRC-32 of the place->tail bytes before the offset place->at; returns 0 if these
- * bytes cannot be read. `fd` may be write-only, so it is opened again as /dev/fd/N, if there is
- * one. */
+ * bytes cannot be read. `fd` may be write-only: it is opened again as /dev/fd/N, if possible. */
 static int tail_sum(int fd, const struct place *place, uint64_t *sum)
 {
     unsigned char bytes[TAIL];

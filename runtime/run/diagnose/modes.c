@@ -3,8 +3,7 @@
  * This equilibrium is chosen as follows. If the run starts at rest at an equilibrium, it is this
  * equilibrium. Otherwise it is a minimum of the potential that is below the energy of the motion:
  * the nearest minimum for which the potential on the straight line from the start stays below this
- * energy; if there is none, the nearest minimum. Without any, it is the nearest unstable
- * equilibrium. */
+ * energy; else the nearest minimum. Without any, it is the nearest unstable equilibrium. */
 
 #include "parts.h"
 

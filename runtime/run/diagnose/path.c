@@ -28,9 +28,7 @@ static pk_real lagrangian(const struct least_action *found, pk_real t, const pk_
     const pk_real *u = variation_inputs(&found->variation, t);
     of->system->canonical(of->params, t, q, v, u, x->p, x->g); /* pdot is dL/dq without forces */
     const pk_real h = of->system->energy(of->params, t, q, v, u);
-    pk_real work = 0;
-    for (size_t i = 0; i < found->n; i++)
-        work += x->p[i] * v[i];
+    const pk_real work = pk_dot(x->p, v, found->n);
     *size = pk_abs(work) + pk_abs(h);
     return work - h;
 }
@@ -168,22 +166,13 @@ enum pk_status least_action_find(struct least_action *found, const struct motion
     found->nodes = panels * NODES;
     found->t0 = motion->t;
     found->time = motion->end - motion->t;
-    const struct pk_slot slots[] = {{&found->path, found->nodes * 2 * n},
-                                    {&found->B, m * m},
-                                    {&found->C, m * m},
-                                    {&found->slopes, 2 * m},
-                                    {&found->J, nn},
-                                    {&found->pivot, n},
-                                    {&x->p, n},
-                                    {&x->g, n},
-                                    {&x->q, n},
-                                    {&x->v, n},
-                                    {&x->M, nn},
-                                    {&x->p_q, nn},
-                                    {&x->g_q, nn},
-                                    {&x->g_v, nn},
-                                    {&x->sine, modes},
-                                    {&x->rate, modes}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&found->path, found->nodes * 2 * n}, {&found->B, m * m}, {&found->C, m * m},
+        {&found->slopes, 2 * m}, {&found->J, nn}, {&found->pivot, n}, {&x->p, n}, {&x->g, n},
+        {&x->q, n}, {&x->v, n}, {&x->M, nn}, {&x->p_q, nn}, {&x->g_q, nn}, {&x->g_v, nn},
+        {&x->sine, modes}, {&x->rate, modes}};
+    /* clang-format on */
     PK_LAY_OUT(memory_take(motion->memory, PK_LAY_OUT(NULL, slots), sizeof(pk_real)), slots);
     for (size_t i = 0; i < n; i++)
         of->V[n + i * n + i] = 1;

@@ -80,8 +80,7 @@ pk_real expect_limit(const struct pk_run *run, pk_real from, pk_real limit);
 /* Checks the relations at a time that expect_limit() returned. */
 void expect_landed(struct pk_run *run, const struct moment *at);
 /* Returns whether the drift of the energy is requested. The drift is then measured even if the
- * facts of the system do not say that the energy is constant, as it may for a parameter
- * (--no-reduce). */
+ * facts of the system do not say that the energy is constant, as with --no-reduce. */
 int expect_uses_h(const struct pk_run *run);
 /* Returns whether nothing is checked at ends of steps: no drifts, no relations at times. */
 int expect_lean(const struct pk_run *run);

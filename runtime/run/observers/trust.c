@@ -42,8 +42,7 @@ static int doubtful(const struct pk_run *run)
     return found && run->it.t > 0;
 }
 
-/* Integrates the same motion to t by the method JUDGE, and writes when it ends, or that it does
- * not. */
+/* Integrates the same motion to t by the method JUDGE, and writes when it ends, or that not. */
 static void judge(struct pk_run *run, pk_real t, FILE *file)
 {
     const struct settings *s = &run->settings;

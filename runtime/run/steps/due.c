@@ -78,8 +78,7 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
     return expect_limit(run, from, row < limit ? row : limit);
 }
 
-/* Returns the next sample, or of settings.stops, where inputs are computed, or an earlier
- * `limit`. */
+/* Returns the next sample, or stop, where inputs are computed, or an earlier `limit`. */
 static pk_real stop(const struct pk_run *run, pk_real limit)
 {
     const struct pk_run_settings *x = &run->settings.asked;

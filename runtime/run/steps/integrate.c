@@ -68,8 +68,7 @@ static int by_time(const struct pk_run *run)
 }
 
 /* Returns how many fixed steps to make before the observers are called again. This is 1 if the
- * observers need every step, or a row is due soon. Else it is that up to the next multiple of
- * LOOK. */
+ * observers need every step, or a row is due soon; else up to the next multiple of LOOK. */
 static unsigned long unseen(const struct pk_run *run)
 {
     enum { ALL = 1024, LOOK = 16 };

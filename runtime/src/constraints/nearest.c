@@ -15,8 +15,7 @@ enum { MOST = 1000 };
 #define CLOSE (64 * PK_EPS)
 #define STALLED (PK_C(1e6) * PK_EPS)
 
-/* Makes an iteration, by this part of the way. Returns the largest change by sqrt(M_kk); NaN:
- * dependent rows. */
+/* Makes an iteration, by this part of the way. Returns the largest change by sqrt(M_kk), or NaN. */
 static pk_real iterate(struct pk_projection *w, pk_real *q, const pk_real *v, const pk_real *q0,
                        pk_real part, pk_real *largest)
 {

@@ -7,8 +7,7 @@
  * by Newton's method, in the metric of M: to first order the result is the nearest state that
  * satisfies the constraints, and the method keeps its order. A quaternion is rotated by the vector
  * of its three entries of M^-1 J^T mu. Rolling constrains rates only. Derivatives that a method
- * reuses from its last step are not recomputed: their error is like the step's, its effect smaller
- * by h.
+ * reuses from its last step are not recomputed: their error is the step's, its effect smaller by h.
  *
  * A large first correction means that the step did not resolve phi(t), such as a steep ramp. If the
  * step can be retried, a correction of more than MOST_OFF error tolerances makes the step fail;
@@ -117,9 +116,8 @@ static int longer_than_step(const struct pk_integrator *it, const struct pk_proj
 {
     const pk_real h = it->own->next_t - it->t;
     const pk_real *ends[2] = {it->v, pk_next(it, PK_V)};
-    pk_real longest = PK_TINY, back = 0;
-    for (size_t i = 0; i < w->h; i++)
-        back += w->mu[i] * w->phi[i];
+    const pk_real back = pk_dot(w->mu, w->phi, w->h);
+    pk_real longest = PK_TINY;
     for (int end = 0; end < 2; end++) {
         pk_real way = 0;
         for (size_t j = 0; j < w->m; j++) {

@@ -194,37 +194,38 @@ static int too_long(const struct pk_integrator *it, const struct pk_singular_cro
 
 enum pk_status pk_singular_crossing_step(struct pk_integrator *it)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_singular_crossing_parts x = pk_singular_crossing_parts(it);
     const size_t n = it->n;
-    const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
+    const pk_real t = own->next_t, end = x.is->t + x.is->h;
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
-    pk_zero(it->own->next, pk_state_offset(it->n_q, n, PK_PARTS));
+    pk_zero(own->next, pk_state_offset(it->n_q, n, PK_PARTS));
     if (!(x.is->passing > 0)) {
         /* without a step size, the projection of stages is not judged like that of a step */
-        it->own->next_t = it->t;
+        own->next_t = it->t;
         choose(&x);
         const enum pk_status status = solve(it, &x, &off);
         const int sure = status >= 0 && off < SURE;
-        it->own->next_t = t;
+        own->next_t = t;
         if (too_long(it, &x, sure))
             return PK_NO_CONVERGENCE;
         x.is->error = x.is->tried = x.is->length = 0;
         if (!sure)
             return pk_singular_crossing_fail(it, x.is->at);
     }
-    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+    own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     along(it, &x, (t - x.is->t) / x.is->h, q, v);
     x.is->passing = pk_abs(end - t) > PK_C(1e-9) * pk_abs(x.is->h);
     if (!(x.is->passing > 0)) {
-        it->own->next_t = it->t;
+        own->next_t = it->t;
         const enum pk_status status = put(it, &x, t, q, v, &off);
-        it->own->next_t = t;
+        own->next_t = t;
         if (status < 0 || !(off < SURE))
             return pk_singular_crossing_fail(it, x.is->at);
         PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
     }
-    it->own->passing.crossed = 1;
+    own->passing.crossed = 1;
     if (it->p)
-        pk_eval_canonical(it, t, q, v, pk_next(it, PK_P), it->own->project + n);
+        pk_eval_canonical(it, t, q, v, pk_next(it, PK_P), own->project + n);
     return PK_DONE;
 }

@@ -98,17 +98,22 @@ static inline enum pk_status pk_fail_with(struct pk_integrator *it, enum pk_stat
     return status;
 }
 
-/* Exchanges it->own->state and it->own->next: the new state becomes current; the old one is in
- * `next`. */
+/* Points q, v and p at the current state. */
+static inline void pk_point(struct pk_integrator *it)
+{
+    it->q = pk_state(it, PK_Q);
+    it->v = pk_state(it, PK_V);
+    if (it->p)
+        it->p = pk_state(it, PK_P);
+}
+
+/* Exchanges it->own->state and it->own->next: the new state becomes current; `next` is the old. */
 static inline void pk_commit_step(struct pk_integrator *it)
 {
     pk_real *const left_behind = it->own->state;
     it->own->state = it->own->next;
     it->own->next = left_behind;
-    it->q = pk_state(it, PK_Q);
-    it->v = pk_state(it, PK_V);
-    if (it->p)
-        it->p = pk_state(it, PK_P);
+    pk_point(it);
 }
 
 /* Returns whether a step can be repeated with a smaller it->own->h, unlike those of GSL. */

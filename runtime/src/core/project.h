@@ -134,8 +134,7 @@ size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
  * may vanish where a run begins again at a switch. */
 pk_real pk_project_passed(const struct pk_integrator *it, const struct pk_projection *w);
 /* Returns the norm, in the metric of M, of rates so small that they move the state by no more than
- * its rounding in a step. If the constraints allow no motion at all, as in a truss, rates are below
- * that. */
+ * its rounding in a step. If constraints allow no motion, as in a truss, rates are below that. */
 pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
                         const pk_real *q);
 /* Checks whether redundant rows are satisfied: to the tolerance PK_WRITTEN at a start, to rounding
@@ -149,8 +148,7 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
 size_t pk_singular_crossing_size(const struct pk_system *system, size_t n_q, size_t n);
 void pk_singular_crossing_forget(struct pk_integrator *it);
 void pk_singular_crossing_note(struct pk_integrator *it);
-/* Fails if the fixed step in it->own->next may have passed a singular position on a wrong
- * branch. */
+/* Fails if the fixed step in it->own->next may have left a singular position by a wrong branch. */
 enum pk_status pk_singular_crossing_judge(struct pk_integrator *it);
 /* Called if a step needed no correction, so that J M^-1 J^T was not factored and dependent rows
  * were not noticed. J and M are those of the current state. It is factored every second call. */

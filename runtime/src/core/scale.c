@@ -6,8 +6,7 @@
  *
  * If a number is as small as its rounding error, its digits are noise, and step control must not
  * follow them. The effect of rounding of the state on accelerations is measured by changing each
- * number by some units in its last place (rounding.c); such errors in the trial step are
- * tolerated. */
+ * number by units in its last place (rounding.c); such errors in the trial step are tolerated. */
 #include <string.h>
 
 #include "band.h"

@@ -22,8 +22,8 @@
 enum {
     KNOWN = 1,
     QUIET = 2
-    /* flags. KNOWN: the slopes at the state are known; QUIET: the values changed little in the last
- * step */
+    /* flags. KNOWN: the slopes at the state are known; QUIET: values changed little in the last
+     * step */
 };
 
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n)
@@ -151,34 +151,35 @@ static int calm(const struct pk_integrator *it)
 
 enum pk_status pk_singularity_step(struct pk_integrator *it)
 {
-    const size_t m = it->own->n_singularities;
-    if (!it->own->singularities)
+    struct pk_integrator_private *const own = it->own;
+    const size_t m = own->n_singularities;
+    if (!own->singularities)
         return PK_DONE;
     const pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     const pk_real *g0 = pk_singularity_part(it, PK_SINGULARITY_NOW);
     pk_real *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT);
     int doubt = 0;
-    pk_singularity_evaluate(it, it->own->next_t, q, v, g1);
+    pk_singularity_evaluate(it, own->next_t, q, v, g1);
     const int quiet = calm(it) ? QUIET : 0;
-    if (quiet & it->own->slopes)
+    if (quiet & own->slopes)
         return go_on(it, QUIET);
-    if (!(it->own->slopes & KNOWN))
+    if (!(own->slopes & KNOWN))
         slopes(it, it->t, it->q, it->v, g0, pk_singularity_part(it, PK_SINGULARITY_SLOPE));
-    slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
+    slopes(it, own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
     for (size_t k = 0; k < m; k++) {
-        const pk_real secant = it->t + (it->own->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
+        const pk_real secant = it->t + (own->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
         if (sign(g0[k]) * sign(g1[k]) <= 0)
-            return crossed(it, k, pk_singularity_within(secant, it->own->next_t, it->t));
+            return crossed(it, k, pk_singularity_within(secant, own->next_t, it->t));
         doubt |= doubtful(it, k);
     }
     if (doubt) {
         const struct pk_singularity_search s =
-            pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
+            pk_singularity_search(it, own->next_t, PK_SINGULARITY_DEEP);
         if (s.found == PK_SINGULARITY_VANISHES)
             return ended(it, s.which, s.when, s.bounded);
-        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* since the search overwrote the
+        pk_singularity_evaluate(it, own->next_t, q, v, g1); /* since the search overwrote the
                                                                    values */
-        slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
+        slopes(it, own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
     }
     return go_on(it, KNOWN | quiet);
 }

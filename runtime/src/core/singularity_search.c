@@ -136,8 +136,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         pk_real least = 1, most = 1;
         if (last)
             s = whole - at;
-        /* the values are also checked at mid-step, since a step through a centre has like values at
-         * its ends */
+        /* values are also checked at mid-step: through a centre both ends have like values */
         int good = 1;
         for (int half = 1; good && half <= 2; half++) {
             pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);

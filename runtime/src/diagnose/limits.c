@@ -1,6 +1,5 @@
 /* Limits of the step size on linear equations: the least step size at which a step makes solutions
- * grow. It is sought on a grid, which is refined at maxima of growth, and bisected. See
- * pk/limits.h. */
+ * grow. It is sought on a grid, refined at maxima of growth, and bisected. See pk/limits.h. */
 #include <pk/limits.h>
 
 #include "../core/internal.h"

@@ -1,5 +1,5 @@
 /* Makes steps of several integrators in advance, in SIMD lanes; see pk/adaptive_lanes.h. A lane
- * keeps its integrator's state as long as it uses the steps made for it; otherwise it is loaded
+ * keeps its integrator's state as long as it uses the steps made for it; else it is loaded
  * again. */
 #include <string.h>
 

@@ -1,6 +1,5 @@
 /* Members in SIMD lanes, see lanes.h. The steps of pk/step/ensemble.h are instantiated here for two
- * cases: systems with lane kernels, by function pointers, and systems with kernels for one
- * state. */
+ * cases: systems with lane kernels, by pointers, and with kernels for one state. */
 #include <string.h>
 
 #include "lanes.h"

@@ -69,8 +69,7 @@ void pk_corner_rows(struct corner *x, const pk_real *v)
 }
 
 /* Replaces the force d by the change of rates M^-1 (d + J^T mu) that it causes; mu is such that J
- * times this change is -rate. M and J are taken at the rates v. Returns -1 if a matrix is
- * singular. */
+ * times this change is -rate. M and J are taken at the rates v. Returns -1 if one is singular. */
 static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *rate, pk_real *mu)
 {
     struct pk_projection *w = &x->w;

@@ -184,11 +184,12 @@ static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_r
 
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     const struct work w = parts(it);
     struct kept *kept = w.kept;
-    const pk_real sign = (pk_real)it->own->direction;
+    const pk_real sign = (pk_real)own->direction;
     /* the step of planned length was made, but the integrator rejected it */
-    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) {
+    if (kept->whole && !(own->flags & PK_HAVE_STEP)) {
         kept->whole = kept->planned = 0;
     } else if (kept->whole) { /* the integrator accepted the step: its end becomes the base */
         take_base(it, &w);
@@ -202,7 +203,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (turned)
         kept->planned = 0;
     kept->direction = sign;
-    it->own->flags = 0;
+    own->flags = 0;
     if (!kept->planned)
         PK_TRY(plan(it, &w));
 
@@ -213,21 +214,21 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (!(kept->length > least))
         return pk_underflow(it, kept->length);
     if (sign * (end - limit) > close) {
-        it->own->next_t = limit;
-        PK_TRY(aside(it, &w, limit - kept->t, it->own->next));
+        own->next_t = limit;
+        PK_TRY(aside(it, &w, limit - kept->t, own->next));
     } else {
         const pk_real half = sign * kept->eps / 2;
-        it->own->next_t = pk_abs(end - limit) <= close ? limit : end;
-        drift(it, &w, half / kept->rho, it->own->next);
-        kick_drift(it, &w, sign * kept->length, half / kept->rho_next, w.a, it->own->next);
-        if (!pk_all_finite(it->own->next, it->n_q + it->n))
+        own->next_t = pk_abs(end - limit) <= close ? limit : end;
+        drift(it, &w, half / kept->rho, own->next);
+        kick_drift(it, &w, sign * kept->length, half / kept->rho_next, w.a, own->next);
+        if (!pk_all_finite(own->next, it->n_q + it->n))
             return PK_NOT_FINITE;
-        kept->end = it->own->next_t;
-        kept->end_low = it->own->next_t < end || it->own->next_t > end ? 0 : low;
+        kept->end = own->next_t;
+        kept->end_low = own->next_t < end || own->next_t > end ? 0 : low;
         kept->whole = 1;
     }
-    it->own->h = sign * kept->length;
-    it->own->flags = PK_HAVE_STEP;
+    own->h = sign * kept->length;
+    own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }
 

@@ -36,8 +36,7 @@ enum pk_status pk_embedded_init(struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* Returns the first step size as in HNW II.4, from y, y', and an estimate of y'' by an Euler
- * step. */
+/* Returns the first step size as in HNW II.4, from y, y' and y'' estimated by an Euler step. */
 static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w, pk_real limit)
 {
     const pk_real *y0 = it->own->state, span = pk_abs(limit - it->t);

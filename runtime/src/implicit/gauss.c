@@ -50,8 +50,7 @@ void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w)
     const size_t n = it->n, s = w->s;
     const pk_real ratio = it->own->flags & PK_HAVE_STEP ? it->own->h / w->kept->last_h : 0;
     if (!(pk_abs(ratio) > 0) || !(pk_abs(ratio) <= PK_GAUSS_REACH)) {
-        for (size_t i = 0; i < s; i++)
-            pk_copy(w->V + i * n, it->v, n);
+        pk_gauss_rest(it, w);
         return;
     }
     if (ratio > w->kept->ratio || ratio < w->kept->ratio)
@@ -106,24 +105,25 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
 
 static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_gauss_work w = pk_gauss_parts(it);
     const size_t n = it->n;
     (void)limit;
-    if (it->own->h > w.kept->h || it->own->h < w.kept->h)
-        pk_gauss_set_step(it, &w, it->own->h);
-    if (pk_gauss_by_lanes(it, &w, it->own->h)) {
+    if (own->h > w.kept->h || own->h < w.kept->h)
+        pk_gauss_set_step(it, &w, own->h);
+    if (pk_gauss_by_lanes(it, &w, own->h)) {
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = it->own->h;        /* the step is too long for
+        w.kept->slow_h = own->h;            /* the step is too long for
                                                                fixed-point iteration */
         pk_zero(pk_state(it, PK_LOW_X), n); /* LOW_X held the low part of v */
-        it->own->flags = 0;
+        own->flags = 0;
     }
     pk_gauss_predict(it, &w);
     const enum pk_status status = pk_gauss_solve(it, &w);
     if (status < 0) {
-        it->own->flags &= ~PK_HAVE_LU;
+        own->flags &= ~PK_HAVE_LU;
         return status;
     }
     return pk_gauss_finish(it, &w);

@@ -39,8 +39,7 @@ struct pk_gauss_kept {
     /* For branch.c. contraction, last_contraction: bounds of the contraction factor for lu and in
      * the last step. first_rate, worst_rate: first and largest ratio of successive corrections.
      * loose: ratio of the sharp bound to the quick bound. loose_for: number of further matrices for
-     * which `loose` is used. sure: whether lu is certified for later steps. fresh: whether lu is of
-     * this step. */
+     * which `loose` is used. sure: lu is certified for later steps. fresh: lu is of this step. */
     pk_real contraction, last_contraction, first_rate, worst_rate, loose;
     int loose_for, sure, fresh;
 };
@@ -56,8 +55,8 @@ struct pk_gauss_work {
      * kernel writes. across: distance in memory between rows of the border of such a matrix. */
     size_t n_q, n, places, nn, across;
     pk_real *place; /* if not dense: coordinate of each unknown, < 0 if it has none */
-    /* At all stages: rates V, coordinates Q, momenta P, F = h b pdot, residuals G; n each, n_q for
-     * Q. */
+    /* At all stages: rates V, coordinates Q, momenta P, F = h b pdot, residuals G; n each, Q
+     * n_q. */
     pk_real *V, *Q, *P, *F, *G;
     pk_real *last_V;          /* stage rates V of the last step, for the predictor */
     pk_real *jacobian;        /* s sets of M, dp/dq, dpdot/dq, dpdot/dv */
@@ -87,6 +86,20 @@ static inline int pk_gauss_by_lanes(const struct pk_integrator *it, const struct
 {
     return w->s == PK_LANES && it->problem.system->facts & PK_SEPARABLE &&
            (h > w->kept->slow_h || h < w->kept->slow_h);
+}
+
+/* Returns whether Newton's matrix is missing, worn out or of another step size. */
+static inline int pk_gauss_stale(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    return !(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
+           it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h;
+}
+
+/* Guesses V = v0 at all stages. */
+static inline void pk_gauss_rest(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    for (size_t i = 0; i < w->s; i++)
+        pk_copy(w->V + i * it->n, it->v, it->n);
 }
 
 /* Parts of a step. set_step() computes h a_ij and h b_i; predict() extrapolates V from the last
@@ -141,7 +154,7 @@ static inline size_t pk_gauss_read(const struct pk_gauss_work *w)
     return w->pattern.dense ? w->places : w->n;
 }
 /* pk_gauss_lu_solve() computes x = lu^-1 x for s stages; x is in the order of coordinates.
- * pk_gauss_solve_with() computes y = lu^-1 (y + A x) for one stage; if dense, y + A x for
+ * pk_gauss_solve_with() sets y = lu^-1 (y + A x) for one stage; if dense, y + A x for
  * quadratures. */
 void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, size_t s,
                        pk_real *x);

@@ -111,10 +111,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             pk_gauss_settle(it, w);
             return PK_DONE;
         }
-        if (*count == 0 &&
-            (!(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
-             it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h) &&
-            !pk_gauss_refactor(it, w, PK_SIMPLIFIED))
+        if (*count == 0 && pk_gauss_stale(it, w) && !pk_gauss_refactor(it, w, PK_SIMPLIFIED))
             return PK_NO_CONVERGENCE;
         pk_gauss_correct(it, w, PK_SIMPLIFIED);
         it->count.iterations++;
@@ -187,39 +184,40 @@ static pk_real growth(const struct pk_integrator *it, const struct pk_radau_part
 
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_gauss_work w = pk_gauss_parts(it);
     const struct pk_radau_parts r = parts_of(it, &w);
     int count = 0;
-    if (!(pk_abs(it->own->h) > 0)) {
-        it->own->flags = 0;
+    if (!(pk_abs(own->h) > 0)) {
+        own->flags = 0;
         r.kept->left = 1;
         r.kept->h = 0;
         PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, r.x));
-        it->own->h = (pk_real)it->own->direction * pk_first_step(it, r.x, PK_C(0.01), limit);
+        own->h = (pk_real)own->direction * pk_first_step(it, r.x, PK_C(0.01), limit);
     }
     pk_eval_canonical(it, it->t, it->q, it->v, w.G, r.pdot);
     struct pk_trial x = pk_trial(it, limit);
     for (;;) {
         if (!pk_trial_next(it, limit, &x))
             return pk_underflow(it, x.planned);
-        it->own->h = x.h;
+        own->h = x.h;
         enum pk_status status =
-            attempt(it, &w, &r, x.rejected || !(it->own->flags & PK_HAVE_STEP), &count);
-        if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
+            attempt(it, &w, &r, x.rejected || !(own->flags & PK_HAVE_STEP), &count);
+        if (status >= 0 && own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status, it->own->next_t); /* otherwise the step was too long */
+            pk_trouble(it, status, own->next_t); /* otherwise the step was too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
-        pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
+        pk_trial_reject(it, &x, pk_abs(own->h) * less);
     }
     pk_real grow = growth(it, &r, count);
     if (x.rejected)
         grow = pk_min(grow, 1);
     else if (grow >= 1 && grow <= KEEP)
         grow = 1;
-    r.kept->h = it->own->h;
-    r.kept->error = pk_max(it->own->error, PK_C(0.01));
-    pk_trial_accept(it, &x, pk_abs(it->own->h) * grow, grow >= 1);
+    r.kept->h = own->h;
+    r.kept->error = pk_max(own->error, PK_C(0.01));
+    pk_trial_accept(it, &x, pk_abs(own->h) * grow, grow >= 1);
     return PK_DONE;
 }
 

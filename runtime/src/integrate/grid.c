@@ -27,7 +27,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
-    /* Times are rounded: a step that ends within `close` of the limit is the last, and does not
+    /* Times are rounded: a step that ends within `close` of the limit is last, and does not
      * count. */
     const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h, ceiling = PK_C(1e9);
@@ -90,20 +90,21 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
 
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed)
 {
+    struct pk_integrator_private *const own = it->own;
     PK_TRY(check_step(it, limit, fixed));
     const int direction = limit > it->t ? 1 : -1;
-    if (direction != it->own->direction) {
-        it->own->direction = direction;
-        it->own->grid.anchor = it->t;
-        it->own->grid.count = 0;
-        it->own->h = 0;
+    if (direction != own->direction) {
+        own->direction = direction;
+        own->grid.anchor = it->t;
+        own->grid.count = 0;
+        own->h = 0;
     }
-    it->own->grid.off = 0;
+    own->grid.off = 0;
     if (fixed) {
         const struct pk_planned x = pk_step_planned(it, limit);
-        it->own->h = x.h;
-        it->own->next_t = x.end;
-        it->own->grid.off = x.off_grid;
+        own->h = x.h;
+        own->next_t = x.end;
+        own->grid.off = x.off_grid;
     }
     return PK_DONE;
 }

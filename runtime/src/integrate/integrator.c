@@ -119,8 +119,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         it->own->crossing = NULL;
     if (!system->marks.n)
         it->own->marks = NULL;
-    it->q = pk_state(it, PK_Q);
-    it->v = pk_state(it, PK_V);
+    pk_point(it);
     return pk_integrator_reset(it, t0, q0, v0);
 }
 
@@ -200,14 +199,15 @@ static int are_numbers(const struct pk_integrator *it)
  * status is PK_NO_PROJECTION. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     enum { CUTS = 12 };
     struct pk_reason reason = {0};
     const pk_real while_at_rest = (limit - it->t) * FROM_REST;
     int raised = 0;
     for (int cuts = 0;; cuts++) {
-        if (it->own->ahead)
-            it->own->ahead->again = cuts == 0 && !raised;
-        enum pk_status status = it->own->step(it, pk_short_force_limit(it, limit));
+        if (own->ahead)
+            own->ahead->again = cuts == 0 && !raised;
+        enum pk_status status = own->step(it, pk_short_force_limit(it, limit));
         if (pk_waits(it))
             return PK_DONE;
         if (status >= 0 && !are_numbers(it))
@@ -217,23 +217,23 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         if (pushed || (status >= 0 && pk_short_force_reject(it))) {
             cuts--;
             raised |= pushed;
-            it->own->h = pushed ? while_at_rest : it->own->h;
-            it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+            own->h = pushed ? while_at_rest : own->h;
+            own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
             continue;
         }
         if (status >= 0)
             status = pk_project_step(it);
-        if (status >= 0 && it->own->project && !are_numbers(it))
+        if (status >= 0 && own->project && !are_numbers(it))
             status = PK_NOT_FINITE;
         if (status == PK_STEP_UNDERFLOW && cuts)
             return pk_fail_with(it, PK_NO_PROJECTION, reason);
-        if (status == PK_STEP_UNDERFLOW && it->own->project && pk_project_dependent(it))
+        if (status == PK_STEP_UNDERFLOW && own->project && pk_project_dependent(it))
             return PK_NO_PROJECTION;
         if (status != PK_NO_PROJECTION || !pk_repeats(it) || cuts == CUTS)
             return status;
         reason = it->reason;
-        it->own->h = (it->own->next_t - it->t) / 4;
-        it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+        own->h = (own->next_t - it->t) / 4;
+        own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
         it->count.rejections++;
     }
 }

@@ -78,9 +78,6 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     *own = kept;
     own->state = turned ? second : first;
     own->next = turned ? first : second;
-    it->q = pk_state(it, PK_Q);
-    it->v = pk_state(it, PK_V);
-    if (it->p)
-        it->p = pk_state(it, PK_P);
+    pk_point(it);
     return PK_DONE;
 }

@@ -129,18 +129,19 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
 
 static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
 {
+    struct pk_integrator_private *const own = it->own;
     struct pk_variational_work w = pk_variational_parts(it);
     const struct pk_splitting *parts = w.table->parts;
     enum pk_status status = PK_DONE;
     pk_real done = 0;
     (void)limit;
-    pk_copy(it->own->next, it->own->state, pk_state_offset(it->n_q, it->n, PK_PARTS));
-    w.to = it->own->next;
+    pk_copy(own->next, own->state, pk_state_offset(it->n_q, it->n, PK_PARTS));
+    w.to = own->next;
     for (int i = 0; i < parts->stages && status >= 0; i++) {
-        w.t = it->t + done * it->own->h;
+        w.t = it->t + done * own->h;
         done += parts->drift[i];
-        w.end = i + 1 == parts->stages ? it->own->next_t : it->t + done * it->own->h;
-        w.h = parts->drift[i] * it->own->h;
+        w.end = i + 1 == parts->stages ? own->next_t : it->t + done * own->h;
+        w.h = parts->drift[i] * own->h;
         status = part(it, &w);
     }
     return status;

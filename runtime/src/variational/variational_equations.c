@@ -1,4 +1,4 @@
-/* The equations of a variational step (variational.c) as residuals r(V) of the rates V at its
+/* The equations of a variational step (variational.c) as residuals r(V) of rates V at its
  * middle. */
 
 #include "variational.h"

@@ -104,8 +104,7 @@ static pk_real scaled(struct parts *w, size_t m)
     return radius(w, m);
 }
 
-/* Returns the condition number of A from its factors L D L^T. The upper triangle is still that of
- * A. */
+/* Returns the condition number of A by its factors L D L^T; the upper triangle is still A's. */
 static pk_real of_ldl(struct parts *w, const pk_real *factors, size_t m)
 {
     for (size_t i = 0; i < m; i++) {

@@ -71,8 +71,7 @@ pk_real pk_drift_slope(const struct pk_drift *drift)
     return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
 }
 
-/* Returns the slope of ln(largest deviation) over ln t by least squares, over marks first ..
- * last. */
+/* Returns the slope of ln(largest deviation) over ln t by least squares, at marks first .. last. */
 static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
 {
     const pk_real count = (pk_real)(last - first + 1), middle = (pk_real)(last - first) / 2;
@@ -263,9 +262,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
         system->canonical(problem->params, t, q, v, u, p, pdot);
     if (monitor->has_energy) {
         const pk_real h = system->energy(problem->params, t, q, v, u);
-        pk_real vp = 0;
-        for (size_t i = 0; i < pk_coordinates_of(problem); i++)
-            vp += v[i] * p[i];
+        const pk_real vp = pk_dot(v, p, pk_coordinates_of(problem));
         pk_drift_update_scaled(&monitor->energy, t, h, pk_abs(vp) + pk_abs(vp - h));
     }
     for (size_t i = 0; i < n; i++)

@@ -126,7 +126,7 @@ static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_rea
 
 /* Returns the number of pk_real of work memory for s stages, the derivative at the end, and the
  * coordinates of a stage. For each of these, memory has 2 n W numbers: the n W rates and
- * first-order variables of the stage, of which the first n_q W are slopes of coordinates, and n W
+ * first-order variables of the stage, the first n_q W slopes of coordinates, then n W
  * accelerations. */
 static inline size_t pk_block_reals(int stages, size_t n_q, size_t n, size_t W)
 {

@@ -3,8 +3,8 @@
  *     h_new = h * clamp(safety * err^(-alpha) * err_old^beta),  alpha = 1/k - 3/4 beta
  *
  * alpha and beta depend on the table; k is the order of the error estimate. This file has the code
- * that each step runs, with the macros of pk/inlined.h; the first step size and dense output are in
- * the library.
+ * that each step runs, with the macros of pk/inlined.h; first step size and dense output are in the
+ * library.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.4
  * (4.13)-(4.14), II.5, II.10; E. Hairer, G. Wanner, ... II, IV.2; K. Gustafsson, ACM TOMS 17 (1991)

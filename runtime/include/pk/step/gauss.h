@@ -6,8 +6,7 @@
  *
  * Fixed-point iteration solves these equations: all stages of an iterate are evaluated at once. The
  * first iterate is extrapolated from the polynomial through the a_j of the last step. The iteration
- * ends when its error, estimated from the convergence rate, is below the tolerance. q1 and v1 are
- * compensated.
+ * ends when its error, by the convergence rate, is below the tolerance. q1 and v1 are compensated.
  *
  * Step size control as in IAS15: the last two Legendre coefficients of the polynomial give their
  * decay rate theta, and the error is h |a| theta^16. The error of the step is estimated as soon as

@@ -46,8 +46,7 @@ struct pk_gauss_lanes {
     pk_real *weight; /* weights of errors in a, n numbers */
     /* state at the start of the last step, n_q + n numbers; the n weights of that step */
     pk_real *start, *last_weight;
-    /* one number each: size and convergence rate of the last step; largest theta^2 of the next
-     * step */
+    /* one number each: size and convergence rate of the last step; largest theta^2 of the next */
     pk_real *h, *rate, *decay;
     struct pk_gauss_matrices *M;
     pk_real *dense; /* work memory of gauss_dense.c */
@@ -165,8 +164,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
         pk_gauss_rows(w->M->powers, x, w->a + i * PK_GAUSS_S);
     }
-    /* This convergence rate is used until a rate has been measured. The first iterate is never
-     * accepted. */
+    /* This convergence rate is used until one is measured. The first iterate is never accepted. */
     y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
     return PK_DONE;
 }
@@ -220,8 +218,7 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     }
 }
 
-/* Computes the acceleration a in all lanes. A lane that fails is evaluated alone, to find the
- * cause. */
+/* Computes the acceleration a in all lanes. A lane that fails is evaluated alone, for the cause. */
 static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
                                                         const pk_real *q, const pk_real *v,
                                                         pk_real *u, pk_real *a)

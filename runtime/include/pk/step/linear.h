@@ -21,8 +21,7 @@ static inline size_t pk_index(pk_real x, size_t count)
 
 /* Computes y += A x for an n by n matrix A, row-major. */
 void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n);
-/* Factors A = P L U in place, m by m; `pivot` gets the exchanged rows. Returns 0 if A is
- * singular. */
+/* Factors A = P L U in place, m by m; `pivot` gets exchanged rows. Returns 0 if A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
 /* Returns the determinant of a factored matrix, and its sign in *sign, also if it underflows. */

@@ -213,8 +213,7 @@ int pk_all_finite(const pk_real *x, size_t count);
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
 /* pk_feedback() writes the inputs at the state (t, q, v) to u, pk_eval_feedback() to it->own->u.
- * Both call the function `feedback` of the problem; or, without it, pk_input() and
- * pk_eval_input(). */
+ * Both call the function `feedback` of the problem; or pk_input() and pk_eval_input(). */
 void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                  pk_real *u);
 const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
