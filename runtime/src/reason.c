@@ -176,8 +176,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         if (it->reason.kind == BAD_PERIOD)
             return TELL("the sample block %s: its period, %.6g, must be positive and above the "
                         "round-off of the time, and its offset not negative",
-                        it->problem.system->samples.table[it->reason.index].name,
-                        (double)it->reason.value);
+                        system->samples.table[it->reason.index].name, (double)it->reason.value);
         if (it->reason.kind == BAD_SCALE)
             return TELL("%s: da/dq vanishes at the start, so it gives no step: give a largest "
                         "step%s, and a tolerance instead of a first step%s",

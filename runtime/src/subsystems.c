@@ -227,7 +227,7 @@ static enum pk_status part_to(struct pk_subsystems *a, size_t k, pk_real t, pk_r
     struct pk_subsystem *part = &a->parts[k];
     struct pk_integrator *it = &part->it;
     const pk_real way = t < a->t ? -1 : 1;
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     part->there = it;
     while (way * (t - it->t) > 0 && !(fixed && pk_integrator_is_at(it, t))) {
         if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, limit) : t) != PK_DONE)

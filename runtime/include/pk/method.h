@@ -76,6 +76,12 @@ struct pk_method {
     enum pk_status (*keep)(struct pk_integrator *it, struct pk_keep *k);
 };
 
+/* Returns whether the caller gives the length of steps. */
+static inline int pk_is_fixed(const struct pk_method *method)
+{
+    return !(method->traits & PK_ADAPTIVE);
+}
+
 /* Return a method of the core, or NULL. See pk/gsl.h for GSL's methods. */
 const struct pk_method *pk_method_find(const char *name);
 const struct pk_method *pk_method_at(size_t index);

@@ -38,6 +38,9 @@ void json_integer(struct json *j, const char *key, size_t x);
 #define json_reals(j, ...) json_each_real(j, (const struct json_real[]){__VA_ARGS__, {NULL, 0}})
 #define json_counts(j, ...) \
     json_each_integer(j, (const struct json_integer[]){__VA_ARGS__, {NULL, 0}})
+/* Writes an object of such members. */
+#define json_object(j, key, ...) \
+    (json_open(j, key, '{'), json_reals(j, __VA_ARGS__), json_close(j, '}'))
 #define json_texts(j, ...) json_each_text(j, (const struct json_text[]){__VA_ARGS__, {NULL, 0}})
 void json_each_real(struct json *j, const struct json_real *each);
 void json_each_integer(struct json *j, const struct json_integer *each);

@@ -213,10 +213,7 @@ static inline size_t run_width(const struct pk_run *run)
     return (run->settings.asked.members ? 2u : 1u) + run->settings.n_show;
 }
 
-static inline int run_fixed(const struct pk_run *run)
-{
-    return !(run->settings.method->traits & PK_ADAPTIVE);
-}
+static inline int run_fixed(const struct pk_run *run) { return pk_is_fixed(run->settings.method); }
 
 /* Says why the settings are refused, and is the exit code. */
 #define run_refuse(run, ...) (run_say(run, __VA_ARGS__), PK_RUN_USAGE)

@@ -43,7 +43,7 @@ enum pk_status lyapunov_begin(struct lyapunov *l, const struct motion *m, pk_rea
     PK_TRY(metric_init(&l->metric, of, m->t, m->q, m->v, block));
     l->G = memory_take(m->memory, LYAPUNOV_BLOCKS, sizeof *l->G);
     l->block = block;
-    if (!(m->method->traits & PK_ADAPTIVE) && m->options.h > 0)
+    if (pk_is_fixed(m->method) && m->options.h > 0)
         l->block = m->options.h * pk_max(1, PK_F(ceil)(block / m->options.h - PK_C(1e-6)));
     /* A direction without any symmetry: fractional parts of multiples of the golden section. */
     const size_t n = of->n;

@@ -132,7 +132,7 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
 int member_fixed(const struct settings *s)
 {
     if (member_by_one(s))
-        return !(s->method->traits & PK_ADAPTIVE);
+        return pk_is_fixed(s->method);
     const struct pk_ensemble e = {.system = s->system, .method = s->method, .options = s->options};
     return pk_ensemble_fixed(&e);
 }

@@ -79,11 +79,8 @@ void condition_step(struct looking *l, struct pk_integrator *it, pk_real until,
 
 static void report_most(struct json *j, const char *key, const struct pk_condition_most *most)
 {
-    if (!(most->x > 0))
-        return;
-    json_open(j, key, '{');
-    json_reals(j, {"cond", most->x}, {"t", most->t});
-    json_close(j, '}');
+    if (most->x > 0)
+        json_object(j, key, {"cond", most->x}, {"t", most->t});
 }
 
 static void where(const struct looking *l, char *text, size_t size)

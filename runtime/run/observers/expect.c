@@ -33,8 +33,8 @@ static const pk_real *outputs(struct pk_run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     refresh_inputs(s, at->t, at->q, at->v);
-    if (run->settings.system->n_observed)
-        run->settings.system->observe(s->params, at->t, at->q, at->v, s->u, run->expected);
+    if (s->system->n_observed)
+        s->system->observe(s->params, at->t, at->q, at->v, s->u, run->expected);
     return run->expected;
 }
 
@@ -187,10 +187,8 @@ void expect_report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
     json_open(j, "expect_drifts", '[');
     for (size_t i = 0; i < s->asked.n_drifts; i++) {
-        json_open(j, NULL, '{');
-        json_reals(j, {"member", (pk_real)member_number(s, s->drifting[i].member)},
-                   {"max", s->drifting[i].max});
-        json_close(j, '}');
+        json_object(j, NULL, {"member", (pk_real)member_number(s, s->drifting[i].member)},
+                    {"max", s->drifting[i].max});
     }
     json_close(j, ']');
 }

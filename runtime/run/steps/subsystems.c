@@ -24,11 +24,11 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
 enum pk_run_code subsystems_choose(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const char *none = s->asked.members                 ? "ensembles"
-                       : run->settings.system->events.n ? "events"
-                       : s->asked.diagnose              ? "diagnostics"
-                       : s->asked.land == 0             ? "dense rows"
-                                                        : NULL;
+    const char *none = s->asked.members      ? "ensembles"
+                       : s->system->events.n ? "events"
+                       : s->asked.diagnose   ? "diagnostics"
+                       : s->asked.land == 0  ? "dense rows"
+                                             : NULL;
     settle_every(s);
     if (!none && !(s->every > 10 * PK_EPSILON * s->until))
         none = "rows at each step";
@@ -36,8 +36,8 @@ enum pk_run_code subsystems_choose(struct pk_run *run)
         return run_refuse(run, "blocks integrated apart have no %s", none);
     s->asked.land = 1;
     run->count = run_intervals(s->until, s->every);
-    run->choices = memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
-    for (size_t k = 0; k < run->settings.n_parts; k++) {
+    run->choices = memory_take(&run->memory, s->n_parts, sizeof *run->choices);
+    for (size_t k = 0; k < s->n_parts; k++) {
         struct pk_choice *c = &run->choices[k];
         *c = choice_of(s, k);
         if (c->method->traits & PK_ADAPTIVE)
@@ -82,13 +82,12 @@ enum pk_run_code subsystems_begin(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     run->problem = run_problem(run);
-    const size_t size =
-        pk_subsystems_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
+    const size_t size = pk_subsystems_size(&run->problem, s->parts, run->choices, s->n_parts);
     run->block = memory_take(&run->memory, size, 1);
     drift_begin(run, &run->problem);
-    const enum pk_status status =
-        pk_subsystems_init(&run->subsystems, &run->problem, run->settings.parts, run->choices,
-                           run->settings.n_parts, 0, s->q, s->v, run->block, size);
+    const enum pk_status status = pk_subsystems_init(&run->subsystems, &run->problem, s->parts,
+                                                     run->choices, s->n_parts, 0, s->q, s->v,
+                                                     run->block, size);
     look(run);
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }

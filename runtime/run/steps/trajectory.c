@@ -7,8 +7,7 @@
 static enum pk_run_code settle(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const int fixed = s->asked.members ? run->model->ensemble->fixed(s)
-                                       : !(s->method->traits & PK_ADAPTIVE);
+    const int fixed = s->asked.members ? run->model->ensemble->fixed(s) : pk_is_fixed(s->method);
     settle_every(s);
     if ((!fixed || s->asked.members) && !(s->every > 0))
         return run_refuse(run, "every 0 (each step) is for one run of a method of a fixed step");

@@ -21,15 +21,13 @@
 static size_t lay_out(struct pk_singular_crossing_parts *x, size_t n_q, size_t n, pk_real *base)
 {
     pk_real *is = NULL;
-    const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct pk_singular_crossing)},
-                                    {&x->q, n_q},
-                                    {&x->v, n},
-                                    {&x->Q, PK_SINGULAR_CROSSING_STAGES * n_q},
-                                    {&x->V, PK_SINGULAR_CROSSING_STAGES * n},
-                                    {&x->A, PK_SINGULAR_CROSSING_STAGES * n},
-                                    {&x->q_here, n_q},
-                                    {&x->v_here, n},
-                                    {&x->a_here, n}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&is, PK_REALS_OF(struct pk_singular_crossing)}, {&x->q, n_q}, {&x->v, n},
+        {&x->Q, PK_SINGULAR_CROSSING_STAGES * n_q}, {&x->V, PK_SINGULAR_CROSSING_STAGES * n},
+        {&x->A, PK_SINGULAR_CROSSING_STAGES * n}, {&x->q_here, n_q}, {&x->v_here, n},
+        {&x->a_here, n}};
+    /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     x->is = (struct pk_singular_crossing *)(void *)is;
     return size;
@@ -118,7 +116,7 @@ static void look(struct pk_integrator *it)
 {
     const struct pk_singular_crossing_parts x = pk_singular_crossing_parts(it);
     struct pk_singular_crossing *is = x.is;
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     const pk_real near = fixed ? 2 * PK_NEAR : PK_NEAR, was = is->sigma;
     is->falls = 0;
     is->sigma = pk_singular_crossing_sigma(it, it->t, it->q, it->v);
@@ -159,7 +157,7 @@ void pk_singular_crossing_note(struct pk_integrator *it)
 int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit)
 {
     struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     if (!(is->passing > 0)) {
         const pk_real left = is->at - it->t, h = fixed ? it->own->h : it->t - it->last_t;
         const int early = !fixed && is->sigma < EARLY;
@@ -179,7 +177,7 @@ int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit)
 pk_real pk_singular_crossing_limit(const struct pk_integrator *it, pk_real limit)
 {
     const struct pk_singular_crossing *is = pk_singular_crossing_of(it);
-    if (!(is->falls > 0) || !(it->method->traits & PK_ADAPTIVE))
+    if (!(is->falls > 0) || pk_is_fixed(it->method))
         return limit;
     const pk_real half = (is->at - it->t) / 2;
     return half / (limit - it->t) > 0 && half / (limit - it->t) < 1 ? it->t + half : limit;

@@ -184,7 +184,7 @@ static int too_long(const struct pk_integrator *it, const struct pk_singular_cro
 {
     const int shorter = pk_abs(x->is->h) < SHORTER * pk_abs(x->is->length);
     const pk_real before = shorter ? x->is->error : PK_INFINITY;
-    if (!(it->method->traits & PK_ADAPTIVE) || !(x->is->sigma > LAST))
+    if (pk_is_fixed(it->method) || !(x->is->sigma > LAST))
         return 0;
     x->is->error = sure ? error_of(it, x) : PK_INFINITY;
     x->is->tried = x->is->sigma;

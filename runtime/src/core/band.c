@@ -37,14 +37,12 @@ static size_t last(const struct pk_band *b, size_t i) { return least(b->rows, i 
 size_t pk_band_lay_out(struct pk_band *b, pk_real *base)
 {
     const size_t n = b->rows, k = stride(b), more = b->pivoting ? 1 : 0;
-    const struct pk_slot slots[] = {{&b->entries, n * (b->below + 1 + b->above + more * b->below)},
-                                    {&b->right, n * k},
-                                    {&b->bottom, n * k},
-                                    {&b->corner, k * k},
-                                    {&b->pivot, more * (n + k)},
-                                    {&b->column, more * n},
-                                    {&b->rest, more * k},
-                                    {&b->used, more}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&b->entries, n * (b->below + 1 + b->above + more * b->below)}, {&b->right, n * k},
+        {&b->bottom, n * k}, {&b->corner, k * k}, {&b->pivot, more * (n + k)},
+        {&b->column, more * n}, {&b->rest, more * k}, {&b->used, more}};
+    /* clang-format on */
     return PK_LAY_OUT(base, slots);
 }
 

@@ -167,7 +167,7 @@ pk_real pk_short_force_limit(const struct pk_integrator *it, pk_real limit)
 {
     const struct pk_short_force *of = &it->own->short_force;
     const int restrained = of->reach > 0 && of->reach < pk_abs(limit - it->t);
-    return restrained ? it->t + (pk_real)it->own->direction * of->reach : limit;
+    return restrained ? it->t + pk_direction(it) * of->reach : limit;
 }
 
 int pk_short_force_reject(struct pk_integrator *it)
@@ -175,7 +175,7 @@ int pk_short_force_reject(struct pk_integrator *it)
     struct pk_short_force *of = &it->own->short_force;
     if (!it->own->marks)
         return 0;
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     if (fixed && of->unlooked > 0)
         return 0;
     const size_t m = it->problem.system->marks.n;
@@ -216,7 +216,7 @@ int pk_short_force_reject(struct pk_integrator *it)
     of->varied = MOST;
     if (it->passed_over.count++ == 0) {
         it->passed_over.which = which;
-        it->passed_over.t = it->t + (pk_real)it->own->direction * first * h;
+        it->passed_over.t = it->t + pk_direction(it) * first * h;
     }
     return 0;
 }
@@ -233,7 +233,7 @@ void pk_short_force_accept(struct pk_integrator *it)
         of->known = 0;
         return;
     }
-    of->unlooked = of->range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
+    of->unlooked = of->range < SLOW && pk_is_fixed(it->method) ? SKIPPED : 0;
     of->calm = of->range <= MOST / 4 ? h : 0; /* a step of this length met no short force */
     pk_copy(it->own->marks, it->own->marks + m, m);
     if (!(of->reach > 0))

@@ -101,8 +101,7 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
         pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
-    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* a step of this length cannot
-                                                                   be shortened */
+    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* no shorter step */
     if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
     return pk_fail_with(it, PK_STEP_TOO_LONG, PK_WHY(.index = k, .time = it->own->next_t));
@@ -193,7 +192,7 @@ enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status sta
         return status;
     if (!fixed) { /* the distance `ahead` is similar to that in pk_underflow() */
         depth = PK_SINGULARITY_SHALLOW;
-        ahead = (pk_real)it->own->direction *
+        ahead = pk_direction(it) *
                 (64 * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + 10 * pk_abs(it->own->h));
     }
     const struct pk_singularity_search s = pk_singularity_search(it, it->t + ahead, depth);

@@ -108,13 +108,8 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
 {
     static const pk_real depth[2] = {PK_C(1e-2), PK_C(1e-4)};
     const pk_real *a = search_part(it, K) + it->n_q;
-    while (growth->levels < 2 &&
-           fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities) {
-        pk_real most = 0;
-        for (size_t i = 0; i < it->n; i++)
-            most = pk_max(most, pk_abs(a[i]));
-        growth->a[growth->levels++] = most;
-    }
+    while (growth->levels < 2 && fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities)
+        growth->a[growth->levels++] = pk_largest(a, it->n);
 }
 
 static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_end, pk_real depth)

@@ -224,7 +224,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
     const pk_real h = pk_abs(it->t - e->from);
     int found = 0, at_rest = -1;
-    if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->progress.passed - h))
+    if (pk_is_fixed(it->method) || h <= GROWTH * (it->own->progress.passed - h))
         return 0;
     /* After a switch, the value of its function is only the rounding error of 0. */
     if (e->at_switch || h <= 64 * PK_EPS * pk_abs(e->from))
@@ -304,7 +304,7 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 {
     const enum pk_status ended = it->status;
     const struct pk_reason reason = it->reason;
-    if (!pk_finite(reason.time) || !((pk_real)it->own->direction * (reason.time - e->from) > 0) ||
+    if (!pk_finite(reason.time) || !(pk_direction(it) * (reason.time - e->from) > 0) ||
         pk_integrator_reset(it, e->from, e->q0, e->v0) < 0) {
         it->own->ready = 0;
         return it->status = ended;

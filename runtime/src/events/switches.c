@@ -143,7 +143,7 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
         if (entry[1] < (pk_real)e->n_events)
             continue;
         which = (size_t)entry[1] - e->n_events;
-        const pk_real side = entry[2] * (pk_real)it->own->direction;
+        const pk_real side = entry[2] * pk_direction(it);
         if (pk_switches_impulse(it, which) && hits < MOST_AT_ONCE)
             hit[hits] = which, to[hits++] = side;
         else if (!pk_switches_impulse(it, which) && !pk_switches_counted(it, which))

@@ -158,7 +158,7 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     struct kept *kept = w->kept;
     pk_real omega;
     const pk_real half = kept->eps / 2;
-    drift(it, w, (pk_real)it->own->direction * half / kept->rho, it->own->next);
+    drift(it, w, pk_direction(it) * half / kept->rho, it->own->next);
     PK_TRY(frequency(it, w, it->own->next, w->base + it->n_q, &omega));
     const pk_real next = 2 * raised(w, omega) - kept->rho;
     if (!(next > kept->rho / 4 && next < 4 * kept->rho))

@@ -115,8 +115,7 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = own->h;            /* the step is too long for
-                                                               fixed-point iteration */
+        w.kept->slow_h = own->h;            /* too long for fixed-point iteration */
         pk_zero(pk_state(it, PK_LOW_X), n); /* LOW_X held the low part of v */
         own->flags = 0;
     }

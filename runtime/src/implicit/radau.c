@@ -27,14 +27,11 @@ static size_t lay_out(struct pk_radau_parts *r, size_t n, struct pk_pattern patt
                             .above = pattern.width,
                             .border = pattern.border,
                             .pivoting = 1};
-    const struct pk_slot slots[] = {{&E, pk_band_lay_out(&r->E, NULL)},
-                                    {&r->pdot, n},
-                                    {&r->dq, n},
-                                    {&r->dv, n},
-                                    {&r->of_q, n},
-                                    {&r->of_v, n},
-                                    {&r->x, n},
-                                    {&kept, PK_REALS_OF(*r->kept)}};
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&E, pk_band_lay_out(&r->E, NULL)}, {&r->pdot, n}, {&r->dq, n}, {&r->dv, n}, {&r->of_q, n},
+        {&r->of_v, n}, {&r->x, n}, {&kept, PK_REALS_OF(*r->kept)}};
+    /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     r->kept = (struct pk_radau_kept *)(void *)kept;
     if (base)
@@ -127,8 +124,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             if (!(rate < 1) && !little)
                 return PK_NO_CONVERGENCE;
             left = rate < 1 ? rate / (1 - rate) : 0;
-            if (rate > PK_C(1e-3)) /* convergence is slow enough for a new matrix to be worth its
-                                      cost */
+            if (rate > PK_C(1e-3)) /* so slow that a new matrix is worth its cost */
                 it->own->flags |= PK_REFRESH;
             if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough) {
                 if (!little)
@@ -163,8 +159,7 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
-    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may have been replaced by another
-                                                            solution */
+    if (status >= 0 && !pk_finite(w->kept->contraction)) /* V may be another solution */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }

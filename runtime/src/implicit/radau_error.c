@@ -60,8 +60,7 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
     pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
-    for (size_t k = pk_gauss_read(w); k < n; k++) /* quadratures: their errors follow from those
-                                                     of other variables */
+    for (size_t k = pk_gauss_read(w); k < n; k++) /* errors of quadratures are by others */
         for (size_t i = 0; i < w->places; i++)
             r->dv[k] += hg * (J[3 * nn + k * n + i] + hg * J[2 * nn + k * n + i]) * r->dv[i];
     for (size_t k = 0; k < n; k++) {

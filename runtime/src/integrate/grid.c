@@ -15,7 +15,7 @@ enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
 
 struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 {
-    const pk_real sign = (pk_real)it->own->direction, h = sign * it->options.h;
+    const pk_real sign = pk_direction(it), h = sign * it->options.h;
     const pk_real target = it->own->grid.anchor + (it->own->grid.count + 1) * h;
     const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     if (pk_abs(target - limit) <= close) /* target and limit differ only by rounding */

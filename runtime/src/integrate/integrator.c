@@ -257,7 +257,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         return it->status = PK_DONE;
     }
 
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int fixed = pk_is_fixed(it->method);
     enum pk_status status = PK_DONE;
     if (!pk_waits(it)) {
         status = pk_step_choose(it, limit, fixed);

@@ -38,8 +38,7 @@ struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
     w.n = it->n;
     w.turned = pk_system_rotations(problem->system, problem->params);
     /* Without constraints, `at` is in the work memory, and only its M is used. */
-    w.at =
-        pk_project_parts(&it->problem, it->n, it->own->project ? it->own->project : it->own->work);
+    w.at = pk_project_parts(problem, it->n, it->own->project ? it->own->project : it->own->work);
     w.c = w.at.c;
     w.m = w.at.m;
     w.rotation = w.at.rotation;

@@ -131,8 +131,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         PK_TRY(PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_next(it, PK_A)));
         if (!pk_all_finite(pk_next(it, PK_A), n))
             return PK_NOT_FINITE;
-        it->own->h = (pk_real)it->own->direction *
-                     pk_first_step(it, pk_next(it, PK_A), PK_C(0.1), limit);
+        it->own->h = pk_direction(it) * pk_first_step(it, pk_next(it, PK_A), PK_C(0.1), limit);
         *w.decay = 0;
     }
     struct pk_trial x = pk_trial(it, limit);

@@ -103,6 +103,12 @@ static inline pk_real *pk_next(const struct pk_integrator *it, int part)
     return pk_part(it->own->next, it->n_q, it->n, part);
 }
 
+/* Returns the sign of the steps. */
+static inline pk_real pk_direction(const struct pk_integrator *it)
+{
+    return (pk_real)it->own->direction;
+}
+
 /* Returns the tolerance of number i of (q, v), with values a before and b after the step. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
@@ -140,7 +146,7 @@ static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real l
         return it->own->ahead->trial;
     const pk_real round = 10 * PK_EPS * pk_abs(it->t) + PK_TINY;
     struct pk_trial x = {0, 0, 0, 0, 0, 0, 0};
-    x.sign = (pk_real)it->own->direction;
+    x.sign = pk_direction(it);
     x.left = pk_abs(limit - it->t);
     x.least = pk_max(it->options.h_min, round);
     x.planned = pk_abs(it->own->h);
