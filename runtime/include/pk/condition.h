@@ -13,8 +13,8 @@
  *     d = |M^-1| |M| |a| + |M^-1 J^T| |(J M^-1 J^T)^-1| |J M^-1 J^T| |lambda|.
  *
  * Let e_i be the sum of the absolute values of the terms of a_i: |M_ij a_j|/M_ii, and the terms of
- * M^-1 J^T lambda. Then a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. It leaves out
- * cancellation in forces.
+ * M^-1 J^T lambda. Then a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. Cancellation in the
+ * forces is not included.
  *
  * For systems of variable size with constraints, the condition number of J M^-1 J^T is a lower
  * bound, found in O(N) from the distance of each row of J from the span of the other rows. This

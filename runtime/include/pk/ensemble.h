@@ -58,7 +58,8 @@ size_t pk_ensemble_size(const struct pk_ensemble *e);
 int pk_ensemble_fixed(const struct pk_ensemble *e);
 
 /* Runs members first, ..., first + count - 1. Returns PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL without
- * changing a member; otherwise PK_DONE, or the status of the first member that failed. */
+ * changing a member; otherwise PK_DONE, or the status of the first member that failed or was
+ * stopped. */
 enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count, void *block,
                                size_t size);
 

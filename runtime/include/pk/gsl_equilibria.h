@@ -43,8 +43,8 @@ struct pk_equilibria {
  * coordinate in which the equations have the period 2 pi is returned in (-pi, pi]. First-order
  * variables, which are in v, are constant too, except quadratures, which keep their start values.
  * Equilibria satisfy constraints (equilibria_bound.c) and have no body rates; the first nonzero
- * component of a quaternion is positive. PK_REFUSED: time or inputs occur. The search may miss
- * some. */
+ * component of a quaternion is positive. PK_REFUSED: the equations depend on time or inputs. The
+ * search may miss some. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 

@@ -121,7 +121,8 @@ struct pk_passed_over {
 /* The cause of a failure in numbers; pk_integrator_reason() returns it as text. `kind`
  * distinguishes causes with the same status; `index` is that of a coordinate, parameter, constraint
  * row, switch or singularity, `other` of a second one; `value` is a residual, a correction, a step
- * size or a pivot relative to its diagonal entry; `time` is that of the failure. Others are 0. */
+ * size or a pivot relative to its diagonal entry; `time` is that of the failure. Numbers without
+ * meaning are 0. */
 struct pk_reason {
     int kind;
     size_t index, other;

@@ -105,7 +105,7 @@ struct pk_run_table {
 struct pk_run_settings {
     const char *method;
     double until; /* end time of the run, > 0 */
-    /* time between two rows; 0: a row after each step; < 0: until/1000 or, with `at`, there */
+    /* time between two rows; 0: a row after each step; < 0: until/1000 or, with `at`, only there */
     double every;
     double step, rtol, atol; /* step 0: default of the method; atol < 0: derived from the motion */
     double h_min, h_max;     /* bounds of adaptive step sizes; 0: none */

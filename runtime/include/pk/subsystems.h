@@ -77,8 +77,8 @@ enum pk_status pk_subsystems_init(struct pk_subsystems *apart, const struct pk_p
  * last t that all parts reached, though parts before it have been integrated to the new t, and
  * later calls make no step. */
 enum pk_status pk_subsystems_to(struct pk_subsystems *apart, pk_real t, pk_real limit);
-/* Writes the last status as text, with part and last valid time. Returns the length like
- * snprintf(). */
+/* Writes the last status as text, with the part's coordinates and last valid time. Returns the
+ * length as snprintf() does. */
 int pk_subsystems_reason(const struct pk_subsystems *apart, char *text, size_t size);
 /* Frees memory. Needed only after methods that allocate (GSL's). */
 void pk_subsystems_free(struct pk_subsystems *apart);

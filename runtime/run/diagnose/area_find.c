@@ -111,8 +111,8 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     return same;
 }
 
-/* Returns the increase of a coordinate in a turn round the first loop: whole turns of an angle, or
- * 0. */
+/* Returns the increase of a coordinate in one turn round the initial loop: whole turns of an angle,
+ * otherwise 0. */
 static double winding_of(struct pk_run *run, size_t i)
 {
     const size_t count = run->loop->members;

@@ -10,7 +10,8 @@ static void scale(const struct metric *m, pk_real *x, pk_real factor)
         x[i] *= factor;
 }
 
-/* These functions multiply by C^T, C, C^-T, C^-1 in place; loops read what is not overwritten. */
+/* These functions multiply by C^T, C, C^-T, C^-1 in place; loops read only what is not
+ * overwritten. */
 void metric_Q(const struct metric *m, pk_real *x)
 {
     for (size_t i = 0; i < m->n; i++) {

@@ -52,7 +52,8 @@ struct tally {
     pk_real *first;
 };
 /* Ensembles with watched events or switches, whose members run one by one: watched_begin()
- * allocates the tally; watched_batch() runs members; watched_report() writes both. */
+ * allocates the tally; watched_batch() runs members; watched_report() writes "events" and
+ * "switches". */
 enum { WATCHED_AT_ONCE = 1024, WHOLE_BLOCKS = 64 };
 void watched_begin(struct tally *tally, struct pk_run *run);
 /* Returns 0 if the run must end; a resumed run repeats these members. */

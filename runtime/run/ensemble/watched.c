@@ -1,7 +1,6 @@
 /* Ensembles whose events are watched, or whose equations have switches: each member is a struct
  * pk_run with its own rows and results. Threads run in parallel, and output is merged in the order
- * of members.
- * */
+ * of members. */
 #include "../diagnose/area.h"
 #include "../settings/settings.h"
 #include "ensemble.h"

@@ -42,7 +42,8 @@ static int doubtful(const struct pk_run *run)
     return found && run->it.t > 0;
 }
 
-/* Integrates the same motion to t by the method JUDGE, and writes when it ends, or that not. */
+/* Integrates the same motion to t by the method JUDGE, and writes its end, or that there is
+ * none. */
 static void judge(struct pk_run *run, pk_real t, FILE *file)
 {
     const struct settings *s = &run->settings;

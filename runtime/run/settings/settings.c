@@ -184,7 +184,7 @@ int settings_assign(struct settings *s, void *params, const struct pk_run_value 
                 continue;
             if (range_of(s, at).is_family != families)
                 continue;
-            /* Defaults of members are derived before given values; they may need families. */
+            /* Defaults of members come before given values, and may depend on earlier families. */
             if (families)
                 system->derive(params, s->given);
             if (!set(s, params, asked, n, at) || !set(s, params, more, n_more, at))

@@ -5,7 +5,8 @@
 #include "../observers/observers.h"
 
 /* run_settle() completes settings that depend on each other; run_begin() allocates memory, starts
- * integrators and events; run_steps() makes steps and rows; run_end() frees them. */
+ * integrators and events; run_steps() makes steps and rows; run_end() frees all but the
+ * settings. */
 enum pk_run_code run_settle(struct pk_run *run);
 enum pk_run_code run_begin(struct pk_run *run);
 void run_steps(struct pk_run *run);

@@ -14,8 +14,7 @@
  * otherwise one that is longer than |h v| does.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
- * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
- * */
+ * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2. */
 
 #include "../core/attitude.h"
 #include "../core/project.h"

@@ -8,11 +8,11 @@
  * a Gauss step is made across the position, with stages that are not near the position. Each stage
  * is predicted by the smooth motion and projected onto the constraints before its acceleration is
  * computed. Projection must move the stages and the end of the step by less than the fraction SURE
- * of the distance covered, since other branches are farther away. It serves all methods.
+ * of the distance covered, since other branches are farther away. It needs no history and serves
+ * all methods.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2
- * (collocation).
- * */
+ * (collocation). */
 #include <string.h>
 
 #include <pk/constraint.h>

@@ -8,8 +8,8 @@
 /* the linker needs the address of this symbol; its value is never read */
 const char PK_SCALAR[] = "pk_real";
 
-/* Writes the name of number i, where i counts all members of `count` declared names. Without any it
- * is that of table[i]. */
+/* Writes the name of number i, where i counts all members of `count` declared names. With count = 0
+ * it is the name of table[i]. */
 static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,
                    size_t count, const struct pk_quantity *table, size_t i, char *text, size_t size)
 {

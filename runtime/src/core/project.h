@@ -151,7 +151,8 @@ void pk_singular_crossing_note(struct pk_integrator *it);
 /* Fails if the fixed step in it->own->next may have left a singular position by a wrong branch. */
 enum pk_status pk_singular_crossing_judge(struct pk_integrator *it);
 /* Called if a step needed no correction, so that J M^-1 J^T was not factored and dependent rows
- * were not noticed. J and M are those of the current state. It is factored every second call. */
+ * were not noticed. J and M are those of the current state. Every second call factors J M^-1
+ * J^T. */
 void pk_singular_crossing_unseen(struct pk_integrator *it, struct pk_projection *w,
                                  const pk_real *q, const pk_real *v);
 int pk_singular_crossing_due(struct pk_integrator *it, pk_real limit);

@@ -1,7 +1,7 @@
 /* Measures how much rounding of the state changes accelerations, and thus a step. Each number of a
  * state is changed by some units in its last place. This is repeated several times, since a single
- * change may leave some accelerations nearly unchanged. Where terms cancel, it is relative to
- * them. */
+ * change may leave some accelerations nearly unchanged. If terms cancel, their rounding is taken
+ * relative to their size. */
 
 #include "band.h"
 #include "scale.h"

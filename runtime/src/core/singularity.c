@@ -1,4 +1,5 @@
-/* Singularities, where the equations are undefined, at each step; see struct pk_singularity.
+/* Singularities, where the equations are undefined, looked for at each step; see struct
+ * pk_singularity.
  *
  * An expression that changes sign in a step has a root in it. But an expression has the same sign
  * at both ends of the step if it only touches zero, such as the distance in a collision, or if it

@@ -20,8 +20,8 @@ void pk_collocation(const struct pk_gauss *table, pk_real *c, pk_real *b, pk_rea
 
 /* pk_legendre() computes the Legendre polynomials P_0 to P_count-1 at 2 x - 1, and, unless
  * `integral` is NULL, their integrals from 0 to x. The caller passes rest = 1 - x, without
- * cancellation if possible. pk_gauss_nodes() computes s <= 16 nodes and weights of Gauss on [0,
- * 1]. */
+ * cancellation if possible. pk_gauss_nodes() computes the s <= 16 nodes and weights of Gauss
+ * quadrature on [0, 1]. */
 void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integral);
 void pk_gauss_nodes(int s, pk_real *c, pk_real *b);
 /* Computes the matrices of the adaptive 8-stage Gauss method (pk/step/gauss_tables.h). */

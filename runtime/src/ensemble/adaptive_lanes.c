@@ -1,6 +1,6 @@
 /* Makes steps of several integrators in advance, in SIMD lanes; see pk/adaptive_lanes.h. A lane
- * keeps its integrator's state as long as it uses the steps made for it; else it is loaded
- * again. */
+ * keeps its integrator's state as long as it uses the steps made for it; otherwise the state is
+ * loaded again. */
 #include <string.h>
 
 #include "../core/generic.h"

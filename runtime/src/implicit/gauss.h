@@ -55,8 +55,8 @@ struct pk_gauss_work {
      * kernel writes. across: distance in memory between rows of the border of such a matrix. */
     size_t n_q, n, places, nn, across;
     pk_real *place; /* if not dense: coordinate of each unknown, < 0 if it has none */
-    /* At all stages: rates V, coordinates Q, momenta P, F = h b pdot, residuals G; n each, Q
-     * n_q. */
+    /* At all stages: rates V, coordinates Q, momenta P, F = h b pdot, residuals G; n numbers per
+     * stage, n_q for Q. */
     pk_real *V, *Q, *P, *F, *G;
     pk_real *last_V;          /* stage rates V of the last step, for the predictor */
     pk_real *jacobian;        /* s sets of M, dp/dq, dpdot/dq, dpdot/dv */

@@ -27,7 +27,7 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 
 unsigned long pk_step_count(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
-    /* Times are rounded: a step that ends within `close` of the limit is last, and does not
+    /* Times are rounded: a step that ends within `close` of the limit is the last one, and does not
      * count. */
     const pk_real close = 4 * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h, ceiling = PK_C(1e9);

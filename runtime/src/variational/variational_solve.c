@@ -137,7 +137,7 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
                     w->kick, w->pull);
 }
 
-/* Iterates from V and w->kick. Returns 1 on convergence, else 0. *sign: that of the last
+/* Iterates from V and w->kick. Returns 1 on convergence, else 0. Sets *sign to the sign of the last
  * determinant. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {

@@ -47,7 +47,7 @@ struct pk_short_force {
     /* reach: largest length of the next step (0: no limit); rise: that of the step after it */
     pk_real reach, rise;
     pk_real calm; /* length of the last step in which the marks hardly changed */
-    /* range: largest change of a mark in the trial step; varied: that with a varying force */
+    /* range: largest change of a mark in the trial step; varied: that while the force varies */
     pk_real range, varied;
 };
 

@@ -19,8 +19,8 @@
 #endif
 
 /* clang-format off */
-/* These macros write a symmetric list, by its first half: PK_MIRROR of odd length, PK_TWICE of
- * even. */
+/* These macros write a symmetric list, given its first half: PK_MIRROR lists of odd length,
+ * PK_TWICE lists of even length. */
 #define PK_MIRROR_1(a) a
 #define PK_MIRROR_2(a, ...) a, PK_MIRROR_1(__VA_ARGS__), a
 #define PK_MIRROR_3(a, ...) a, PK_MIRROR_2(__VA_ARGS__), a
